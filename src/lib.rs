@@ -1,0 +1,1 @@
+//! A spectral path tracer.

@@ -1,0 +1,1 @@
+//! Tests of light transport that depend on no renderer.
