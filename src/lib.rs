@@ -1,1 +1,28 @@
-//! A spectral path tracer.
+//! Etalon: a spectral path tracer that is its own measuring stick.
+//!
+//! What it computes is the light transport equation (Kajiya 1986)
+//!
+//! L(x, ωo) = Lₑ(x, ωo) + ∫ f(x, ωo, ωi) L(y(x, ωi), −ωi) |cos θi| dωi,
+//!
+//! for eight wavelengths at once, and of it the mean over each pixel's filter, lens and spectral response.
+//!
+//! - [`scene`]: from Mitsuba XML to plain arrays. Read [`scene::load`] first.
+//! - [`shape`], [`bsdf`], [`texture`], [`emitter`], [`sensor`], [`sampler`]: the models, one file each.
+//! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
+//! - [`render`]: who computes what when; nothing in it can change a pixel.
+//! - [`film`], [`image`]: sums that no order can change, and the files made of them.
+//! - [`math`], [`spectrum`]: what all of them share.
+
+pub mod bsdf;
+pub mod emitter;
+pub mod film;
+pub mod image;
+pub mod integrator;
+pub mod math;
+pub mod render;
+pub mod sampler;
+pub mod scene;
+pub mod sensor;
+pub mod shape;
+pub mod spectrum;
+pub mod texture;

@@ -1,1 +1,19 @@
-fn main() {}
+//! The command line: `etalon render`, `merge`, `explain`, `replay`, `plugins`.
+
+mod cli;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let command = cli::Command::parse();
+    match command.run() {
+        Ok(code) => code,
+        Err(error) => {
+            let error = error.to_string();
+            // Errors about a scene draw the place themselves and begin with the word.
+            eprintln!("{}{error}", if error.starts_with("error") { "" } else { "error: " });
+            ExitCode::from(cli::BAD_INPUT)
+        }
+    }
+}

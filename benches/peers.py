@@ -1,0 +1,79 @@
+"""Paths per second of Etalon and Mitsuba 3 side by side: A B A B on one scene, median of pairs.
+
+    python3 benches/peers.py [SCENE.xml] [--spp N] [--pairs K] [--size WxH]
+
+Needs `pip install mitsuba` and, for the llvm variants, a libLLVM; a variant that cannot run is reported as missing.
+Start-up and scene loading are left out on both sides. Writes a Markdown table to standard output.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ETALON = os.path.join(HERE, "..", "target", "release", "etalon")
+
+
+def etalon(scene, spp, color, size):
+    with tempfile.TemporaryDirectory() as folder:
+        command = [ETALON, "render", scene, "-o", os.path.join(folder, "o.exr"), "--spp", str(spp), "--json"]
+        command += ["--color", color, "--size", f"{size[0]}x{size[1]}"]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["seconds"]
+
+
+class Mitsuba:
+    """One variant; the scene is loaded and rendered once before anything is timed."""
+
+    def __init__(self, variant, scene, spp, size):
+        import mitsuba
+
+        self.mitsuba, self.variant, self.spp, self.seed = mitsuba, variant, spp, 0
+        mitsuba.set_variant(variant)
+        self.scene = mitsuba.load_file(scene, width=size[0], height=size[1])
+        self.render()
+
+    def render(self):
+        import drjit
+
+        self.mitsuba.set_variant(self.variant)
+        self.seed += 1
+        start = time.perf_counter()
+        image = self.mitsuba.render(self.scene, spp=self.spp, seed=self.seed)
+        drjit.eval(image)
+        drjit.sync_thread()
+        image.numpy()
+        return time.perf_counter() - start
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scene", nargs="?", default=os.path.join(HERE, "..", "scenes", "cornell-spheres.xml"))
+    parser.add_argument("--spp", type=int, default=64)
+    parser.add_argument("--pairs", type=int, default=5)
+    parser.add_argument("--size", default="480x360")
+    arguments = parser.parse_args()
+    size = tuple(map(int, arguments.size.split("x")))
+    samples = size[0] * size[1] * arguments.spp / 1e6
+    print(f"{os.path.basename(arguments.scene)}, {arguments.size}, {arguments.spp} spp, {arguments.pairs} pairs\n")
+    print("| | million paths/s | Etalon, same colour mode | ratio |\n|---|--:|--:|--:|")
+    for variant in ["scalar_spectral", "llvm_ad_spectral", "scalar_rgb", "llvm_ad_rgb"]:
+        color = "spectral" if variant.endswith("spectral") else "rgb"
+        try:
+            peer = Mitsuba(variant, arguments.scene, arguments.spp, size)
+        except Exception as error:
+            print(f"| Mitsuba {variant} | missing: {str(error).splitlines()[0]} | | |")
+            continue
+        pairs = [(peer.render(), etalon(arguments.scene, arguments.spp, color, size)) for _ in range(arguments.pairs)]
+        theirs, ours = (statistics.median(column) for column in zip(*pairs))
+        ratio = statistics.median(a / b for a, b in pairs)
+        print(f"| Mitsuba {variant} | {samples / theirs:.2f} | {samples / ours:.2f} | {ratio:.2f} |")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+//! Lambert's law: light leaves equally in every direction, f = ρ/π.
+
+use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits};
+use crate::math::{DVec2, DVec3, warp};
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::shape::SurfacePoint;
+use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
+use crate::texture::AnyTexture;
+
+/// A one-sided matte surface.
+pub struct Diffuse {
+    reflectance: AnyTexture,
+}
+
+impl Diffuse {
+    /// The same reflectance everywhere and for all light.
+    pub fn matte(reflectance: f64) -> Self {
+        Self { reflectance: AnyTexture::default_value(reflectance, Usage::Reflectance, ColorMode::Spectral) }
+    }
+}
+
+/// A reflectance at a point.
+pub struct Lambert {
+    reflectance: Spectrum,
+}
+
+impl Material for Diffuse {
+    const NAME: &'static str = "diffuse";
+    const ABOUT: &'static str =
+        "A matte surface that reflects equally into all directions of its front side.";
+    const EXAMPLES: &'static [&'static str] = &[
+        r#"<bsdf type="diffuse"/>"#,
+        r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.9, 0.2, 0.1"/></bsdf>"#,
+        r#"<bsdf type="diffuse"><spectrum name="reflectance" value="400:0.1, 700:0.9"/></bsdf>"#,
+    ];
+    const LAWS: Laws = Laws::LOSSLESS;
+    type Bsdf<'a> = Lambert;
+
+    fn parse(params: &mut Params) -> Result<Self, SceneError> {
+        let about = "fraction of light reflected";
+        Ok(Self { reflectance: params.texture("reflectance", 0.5, Usage::Reflectance, about)? })
+    }
+
+    #[inline]
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Lambert {
+        Lambert { reflectance: self.reflectance.eval(point.uv, λ) }
+    }
+
+    fn traits(&self) -> Traits {
+        Traits { smooth: true, textured: self.reflectance.varies(), ..Traits::default() }
+    }
+}
+
+impl Bsdf for Lambert {
+    #[inline]
+    fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return Evaluation::ZERO;
+        }
+        let pdf = warp::cosine_hemisphere_pdf(wi);
+        Evaluation { value: self.reflectance * pdf as f32, pdf }
+    }
+
+    #[inline]
+    fn sample(&self, wo: DVec3, _lobe: f64, u: DVec2) -> Option<Sample> {
+        let wi = warp::cosine_hemisphere(u);
+        let pdf = warp::cosine_hemisphere_pdf(wi);
+        (wo.z > 0.0 && pdf > 0.0).then(|| Sample::smooth(wi, self.reflectance, pdf))
+    }
+}

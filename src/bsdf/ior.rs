@@ -1,0 +1,179 @@
+//! Indices of refraction as scene files give them: a number, the name of a material, or a dispersion law.
+
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, number};
+use crate::scene::transform::numbers;
+use crate::scene::xml::{Attribute, Element};
+use crate::spectrum::materials::{self, Dispersion};
+use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
+use crate::spectrum::table::Tabulated;
+
+const INTERIOR: &str = "index of refraction inside, or the name of a material";
+const EXTERIOR: &str = "index of refraction outside, on the normal's side, or the name of a material";
+
+/// Reads `int_ior` and `ext_ior`: η inside / η outside. `interior` names the material that is the default inside.
+pub fn relative(params: &mut Params, interior: &'static str) -> Result<f64, SceneError> {
+    Ok(one(params, "int_ior", interior, INTERIOR)? / exterior(params)?)
+}
+
+/// Refuses two sides of the same index, where refraction has no half vector.
+pub fn refuse_equal(params: &Params, eta: f64) -> Result<(), SceneError> {
+    let message = "the indices of refraction are the same on both sides";
+    let refusal = || params.error("int_ior", message, "expected them to differ; `null` is no surface");
+    if eta == 1.0 { Err(refusal()) } else { Ok(()) }
+}
+
+fn exterior(params: &mut Params) -> Result<f64, SceneError> {
+    one(params, "ext_ior", "air", EXTERIOR)
+}
+
+fn one(
+    params: &mut Params,
+    name: &'static str,
+    default: &'static str,
+    about: &'static str,
+) -> Result<f64, SceneError> {
+    match params.raw(name, "float | string", default, about)? {
+        Some(element) => scalar(element),
+        None => materials::dielectric(default).map_err(|help| params.error(name, "no default", help)),
+    }
+}
+
+/// The index that `<float>` or `<string>` gives.
+fn scalar(element: &Element) -> Result<f64, SceneError> {
+    element.only(&["name", "value"])?;
+    let value = element.require("value")?;
+    let wrong = |message: String, expected: &str| Err(SceneError::at(&value.value_span, message, expected));
+    match element.tag.as_str() {
+        "float" | "integer" => match number(&value.value).filter(|n| *n > 0.0) {
+            Some(eta) => Ok(eta),
+            None => {
+                wrong(format!("`{}` is no index of refraction", value.value), "expected a number above 0")
+            }
+        },
+        "string" => materials::dielectric(&value.value)
+            .or_else(|help| wrong(format!("unknown material `{}`", value.value), &help)),
+        tag => wrong(format!("an index of refraction cannot be a <{tag}>"), "expected <float> or <string>"),
+    }
+}
+
+/// How a smooth interface refracts.
+#[derive(Clone, Debug)]
+pub enum Index {
+    /// η inside / η outside at all wavelengths.
+    Constant(f64),
+    /// The inside disperses, and the number is the index outside.
+    Dispersive(Dispersion, f64),
+}
+
+/// Reads `int_ior` or one of the dispersion laws, and `ext_ior`.
+pub fn dispersive(params: &mut Params, interior: &'static str) -> Result<Index, SceneError> {
+    let names = ["int_ior", "dispersion", "sellmeier", "cauchy"];
+    let given: Vec<&str> = names.into_iter().filter(|name| params.has(name)).collect();
+    if let [first, second, ..] = given[..] {
+        return Err(params.error(
+            second,
+            format!("`{second}` beside `{first}`"),
+            "expected one description of the inside",
+        ));
+    }
+    let law = law(params)?;
+    let outside = exterior(params)?;
+    let element = params.raw("int_ior", "float | string | spectrum", interior, INTERIOR)?;
+    let law = match (law, element) {
+        (Some(law), _) => law,
+        (None, Some(element)) if element.tag == "spectrum" => match table(element)? {
+            Spread::Even(eta) => return Ok(Index::Constant(eta / outside)),
+            Spread::Table(table) => Dispersion::Table(table),
+        },
+        (None, Some(element)) => return Ok(Index::Constant(scalar(element)? / outside)),
+        (None, None) => {
+            let eta = materials::dielectric(interior)
+                .map_err(|help| params.error("int_ior", "no default", help))?;
+            return Ok(Index::Constant(eta / outside));
+        }
+    };
+    let visible = (WAVELENGTH_MIN as u32..=WAVELENGTH_MAX as u32).map(|λ| (λ, law.eta(λ as f32)));
+    if let Some((λ, eta)) = visible.into_iter().find(|(_, eta)| !(*eta > 0.0 && eta.is_finite())) {
+        let message = format!("the index of refraction would be {eta} at {λ} nm");
+        return Err(params.error(
+            given.first().unwrap_or(&"int_ior"),
+            message,
+            "expected positive values from 360 to 830 nm",
+        ));
+    }
+    Ok(Index::Dispersive(law, outside))
+}
+
+/// Reads `dispersion`, `sellmeier` or `cauchy`.
+fn law(params: &mut Params) -> Result<Option<Dispersion>, SceneError> {
+    let about = "a glass inside whose index depends on wavelength (Etalon's own)";
+    if let Some(name) = params.string("dispersion", about)? {
+        let law = Dispersion::named(&name.value);
+        let law = law.map_err(|help| {
+            SceneError::at(&name.value_span, format!("unknown glass `{}`", name.value), help)
+        });
+        return law.map(Some);
+    }
+    let about = "b1 c1 b2 c2 … of n² = 1 + Σ bλ²/(λ² − c), λ in µm (Etalon's own)";
+    if let Some(text) = params.string("sellmeier", about)? {
+        let terms = numbers(text)?;
+        if terms.is_empty() || terms.len() % 2 == 1 {
+            let message = format!("{} numbers", terms.len());
+            return Err(SceneError::at(&text.value_span, message, "expected pairs of b and c"));
+        }
+        return Ok(Some(Dispersion::Sellmeier(
+            terms.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
+        )));
+    }
+    let about = "a b c of n = a + b/λ² + c/λ⁴, λ in µm (Etalon's own)";
+    if let Some(text) = params.string("cauchy", about)? {
+        return match numbers(text)?[..] {
+            [a, b] => Ok(Some(Dispersion::Cauchy([a, b, 0.0]))),
+            [a, b, c] => Ok(Some(Dispersion::Cauchy([a, b, c]))),
+            ref n => {
+                let message = format!("{} numbers", n.len());
+                Err(SceneError::at(&text.value_span, message, "expected two or three"))
+            }
+        };
+    }
+    Ok(None)
+}
+
+enum Spread {
+    Even(f64),
+    Table(Tabulated),
+}
+
+/// A measured index: `<spectrum>` with one number, `nm:value` pairs or a file.
+fn table(element: &Element) -> Result<Spread, SceneError> {
+    element.only(&["name", "value", "filename"])?;
+    let bad = |place: &Attribute, why: String| {
+        SceneError::at(&place.value_span, why, "expected nm and index, increasing")
+    };
+    match (element.attribute("value"), element.attribute("filename")) {
+        (Some(value), None) if !value.value.contains(':') => {
+            match number(&value.value).filter(|n| *n > 0.0) {
+                Some(eta) => Ok(Spread::Even(eta)),
+                None => Err(bad(value, format!("`{}` is no index of refraction", value.value))),
+            }
+        }
+        (Some(value), None) => {
+            // Pairs are lines of a table, written on one.
+            let words = value.value.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
+            let lines: Vec<String> = words.map(|word| word.replace(':', " ")).collect();
+            Tabulated::parse_spd(&lines.join("\n")).map(Spread::Table).map_err(|why| bad(value, why))
+        }
+        (None, Some(name)) => {
+            let path = crate::scene::xml::find(&element.search, &name.value);
+            let path = path.ok_or_else(|| bad(name, format!("there is no file `{}`", name.value)))?;
+            let text = std::fs::read_to_string(&path).map_err(|why| bad(name, why.to_string()))?;
+            Tabulated::parse_spd(&text).map(Spread::Table).map_err(|why| bad(name, why))
+        }
+        _ => Err(SceneError::at(
+            &element.span,
+            "a <spectrum> needs a value",
+            "expected either `value` or `filename`",
+        )),
+    }
+}

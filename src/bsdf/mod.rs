@@ -1,0 +1,267 @@
+//! How surfaces scatter light. A folder's file is a model: what a scene file declares (its *material*, perhaps
+//! textured) and what that is at a point once the numbers are known (its *BSDF*).
+//!
+//! *How to add one*: write `bsdf/<name>.rs` with a [`Material`] and its [`Bsdf`], and add its line to `materials!`.
+//! The parser, error texts, `etalon plugins`, the contract tests and the comparison with Mitsuba follow from it.
+
+mod coat;
+pub mod fresnel;
+mod ior;
+mod metal;
+pub mod microfacet;
+mod slope;
+mod transmittance;
+
+#[cfg(test)]
+mod contract;
+#[cfg(test)]
+mod prism;
+
+use crate::math::{DVec2, DVec3};
+use crate::scene::error::SceneError;
+use crate::scene::loader::Loader;
+use crate::scene::params::{Params, Usage};
+use crate::scene::registry::{Entry, construct};
+use crate::scene::xml::Element;
+use crate::shape::SurfacePoint;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// Promises that the validation suite holds a model to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Laws {
+    /// f(ω, ω′)/η² is symmetric.
+    pub reciprocal: bool,
+    /// With all reflectances at 1 nothing is absorbed: the sampled weights average 1.
+    pub lossless: bool,
+}
+
+impl Laws {
+    /// Reciprocal, and may absorb.
+    pub const PHYSICAL: Self = Self { reciprocal: true, lossless: false };
+    /// Reciprocal, and absorbs nothing.
+    pub const LOSSLESS: Self = Self { reciprocal: true, lossless: true };
+    /// Known not to be reciprocal; the model's documentation says why.
+    pub const NOT_RECIPROCAL: Self = Self { reciprocal: false, lossless: false };
+}
+
+/// What a scene file declares.
+pub trait Material: Sized {
+    /// The `type` in scene files.
+    const NAME: &'static str;
+    /// What it is, physically, in a sentence.
+    const ABOUT: &'static str;
+    /// Scene-file snippets that span the parameters.
+    const EXAMPLES: &'static [&'static str];
+    const LAWS: Laws = Laws::PHYSICAL;
+
+    /// The model at a point.
+    type Bsdf<'a>: Bsdf
+    where
+        Self: 'a;
+
+    fn parse(params: &mut Params) -> Result<Self, SceneError>;
+
+    /// Evaluates textures and spectra, once for each vertex of a path.
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Self::Bsdf<'a>;
+
+    fn traits(&self) -> Traits;
+}
+
+/// What the rest of the renderer must know of a material without asking a point of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traits {
+    /// Has a lobe of finite density, for which light sampling makes sense.
+    pub smooth: bool,
+    /// Needs the surface's tangent, not any frame about the normal.
+    pub anisotropic: bool,
+    /// Any parameter varies over the surface.
+    pub textured: bool,
+    /// Refraction may separate the wavelengths.
+    pub dispersive: bool,
+    /// Lets light through.
+    pub transmits: bool,
+}
+
+impl Traits {
+    /// What is true of either.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            smooth: self.smooth || other.smooth,
+            anisotropic: self.anisotropic || other.anisotropic,
+            textured: self.textured || other.textured,
+            dispersive: self.dispersive || other.dispersive,
+            transmits: self.transmits || other.transmits,
+        }
+    }
+}
+
+/// The value and density of the lobes of finite density, for one pair of directions.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation {
+    /// f(ωo, ωi)·|cos θi| in sr⁻¹, for radiance travelling from ωi to ωo.
+    pub value: Spectrum,
+    /// The density with which [`Bsdf::sample`] makes ωi, in sr⁻¹, all lobes together.
+    pub pdf: f64,
+}
+
+impl Evaluation {
+    pub const ZERO: Self = Self { value: Spectrum::ZERO, pdf: 0.0 };
+}
+
+/// A sampled direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Local, unit length.
+    pub wi: DVec3,
+    /// f·|cos θi| / pdf, or the ratio of the delta coefficients.
+    pub weight: Spectrum,
+    /// In sr⁻¹; for a delta lobe the discrete probability of the lobe.
+    pub pdf: f64,
+    /// From a lobe without density: a mirror, a pane, nothing at all.
+    pub delta: bool,
+    /// Relative index of refraction that the path crossed, seen from ωo: 1 for reflection.
+    pub eta: f64,
+    /// The direction is that of lane 0 only; all other lanes end here (their weight is zero).
+    pub dispersed: bool,
+    /// The direction goes straight on as if there were no surface.
+    pub null: bool,
+}
+
+impl Sample {
+    /// A sample of a lobe with density, by reflection.
+    #[inline]
+    pub fn smooth(wi: DVec3, weight: Spectrum, pdf: f64) -> Self {
+        Self { wi, weight, pdf, delta: false, eta: 1.0, dispersed: false, null: false }
+    }
+
+    /// A sample of a delta lobe, chosen with probability `probability`.
+    #[inline]
+    pub fn delta(wi: DVec3, weight: Spectrum, probability: f64, eta: f64) -> Self {
+        Self { wi, weight, pdf: probability, delta: true, eta, dispersed: false, null: false }
+    }
+
+    /// Straight on, chosen with probability `probability`.
+    #[inline]
+    pub fn null(wo: DVec3, weight: Spectrum, probability: f64) -> Self {
+        Self { null: true, ..Self::delta(-wo, weight, probability, 1.0) }
+    }
+}
+
+/// Scattering at a point, in the local frame whose z axis is the shading normal.
+///
+/// ωo points to where the light goes (the camera's side of a path), ωi to where it comes from.
+pub trait Bsdf {
+    fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation;
+    /// Draws ωi from three numbers in [0, 1): `lobe` chooses between lobes, `u` the direction in one.
+    fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample>;
+}
+
+macro_rules! materials {
+    ($($module:ident::$Model:ident),* $(,)?) => {
+        $(mod $module;)*
+
+        /// Any material. Dispatch is a `match`, so every call can be inlined.
+        pub enum AnyMaterial { $($Model($module::$Model)),* }
+
+        /// Any BSDF at a point.
+        pub enum AnyBsdf<'a> { $($Model(<$module::$Model as Material>::Bsdf<'a>)),* }
+
+        impl AnyMaterial {
+            #[inline]
+            pub fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> AnyBsdf<'a> {
+                match self { $(Self::$Model(material) => AnyBsdf::$Model(material.at(point, λ))),* }
+            }
+
+            pub fn traits(&self) -> Traits {
+                match self { $(Self::$Model(material) => material.traits()),* }
+            }
+
+            pub fn laws(&self) -> Laws {
+                match self { $(Self::$Model(_) => <$module::$Model as Material>::LAWS),* }
+            }
+
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$Model(_) => <$module::$Model as Material>::NAME),* }
+            }
+        }
+
+        impl Bsdf for AnyBsdf<'_> {
+            #[inline]
+            fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
+                match self { $(Self::$Model(bsdf) => bsdf.evaluate(wo, wi)),* }
+            }
+
+            #[inline]
+            fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
+                match self { $(Self::$Model(bsdf) => bsdf.sample(wo, lobe, u)),* }
+            }
+        }
+
+        /// Every material.
+        pub static MATERIALS: &[Entry<AnyMaterial>] = &[$(Entry {
+            name: <$module::$Model as Material>::NAME,
+            about: <$module::$Model as Material>::ABOUT,
+            examples: <$module::$Model as Material>::EXAMPLES,
+            parse: |params| <$module::$Model as Material>::parse(params).map(AnyMaterial::$Model),
+        }),*];
+    };
+}
+
+materials! {
+    diffuse::Diffuse,
+    conductor::Conductor,
+    roughconductor::RoughConductor,
+    dielectric::Dielectric,
+    thindielectric::ThinDielectric,
+    roughdielectric::RoughDielectric,
+    plastic::Plastic,
+    roughplastic::RoughPlastic,
+    null::Null,
+    twosided::TwoSided,
+    mask::Mask,
+    blendbsdf::Blend,
+}
+
+pub use twosided::TwoSided;
+
+impl AnyMaterial {
+    /// A matte material of one reflectance, for surfaces to which the file gives none.
+    pub fn matte(reflectance: f64) -> Self {
+        Self::Diffuse(diffuse::Diffuse::matte(reflectance))
+    }
+
+    /// Reads a `<bsdf>`.
+    pub fn parse<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<Self, SceneError> {
+        if element.tag != "bsdf" {
+            let message = format!("expected a BSDF, not <{}>", element.tag);
+            return Err(SceneError::at(&element.span, message, "expected <bsdf>"));
+        }
+        construct(MATERIALS, element, loader, Usage::Reflectance)
+    }
+
+    /// Reads the single nested `<bsdf>` of an adapter.
+    pub fn parse_nested(params: &mut Params) -> Result<Self, SceneError> {
+        let element = params.object("bsdf", "the nested material")?;
+        let element = element
+            .ok_or_else(|| SceneError::at(&params.element.span, "there is no nested <bsdf>", "add one"))?;
+        Self::parse(element, params.loader)
+    }
+}
+
+/// A number of [low, high) stretched to [0, 1), so that a nested choice can use it again.
+#[inline]
+fn rescale(lobe: f64, low: f64, high: f64) -> f64 {
+    ((lobe - low) / (high - low)).min(1.0 - f64::EPSILON / 2.0)
+}
+
+/// Whether two local directions are on the same side of the surface.
+#[inline]
+pub fn same_side(a: DVec3, b: DVec3) -> bool {
+    a.z * b.z > 0.0
+}
+
+/// ω mirrored at the normal.
+#[inline]
+pub fn mirror(w: DVec3) -> DVec3 {
+    DVec3::new(-w.x, -w.y, w.z)
+}

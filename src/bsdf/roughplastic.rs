@@ -1,0 +1,109 @@
+//! A diffuse base under a rough dielectric coat.
+
+use super::coat::{Coat, Coated};
+use super::microfacet::{Distribution, parse_shape, reflect};
+use super::transmittance::{Transmittance, internal_reflectance};
+use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, ior};
+use crate::math::frame::unit;
+use crate::math::{DVec2, DVec3, warp};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use crate::shape::SurfacePoint;
+use crate::spectrum::Wavelengths;
+
+/// Plastic with a satin finish.
+pub struct RoughPlastic {
+    coat: Coat,
+    facets: Distribution,
+    /// What the coat lets through from outside.
+    transmittance: Box<Transmittance>,
+    /// The coat's reflectance for diffuse light from inside.
+    internal: f64,
+}
+
+/// Rough plastic at a point.
+pub struct Satin<'a> {
+    coat: Coated,
+    facets: Distribution,
+    transmittance: &'a Transmittance,
+}
+
+impl Material for RoughPlastic {
+    const NAME: &'static str = "roughplastic";
+    const ABOUT: &'static str = "Satin plastic: a matte base under a rough transparent coat.";
+    const EXAMPLES: &'static [&'static str] = &[
+        r#"<bsdf type="roughplastic"/>"#,
+        r#"<bsdf type="roughplastic">
+            <string name="distribution" value="ggx"/><float name="alpha" value="0.3"/>
+            <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/><float name="int_ior" value="1.9"/>
+        </bsdf>"#,
+        r#"<bsdf type="roughplastic">
+            <float name="alpha" value="0.5"/><boolean name="nonlinear" value="true"/>
+            <rgb name="diffuse_reflectance" value="0.9, 0.5, 0.2"/>
+            <rgb name="specular_reflectance" value="0.5, 0.8, 0.6"/>
+        </bsdf>"#,
+        r#"<bsdf type="roughplastic">
+            <string name="distribution" value="ggx"/><float name="alpha" value="0.2"/>
+            <boolean name="sample_visible" value="false"/>
+        </bsdf>"#,
+    ];
+    const LAWS: Laws = Laws::PHYSICAL;
+    type Bsdf<'a> = Satin<'a>;
+
+    fn parse(params: &mut Params) -> Result<Self, SceneError> {
+        let coat = Coat::parse(params)?;
+        ior::refuse_equal(params, coat.eta)?;
+        let (shape, visible) = parse_shape(params)?;
+        let about = "roughness: √2 times the deviation of the facets' slope";
+        let alpha = params.float_where("alpha", 0.1, about, "no negative number", |a| a >= 0.0)?;
+        let seen = Distribution::new(shape, alpha, alpha, true);
+        Ok(Self {
+            facets: Distribution::new(shape, alpha, alpha, visible),
+            transmittance: Box::new(Transmittance::new(&seen, coat.eta)),
+            internal: internal_reflectance(&seen, 1.0 / coat.eta),
+            coat,
+        })
+    }
+
+    #[inline]
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Satin<'a> {
+        let coat = self.coat.at(point, λ, self.internal);
+        Satin { coat, facets: self.facets, transmittance: &self.transmittance }
+    }
+
+    fn traits(&self) -> Traits {
+        Traits { smooth: true, textured: self.coat.varies(), ..Traits::default() }
+    }
+}
+
+impl Bsdf for Satin<'_> {
+    #[inline]
+    fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return Evaluation::ZERO;
+        }
+        let m = unit(wo + wi);
+        let (reflected, drawn) = self.facets.reflection(wo, wi, m);
+        let reflected = reflected * fresnel::dielectric(wo.dot(m), self.coat.eta).reflectance;
+        let (into, out_of) = (self.transmittance.at(wi.z), self.transmittance.at(wo.z));
+        let (specular, diffuse) = self.coat.lobes(1.0 - out_of, out_of);
+        let cosine = warp::cosine_hemisphere_pdf(wi);
+        Evaluation {
+            value: self.coat.specular * reflected as f32 + self.coat.base * (cosine * into * out_of) as f32,
+            pdf: specular * drawn + diffuse * cosine,
+        }
+    }
+
+    #[inline]
+    fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let out_of = self.transmittance.at(wo.z);
+        let (specular, _) = self.coat.lobes(1.0 - out_of, out_of);
+        let wi =
+            if lobe < specular { reflect(wo, self.facets.sample(wo, u)) } else { warp::cosine_hemisphere(u) };
+        let Evaluation { value, pdf } = self.evaluate(wo, wi);
+        (pdf > 0.0).then(|| Sample::smooth(wi, value * (1.0 / pdf) as f32, pdf))
+    }
+}

@@ -1,0 +1,65 @@
+//! `etalon explain`
+
+use super::{Outcome, SceneArguments};
+use etalon::integrator::kernel_for;
+use etalon::scene::Features;
+use std::process::ExitCode;
+
+/// Says what a scene uses, what is left out, and which kernel runs
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Print a JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    pub fn run(self) -> Outcome {
+        let scene = self.scene.load()?;
+        let kernel = kernel_for(scene.features);
+        let left_out = Features(Features::ALL & !kernel.features.0);
+        let mut materials: Vec<&str> = scene.materials.iter().map(|m| m.name()).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        let mut emitters: Vec<&str> = scene.emitters.list.iter().map(|e| e.emitter.name()).collect();
+        emitters.sort_unstable();
+        emitters.dedup();
+        let document = serde_json::json!({
+            "scene_hash": scene.hash,
+            "color": scene.mode.name(),
+            "integrator": scene.integrator.name(),
+            "sensor": scene.sensor.camera.name(),
+            "film": [scene.sensor.film.size.0, scene.sensor.film.size.1],
+            "shapes": scene.shapes.len(),
+            "primitives": scene.accel.primitives(),
+            "search": if scene.accel.node_count() == 0 { "none: every block is tried" } else { "tree of eight-wide nodes" },
+            "nodes": scene.accel.node_count(),
+            "geometry_bytes": scene.geometry_bytes(),
+            "materials": materials,
+            "emitters": emitters,
+            "emitter_count": scene.emitters.list.len(),
+            "uses": scene.features.names(),
+            "kernel": kernel.name,
+            "left_out": left_out.names(),
+        });
+        if self.json {
+            println!("{document}");
+            return Ok(ExitCode::SUCCESS);
+        }
+        for (key, value) in document.as_object().into_iter().flatten() {
+            let value = match value {
+                serde_json::Value::String(text) => text.clone(),
+                serde_json::Value::Array(list) if list.is_empty() => "nothing".into(),
+                serde_json::Value::Array(list) => {
+                    let word = |v: &serde_json::Value| v.as_str().map_or_else(|| v.to_string(), String::from);
+                    list.iter().map(word).collect::<Vec<_>>().join(", ")
+                }
+                other => other.to_string(),
+            };
+            println!("{:<15} {value}", key.replace('_', " "));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

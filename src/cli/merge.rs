@@ -1,0 +1,33 @@
+//! `etalon merge`
+
+use super::Outcome;
+use etalon::image;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Joins parts of a render, by samples or by crop, into the file that one run would have written
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Files that `etalon render --samples` or `--crop` wrote
+    #[arg(required = true)]
+    parts: Vec<PathBuf>,
+    /// OpenEXR file to write
+    #[arg(short, long, value_name = "OUT.exr")]
+    output: PathBuf,
+    /// Also write an 8-bit picture
+    #[arg(long, value_name = "OUT.png")]
+    png: Option<PathBuf>,
+}
+
+impl Arguments {
+    pub fn run(self) -> Outcome {
+        let read = |path: PathBuf| image::read_exr(&path).map(|image| (path, image));
+        let images = self.parts.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let merged = image::merge(images)?;
+        image::write_exr(&self.output, &merged)?;
+        if let Some(path) = &self.png {
+            image::write_png(path, &image::develop(&merged)?.0)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,107 @@
+//! One file a command; each is arguments and a `run`.
+
+mod explain;
+mod merge;
+mod plugins;
+mod render;
+mod replay;
+mod size;
+
+use clap::Parser;
+use etalon::scene::{self, Scene};
+use etalon::spectrum::ColorMode;
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Exit code for input or usage that cannot be used.
+pub const BAD_INPUT: u8 = 2;
+
+type Outcome = Result<ExitCode, Box<dyn Error>>;
+
+/// A spectral path tracer that is its own measuring stick.
+///
+/// Exit codes: 0 done; 1 done, but samples were not finite; 2 bad input or usage.
+#[derive(Parser)]
+#[command(version)]
+pub enum Command {
+    Render(render::Arguments),
+    Merge(merge::Arguments),
+    Explain(explain::Arguments),
+    Replay(replay::Arguments),
+    Plugins(plugins::Arguments),
+}
+
+impl Command {
+    pub fn run(self) -> Outcome {
+        match self {
+            Self::Render(arguments) => arguments.run(),
+            Self::Merge(arguments) => arguments.run(),
+            Self::Explain(arguments) => arguments.run(),
+            Self::Replay(arguments) => arguments.run(),
+            Self::Plugins(arguments) => arguments.run(),
+        }
+    }
+}
+
+/// What says which scene is meant.
+#[derive(clap::Args)]
+struct SceneArguments {
+    /// Mitsuba 3 scene file
+    scene: PathBuf,
+    /// Value of a `$parameter` of the scene; may be repeated
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = definition)]
+    define: Vec<(String, String)>,
+    /// What a path carries
+    #[arg(long, value_name = "spectral|rgb", default_value = "spectral", value_parser = color)]
+    color: ColorMode,
+    /// Integrator to use instead of the scene's, with its default settings
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<String>,
+    /// Edges of the longest path, instead of the scene's; -1 means no limit
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    max_depth: Option<i64>,
+    /// Size of the film instead of the scene's, such as 640x480
+    #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
+    size: Option<(u32, u32)>,
+    /// Sampler to use instead of the scene's
+    #[arg(long, value_name = "NAME")]
+    sampler: Option<String>,
+    /// Another seed, another noise; 0 by default, or the scene's
+    #[arg(long, value_name = "S")]
+    seed: Option<u32>,
+}
+
+impl SceneArguments {
+    fn load(&self) -> Result<Scene, Box<dyn Error>> {
+        let overrides = scene::Overrides {
+            integrator: self.integrator.clone(),
+            max_depth: self.max_depth,
+            size: self.size,
+            seed: self.seed,
+            sampler: self.sampler.clone(),
+        };
+        Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
+    }
+}
+
+fn definition(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    if name.is_empty() { Err("expected a name before `=`".into()) } else { Ok((name.into(), value.into())) }
+}
+
+fn color(text: &str) -> Result<ColorMode, String> {
+    match text {
+        "spectral" => Ok(ColorMode::Spectral),
+        "rgb" => Ok(ColorMode::Rgb),
+        _ => Err("expected `spectral` or `rgb`".into()),
+    }
+}
+
+/// The most memory this process has held, in bytes, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}

@@ -1,0 +1,39 @@
+//! `etalon plugins`
+
+use super::Outcome;
+use etalon::scene::catalogue::{Model, catalogue};
+use std::process::ExitCode;
+
+/// Lists every model with its parameters
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Print a JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    pub fn run(self) -> Outcome {
+        let models = catalogue();
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&models)?);
+            return Ok(ExitCode::SUCCESS);
+        }
+        let mut kind = "";
+        for model in &models {
+            if model.kind != kind {
+                kind = model.kind;
+                println!("\n{kind}s");
+            }
+            print(model);
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn print(model: &Model) {
+    println!("  {:<18} {}", model.name, model.about);
+    for p in &model.parameters {
+        println!("    {:<22} {:<9} {} [{}]", p.name, p.kind, p.about, p.default);
+    }
+}

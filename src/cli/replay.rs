@@ -1,0 +1,52 @@
+//! `etalon replay`
+
+use super::size::parse_pixel;
+use super::{Outcome, SceneArguments};
+use etalon::integrator::{Counters, kernel_for};
+use etalon::render::sample::Camera;
+use std::process::ExitCode;
+
+/// Prints the vertices of one path, bit for bit the one that was rendered
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Column and row
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    pixel: (u32, u32),
+    /// Number of the sample, from 0
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(..u64::from(u32::MAX)))]
+    sample: u64,
+}
+
+impl Arguments {
+    pub fn run(self) -> Outcome {
+        let scene = self.scene.load()?;
+        let (film, (x, y)) = (scene.sensor.film.crop, self.pixel);
+        if x < film.x || y < film.y || x >= film.x + film.width || y >= film.y + film.height {
+            return Err(format!("error: the pixel {x},{y} is not on the film").into());
+        }
+        let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features));
+        let mut counters = Counters { log: Some(vec![]), ..Counters::default() };
+        let (ray, λ, radiance, weight) = camera.replay(self.pixel, self.sample, &mut counters);
+        println!("pixel {x},{y} sample {}", self.sample);
+        println!("wavelengths {:?} nm", λ.nm);
+        println!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
+        for (i, event) in counters.log.iter().flatten().enumerate() {
+            let (shape, local) = scene.shape_of(event.hit.primitive);
+            let index = scene.shapes.iter().position(|s| std::ptr::eq(s, shape)).unwrap_or(0);
+            println!(
+                "vertex {} at {:?}, shape {index}, primitive {local}, t = {:?}",
+                i + 1,
+                event.p.to_array(),
+                event.hit.t
+            );
+            println!("  throughput {:?}", event.throughput.0);
+            println!("  radiance so far {:?}", event.radiance.0);
+        }
+        println!("radiance {:?}", radiance.0);
+        let rgb = λ.to_rgb(radiance);
+        println!("filter weight {weight:?}, linear sRGB {:?}", rgb.map(|v| v * weight));
+        Ok(ExitCode::SUCCESS)
+    }
+}

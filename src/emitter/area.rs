@@ -1,0 +1,89 @@
+//! Shining surfaces.
+
+use super::{AnyEmitter, DirectSample};
+use crate::math::ray::position_error;
+use crate::math::{DVec2, DVec3, Ray};
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::shape::{AreaSample, Geometry, SurfacePoint};
+use crate::spectrum::{Spectrum, Wavelengths};
+use crate::texture::AnyTexture;
+
+pub const NAME: &str = "area";
+pub const ABOUT: &str = "A shape whose front side shines equally into all directions.";
+pub const EXAMPLES: &[&str] = &[
+    r#"<emitter type="area"><rgb name="radiance" value="5, 4, 3"/></emitter>"#,
+    r#"<emitter type="area"><spectrum name="radiance" value="2"/></emitter>"#,
+];
+
+/// The radiance of a shape's front side.
+#[derive(Debug)]
+pub struct Area {
+    radiance: AnyTexture,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
+    let about = "radiance in W·m⁻²·sr⁻¹·nm⁻¹";
+    Ok(AnyEmitter::Area(Area { radiance: params.texture("radiance", 1.0, Usage::Emission, about)? }))
+}
+
+impl Area {
+    #[inline]
+    pub fn radiance(&self, point: &SurfacePoint, w: DVec3, λ: &Wavelengths) -> Spectrum {
+        if point.ng.dot(w) > 0.0 { self.radiance.eval(point.uv, λ) } else { Spectrum::ZERO }
+    }
+
+    /// Spheres are sampled within the cone they fill, all else uniformly in area.
+    #[inline]
+    pub fn sample(&self, shape: &Geometry, p: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
+        if let Geometry::Sphere(sphere) = shape
+            && let Some(one_minus_cos) = sphere.cone(p)
+        {
+            let (point, pdf) = if self.radiance.varies() {
+                sphere.sample_cone::<true>(p, u, one_minus_cos)
+            } else {
+                sphere.sample_cone::<false>(p, u, one_minus_cos)
+            };
+            let chosen = AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf: 1.0 };
+            return self.arriving(p, &chosen, λ).map(|sample| DirectSample { pdf, ..sample });
+        }
+        let chosen = shape.sample_area(u);
+        self.arriving(p, &chosen, λ)
+    }
+
+    /// Light from a chosen point; dω = cosθ dA / d².
+    #[inline]
+    fn arriving(&self, p: DVec3, chosen: &AreaSample, λ: &Wavelengths) -> Option<DirectSample> {
+        let towards = chosen.p - p;
+        let d2 = towards.length_squared();
+        let d = d2.sqrt();
+        let wi = towards / d;
+        let cos = -wi.dot(chosen.n);
+        if !(cos > 0.0 && d2 > 0.0) {
+            return None;
+        }
+        // The surface itself must not stand in the way of its own light.
+        let distance = d - 4.0 * (position_error(chosen.p) + position_error(p));
+        let radiance = self.radiance.eval(chosen.uv, λ);
+        Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false })
+    }
+
+    #[inline]
+    pub fn pdf(&self, shape: &Geometry, ray: &Ray, t: f64, point: &SurfacePoint) -> f64 {
+        if let Geometry::Sphere(sphere) = shape
+            && let Some(one_minus_cos) = sphere.cone(ray.origin)
+        {
+            return crate::math::warp::cone_pdf(one_minus_cos);
+        }
+        let cos = -ray.direction.dot(point.ng);
+        if cos > 0.0 { t * t / (cos * shape.area()) } else { 0.0 }
+    }
+
+    pub fn varies(&self) -> bool {
+        self.radiance.varies()
+    }
+
+    pub fn power(&self, shape: &Geometry) -> f64 {
+        self.radiance.mean() * shape.area() * std::f64::consts::PI
+    }
+}

@@ -1,0 +1,48 @@
+//! Parallel light.
+
+use super::{AnyEmitter, DirectSample};
+use crate::math::{DVec2, DVec3};
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::spectrum::Wavelengths;
+use crate::texture::AnyTexture;
+
+pub const NAME: &str = "directional";
+pub const ABOUT: &str = "Parallel light from infinitely far away.";
+pub const EXAMPLES: &[&str] =
+    &[r#"<emitter type="directional"><vector name="direction" x="0" y="-1" z="0.2"/>
+    <rgb name="irradiance" value="2"/></emitter>"#];
+
+#[derive(Debug)]
+pub struct Directional {
+    /// Unit direction the light travels in.
+    direction: DVec3,
+    irradiance: AnyTexture,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
+    let irradiance =
+        params.texture("irradiance", 1.0, Usage::Emission, "on a plane facing the light, in W·m⁻²·nm⁻¹")?;
+    if params.has("direction") && params.has("to_world") {
+        return Err(params.error("to_world", "both `direction` and `to_world`", "expected one of them"));
+    }
+    let direction = params.vector("direction", None, "where the light goes")?;
+    let to_world = params.transform("to_world", "turns +z to where the light goes")?;
+    let direction = direction.unwrap_or_else(|| to_world.vector(DVec3::Z));
+    let unit = direction.try_normalize();
+    let direction = unit.ok_or_else(|| {
+        params.error("direction", "the direction has no length", "expected a vector other than 0")
+    })?;
+    Ok(AnyEmitter::Directional(Directional { direction, irradiance }))
+}
+
+impl Directional {
+    pub fn sample(&self, λ: &Wavelengths) -> Option<DirectSample> {
+        let radiance = self.irradiance.eval(DVec2::ZERO, λ);
+        Some(DirectSample { wi: -self.direction, distance: f64::INFINITY, radiance, pdf: 1.0, delta: true })
+    }
+
+    pub fn irradiance(&self) -> f64 {
+        self.irradiance.mean()
+    }
+}

@@ -1,0 +1,148 @@
+//! What shines.
+//!
+//! *How to add one*: write `emitter/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to [`EMITTERS`]
+//! and a variant to [`AnyEmitter`].
+
+mod area;
+mod constant;
+mod directional;
+mod envmap;
+mod point;
+pub mod select;
+mod spot;
+
+use crate::math::{DVec2, DVec3, Ray};
+use crate::scene::registry::Entry;
+use crate::shape::{Geometry, SurfacePoint};
+use crate::spectrum::{Spectrum, Wavelengths};
+pub use area::Area;
+pub use constant::Constant;
+pub use directional::Directional;
+pub use envmap::EnvironmentMap;
+pub use point::Point;
+pub use select::Emitters;
+pub use spot::Spot;
+
+/// Any emitter.
+#[derive(Debug)]
+pub enum AnyEmitter {
+    Area(Area),
+    Point(Point),
+    Spot(Box<Spot>),
+    Directional(Directional),
+    Constant(Constant),
+    Envmap(Box<EnvironmentMap>),
+}
+
+macro_rules! emitters {
+    ($($module:ident),* $(,)?) => {
+        /// Every emitter.
+        pub static EMITTERS: &[Entry<AnyEmitter>] = &[$(Entry {
+            name: $module::NAME,
+            about: $module::ABOUT,
+            examples: $module::EXAMPLES,
+            parse: $module::parse,
+        }),*];
+    };
+}
+emitters!(area, point, spot, directional, constant, envmap);
+
+/// Light that may arrive at a point from a sampled direction, if nothing is in the way.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectSample {
+    /// Unit direction towards the light, world space.
+    pub wi: DVec3,
+    /// How far the way must be free; infinite for light from outside the scene.
+    pub distance: f64,
+    /// Radiance in W·m⁻²·sr⁻¹·nm⁻¹; for a delta emitter the irradiance on a plane facing it.
+    pub radiance: Spectrum,
+    /// Density of `wi` in sr⁻¹; 1 for a delta emitter.
+    pub pdf: f64,
+    /// No other technique can find this direction.
+    pub delta: bool,
+}
+
+impl AnyEmitter {
+    /// A direction from which this emitter may light the point `p`.
+    #[inline]
+    pub fn sample(
+        &self,
+        shape: Option<&Geometry>,
+        p: DVec3,
+        u: DVec2,
+        λ: &Wavelengths,
+    ) -> Option<DirectSample> {
+        match (self, shape) {
+            (Self::Area(area), Some(shape)) => area.sample(shape, p, u, λ),
+            (Self::Area(_), None) => None,
+            (Self::Point(point), _) => point.sample(p, λ),
+            (Self::Spot(spot), _) => spot.sample(p, λ),
+            (Self::Directional(directional), _) => directional.sample(λ),
+            (Self::Constant(constant), _) => Some(constant.sample(u, λ)),
+            (Self::Envmap(map), _) => map.sample(u, λ),
+        }
+    }
+
+    /// Radiance that leaves a surface point towards ω (unit, world).
+    #[inline]
+    pub fn surface_radiance(&self, point: &SurfacePoint, w: DVec3, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Area(area) => area.radiance(point, w, λ),
+            _ => Spectrum::ZERO,
+        }
+    }
+
+    /// Density with which [`AnyEmitter::sample`] makes the direction of a ray that met the emitting shape.
+    #[inline]
+    pub fn surface_pdf(&self, shape: &Geometry, ray: &Ray, t: f64, point: &SurfacePoint) -> f64 {
+        match self {
+            Self::Area(area) => area.pdf(shape, ray, t, point),
+            _ => 0.0,
+        }
+    }
+
+    /// Radiance from outside the scene against the direction ω, and the density of sampling it.
+    #[inline]
+    pub fn distant_radiance(&self, w: DVec3, λ: &Wavelengths) -> Option<(Spectrum, f64)> {
+        match self {
+            Self::Constant(constant) => Some(constant.radiance(λ)),
+            Self::Envmap(map) => Some(map.radiance(w, λ)),
+            _ => None,
+        }
+    }
+
+    /// Power over power density at any scale, to choose between emitters: in W·nm⁻¹, averaged over the visible range.
+    /// `radius` is that of the scene.
+    pub fn power(&self, shape: Option<&Geometry>, radius: f64) -> f64 {
+        let disk = std::f64::consts::PI * radius * radius;
+        match self {
+            Self::Area(area) => shape.map_or(0.0, |s| area.power(s)),
+            Self::Point(point) => point.power(),
+            Self::Spot(spot) => spot.power(),
+            Self::Directional(directional) => directional.irradiance() * disk,
+            Self::Constant(constant) => constant.mean() * 4.0 * std::f64::consts::PI * disk,
+            Self::Envmap(map) => map.mean() * 4.0 * std::f64::consts::PI * disk,
+        }
+    }
+
+    /// Whether it surrounds the scene.
+    pub fn is_environment(&self) -> bool {
+        matches!(self, Self::Constant(_) | Self::Envmap(_))
+    }
+
+    /// Whether it needs texture coordinates.
+    pub fn varies(&self) -> bool {
+        matches!(self, Self::Area(area) if area.varies())
+    }
+
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Area(_) => area::NAME,
+            Self::Point(_) => point::NAME,
+            Self::Spot(_) => spot::NAME,
+            Self::Directional(_) => directional::NAME,
+            Self::Constant(_) => constant::NAME,
+            Self::Envmap(_) => envmap::NAME,
+        }
+    }
+}

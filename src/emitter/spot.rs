@@ -1,0 +1,69 @@
+//! Spot lights.
+
+use super::{AnyEmitter, DirectSample, point};
+use crate::math::function::{acos, cos, tan};
+use crate::math::{DVec2, DVec3, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::spectrum::Wavelengths;
+use crate::texture::AnyTexture;
+
+pub const NAME: &str = "spot";
+pub const ABOUT: &str = "A point that shines into a cone about its z axis, fading between two angles.";
+pub const EXAMPLES: &[&str] = &[r#"<emitter type="spot"><rgb name="intensity" value="10"/>
+    <float name="cutoff_angle" value="30"/><float name="beam_width" value="20"/></emitter>"#];
+
+#[derive(Debug)]
+pub struct Spot {
+    intensity: AnyTexture,
+    /// An image thrown by the light.
+    texture: Option<AnyTexture>,
+    to_world: Transform,
+    /// Radians.
+    cutoff: f64,
+    beam: f64,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
+    let intensity =
+        params.texture("intensity", 1.0, Usage::Emission, "intensity on the axis in W·sr⁻¹·nm⁻¹")?;
+    let texture = params.optional_texture("texture", Usage::Reflectance, "an image to project")?;
+    let to_world = params.transform("to_world", "places it and turns +z where it shines")?;
+    let expected = "degrees above 0 and below 90";
+    let in_range = |v: f64| v > 0.0 && v < 90.0;
+    let cutoff = params.float_where("cutoff_angle", 20.0, "no light beyond, degrees", expected, in_range)?;
+    let narrower = |v: f64| v >= 0.0 && v <= cutoff;
+    let beam = params.float_where(
+        "beam_width",
+        0.75 * cutoff,
+        "full light within, degrees",
+        "0 to `cutoff_angle`",
+        narrower,
+    )?;
+    let (cutoff, beam) = (cutoff.to_radians(), beam.to_radians());
+    Ok(AnyEmitter::Spot(Box::new(Spot { intensity, texture, to_world, cutoff, beam })))
+}
+
+impl Spot {
+    pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
+        let (wi, distance, falloff) = point::arriving(p, self.to_world.point(DVec3::ZERO))?;
+        let local = self.to_world.inverted().vector(-wi).normalize();
+        let angle = acos(local.z.clamp(-1.0, 1.0));
+        if angle >= self.cutoff {
+            return None;
+        }
+        let fade = if angle <= self.beam { 1.0 } else { (self.cutoff - angle) / (self.cutoff - self.beam) };
+        let mut radiance = self.intensity.eval(DVec2::ZERO, λ) * (falloff * fade as f32);
+        if let Some(texture) = &self.texture {
+            let scale = 0.5 / (local.z * tan(self.cutoff));
+            radiance *= texture.eval(DVec2::new(0.5 + local.x * scale, 0.5 + local.y * scale), λ);
+        }
+        Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true })
+    }
+
+    pub fn power(&self) -> f64 {
+        let texture = self.texture.as_ref().map_or(1.0, AnyTexture::mean);
+        let half_way = 0.5 * (self.cutoff + self.beam);
+        self.intensity.mean() * texture * 2.0 * std::f64::consts::PI * (1.0 - cos(half_way))
+    }
+}

@@ -1,0 +1,211 @@
+//! Reconstruction filters, sampled instead of splatted: every camera sample belongs to one pixel, and its place is
+//! drawn from that pixel's filter (Ernst, Stamminger & Greiner 2006).
+
+use crate::math::function::{exp, sin};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use crate::scene::registry::Entry;
+use std::f64::consts::PI;
+
+/// A separable filter by its profile along one axis, in pixels from the centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Profile {
+    Box,
+    Tent {
+        radius: f64,
+    },
+    /// Lowered so that it reaches zero at the radius.
+    Gaussian {
+        deviation: f64,
+    },
+    Mitchell {
+        b: f64,
+        c: f64,
+    },
+    CatmullRom,
+    Lanczos {
+        lobes: f64,
+    },
+}
+
+macro_rules! filters {
+    ($($name:literal, $about:literal, $parse:expr;)*) => {
+        /// Every reconstruction filter.
+        pub static FILTERS: &[Entry<Profile>] = &[$(Entry {
+            name: $name,
+            about: $about,
+            examples: &[concat!(r#"<rfilter type=""#, $name, r#""/>"#)],
+            parse: $parse,
+        }),*];
+    };
+}
+filters! {
+    "box", "The pixel's own square.", |_| Ok(Profile::Box);
+    "tent", "Linear interpolation.", |p| Ok(Profile::Tent { radius: positive(p, "radius", 1.0)? });
+    "gaussian", "A Gaussian cut at four deviations; Mitsuba's default.",
+        |p| Ok(Profile::Gaussian { deviation: positive(p, "stddev", 0.5)? });
+    "mitchell", "Mitchell & Netravali 1988, a compromise of blur and ringing.", |p| {
+        let b = p.float("B", 1.0 / 3.0, "blur")?;
+        Ok(Profile::Mitchell { b, c: p.float("C", 1.0 / 3.0, "ringing")? })
+    };
+    "catmullrom", "The cubic of Catmull & Rom 1974: sharp, rings.", |_| Ok(Profile::CatmullRom);
+    "lanczos", "A windowed sinc: sharpest, rings most.", |p| {
+        Ok(Profile::Lanczos { lobes: p.integer("lobes", 3, 1..=16, "lobes on each side")? as f64 })
+    };
+}
+
+fn positive(params: &mut Params, name: &'static str, default: f64) -> Result<f64, SceneError> {
+    params.float_where(name, default, "in pixels", "a positive number up to 16", |v| v > 0.0 && v <= 16.0)
+}
+
+impl Profile {
+    pub fn radius(&self) -> f64 {
+        match *self {
+            Self::Box => 0.5,
+            Self::Tent { radius } => radius,
+            Self::Gaussian { deviation } => 4.0 * deviation,
+            Self::Mitchell { .. } | Self::CatmullRom => 2.0,
+            Self::Lanczos { lobes } => lobes,
+        }
+    }
+
+    /// The filter's value; it need not integrate to 1.
+    pub fn eval(&self, x: f64) -> f64 {
+        let x = x.abs();
+        if x > self.radius() {
+            return 0.0;
+        }
+        match *self {
+            Self::Box => 1.0,
+            Self::Tent { radius } => (1.0 - x / radius).max(0.0),
+            Self::Gaussian { deviation } => {
+                let g = |x: f64| exp(-x * x / (2.0 * deviation * deviation));
+                (g(x) - g(4.0 * deviation)).max(0.0)
+            }
+            Self::Mitchell { b, c } => cubic(x, b, c),
+            Self::CatmullRom => cubic(x, 0.0, 0.5),
+            Self::Lanczos { lobes } => {
+                if x == 0.0 {
+                    return 1.0;
+                }
+                let (p, w) = (PI * x, PI * x / lobes);
+                sin(p) * sin(w) / (p * w)
+            }
+        }
+    }
+}
+
+/// The family of Mitchell & Netravali 1988, equation 8, times 6.
+fn cubic(x: f64, b: f64, c: f64) -> f64 {
+    let (x2, x3) = (x * x, x * x * x);
+    if x < 1.0 {
+        (12.0 - 9.0 * b - 6.0 * c) * x3 + (-18.0 + 12.0 * b + 6.0 * c) * x2 + (6.0 - 2.0 * b)
+    } else {
+        (-b - 6.0 * c) * x3 + (6.0 * b + 30.0 * c) * x2 + (-12.0 * b - 48.0 * c) * x + (8.0 * b + 24.0 * c)
+    }
+}
+
+/// Bins to a pixel; pixel borders fall on bin borders.
+const BINS: i32 = 32;
+
+/// A table to sample one axis of a filter in proportion to its absolute value.
+#[derive(Clone, Debug)]
+pub struct FilterSampler {
+    profile: Profile,
+    /// Half the number of bins.
+    half: i32,
+    /// Running sums over the bins, from −radius: of |f|, to sample, and of f, to normalise.
+    absolute: Vec<f64>,
+    signed: Vec<f64>,
+}
+
+impl FilterSampler {
+    pub fn new(profile: Profile) -> Self {
+        let half = (profile.radius() * BINS as f64).ceil() as i32;
+        let (mut absolute, mut signed) = (vec![0.0], vec![0.0]);
+        let (mut a, mut s) = (0.0, 0.0);
+        for bin in -half..half {
+            let integral = |g: &dyn Fn(f64) -> f64| {
+                let (lo, hi) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
+                crate::math::quadrature::gauss_legendre(lo, hi, g)
+            };
+            a += integral(&|x| profile.eval(x).abs());
+            s += integral(&|x| profile.eval(x));
+            absolute.push(a);
+            signed.push(s);
+        }
+        Self { profile, half, absolute, signed }
+    }
+
+    /// A place on the axis, relative to the pixel's centre, and its weight: f / (pdf ∫f).
+    ///
+    /// `before` and `after` are how many further pixels the film has on each side: as in Mitsuba the filter ends at
+    /// the film, and the pixel is the average over what is left of it.
+    #[inline]
+    pub fn sample(&self, u: f64, before: u32, after: u32) -> (f64, f64) {
+        if self.profile == Profile::Box {
+            return (u - 0.5, 1.0);
+        }
+        let bin_at = |pixels: u32| (pixels.min(1 << 16) as i32 * BINS + BINS / 2).min(self.half);
+        let (first, last) = ((self.half - bin_at(before)) as usize, (self.half + bin_at(after)) as usize);
+        let (lo, hi) = (self.absolute[first], self.absolute[last]);
+        let target = lo + u * (hi - lo);
+        let bin = (self.absolute[first + 1..last].partition_point(|&c| c <= target) + first).min(last - 1);
+        let width = self.absolute[bin + 1] - self.absolute[bin];
+        let within = ((target - self.absolute[bin]) / width).clamp(0.0, 1.0);
+        let x = (bin as f64 + within - self.half as f64) / BINS as f64;
+        let pdf = width / (hi - lo) * BINS as f64;
+        (x, self.profile.eval(x) / (pdf * (self.signed[last] - self.signed[first])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Profile; 6] = [
+        Profile::Box,
+        Profile::Tent { radius: 1.0 },
+        Profile::Gaussian { deviation: 0.5 },
+        Profile::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 },
+        Profile::CatmullRom,
+        Profile::Lanczos { lobes: 3.0 },
+    ];
+
+    #[test]
+    fn weights_average_one_and_moments_are_those_of_the_filter() {
+        for profile in ALL {
+            let sampler = FilterSampler::new(profile);
+            for (before, after) in [(100, 100), (0, 100), (1, 0), (0, 0)] {
+                let (lo, hi) = (-(before as f64) - 0.5, after as f64 + 0.5);
+                let (lo, hi) = (lo.max(-profile.radius()), hi.min(profile.radius()));
+                let steps = 200_000;
+                let (mut norm, mut first) = (0.0, 0.0);
+                for i in 0..steps {
+                    let x = lo + (hi - lo) * (i as f64 + 0.5) / steps as f64;
+                    norm += profile.eval(x);
+                    first += profile.eval(x) * x;
+                }
+                let n = 100_000;
+                let (mut weight, mut moment) = (0.0, 0.0);
+                for i in 0..n {
+                    let (x, w) = sampler.sample((i as f64 + 0.5) / n as f64, before, after);
+                    assert!(x >= lo - 1e-12 && x <= hi + 1e-12, "{profile:?} {x}");
+                    weight += w / n as f64;
+                    moment += w * x / n as f64;
+                }
+                assert!((weight - 1.0).abs() < 1e-4, "{profile:?} {before} {after} {weight}");
+                assert!((moment - first / norm).abs() < 1e-4, "{profile:?} {before} {after}");
+            }
+        }
+    }
+
+    #[test]
+    fn cubics_interpolate_where_they_should() {
+        assert!(
+            (Profile::CatmullRom.eval(0.0) - 6.0).abs() < 1e-12
+                && Profile::CatmullRom.eval(1.0).abs() < 1e-12
+        );
+        assert!(Profile::Lanczos { lobes: 3.0 }.eval(2.0).abs() < 1e-15);
+    }
+}

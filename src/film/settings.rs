@@ -1,0 +1,168 @@
+//! What a scene says of its film.
+
+use super::filter::{FILTERS, FilterSampler, Profile};
+use crate::image::Window;
+use crate::math::DVec2;
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::scene::registry::{Entry, construct};
+use crate::spectrum::table::Tabulated;
+use crate::spectrum::{ColorMode, SpectralFunction};
+use crate::texture::AnyTexture;
+
+/// A film larger than this is refused: its accumulators alone would take tens of gigabytes.
+const MAX_PIXELS: u64 = 1 << 27;
+
+/// What is recorded.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// The part that the scene file asks for.
+    pub crop: Window,
+    pub filter: FilterSampler,
+    /// Filters reach beyond the crop; otherwise they end there, as in Mitsuba.
+    pub border: bool,
+    /// The responses of a spectral film, by channel name; an RGB film has none.
+    pub bands: Vec<Band>,
+}
+
+/// A spectral channel: the mean radiance weighted by a response.
+#[derive(Clone, Debug)]
+pub struct Band {
+    pub name: String,
+    pub response: Tabulated,
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self::new((768, 576), Profile::Gaussian { deviation: 0.5 })
+    }
+}
+
+impl Film {
+    pub fn new(size: (u32, u32), profile: Profile) -> Self {
+        let crop = Window { x: 0, y: 0, width: size.0, height: size.1 };
+        Self { size, crop, filter: FilterSampler::new(profile), border: false, bands: vec![] }
+    }
+
+    /// Where a sample of pixel (x, y) lies, in pixels of the film, and its weight.
+    #[inline]
+    pub fn place(&self, (x, y): (u32, u32), u: DVec2) -> (DVec2, f64) {
+        let (c, all) = (self.crop, u32::MAX);
+        let (left, right) = if self.border { (all, all) } else { (x - c.x, c.x + c.width - 1 - x) };
+        let (above, below) = if self.border { (all, all) } else { (y - c.y, c.y + c.height - 1 - y) };
+        let (dx, wx) = self.filter.sample(u.x, left, right);
+        let (dy, wy) = self.filter.sample(u.y, above, below);
+        (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        self.size.0 as f64 / self.size.1 as f64
+    }
+
+    /// The wavelengths a spectral film looks at.
+    pub fn band_range(&self) -> (f32, f32) {
+        let ranges = self.bands.iter().map(|b| b.response.range());
+        ranges.fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
+    }
+
+    /// Refuses sizes that no film can have.
+    pub fn check_size(width: u64, height: u64) -> Result<(), String> {
+        if width == 0 || height == 0 {
+            return Err(format!("a film of {width} × {height} pixels has no pixels"));
+        }
+        if width.saturating_mul(height) > MAX_PIXELS {
+            return Err(format!(
+                "a film of {width} × {height} pixels is too large; at most {MAX_PIXELS} are possible"
+            ));
+        }
+        Ok(())
+    }
+}
+
+macro_rules! films {
+    ($($name:literal, $about:literal, $parse:expr;)*) => {
+        /// Every film.
+        pub static FILMS: &[Entry<Film>] = &[$(Entry {
+            name: $name,
+            about: $about,
+            examples: &[],
+            parse: $parse,
+        }),*];
+    };
+}
+films! {
+    "hdrfilm", "Linear sRGB in f32, with the variance of every pixel.", |p| parse(p, false);
+    "specfilm", "Radiance weighted by spectral responses, one channel each.", |p| parse(p, true);
+}
+
+fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
+    let dimension = 0..=i64::from(u32::MAX);
+    let width = params.integer("width", 768, dimension.clone(), "pixels")? as u32;
+    let height = params.integer("height", 576, dimension, "pixels")? as u32;
+    Film::check_size(width as u64, height as u64)
+        .map_err(|e| params.error("width", e, "expected a smaller or larger size"))?;
+    let x = params.integer("crop_offset_x", 0, 0..=width as i64 - 1, "first column that is rendered")? as u32;
+    let y = params.integer("crop_offset_y", 0, 0..=height as i64 - 1, "first row that is rendered")? as u32;
+    let (right, bottom) = (i64::from(width - x), i64::from(height - y));
+    let crop = Window {
+        x,
+        y,
+        width: params.integer("crop_width", right, 1..=right, "columns that are rendered")? as u32,
+        height: params.integer("crop_height", bottom, 1..=bottom, "rows that are rendered")? as u32,
+    };
+    for (name, about) in [
+        ("pixel_format", "Mitsuba's; the file always holds RGB"),
+        ("component_format", "Mitsuba's; the file always holds f32"),
+        ("file_format", "Mitsuba's; the file is always EXR"),
+    ] {
+        params.string(name, about)?;
+    }
+    let border = params.boolean("sample_border", false, "whether filters reach beyond the film")?;
+    for name in ["compensate", "banner", "high_quality_edges"] {
+        params.boolean(name, false, "Mitsuba's; ignored")?;
+    }
+    let profile = match params.object("rfilter", "the reconstruction filter; `gaussian` by default")? {
+        None => Profile::Gaussian { deviation: 0.5 },
+        Some(element) => construct(FILTERS, element, params.loader, Usage::Unbounded)?,
+    };
+    let bands = if spectral { parse_bands(params)? } else { vec![] };
+    Ok(Film { size: (width, height), crop, filter: FilterSampler::new(profile), border, bands })
+}
+
+/// Every nested spectrum is a channel under its own name.
+fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
+    if params.loader.mode == ColorMode::Rgb {
+        return Err(SceneError::at(
+            &params.element.span,
+            "a specfilm needs spectral mode",
+            "drop `--color rgb`",
+        ));
+    }
+    let mut bands = vec![];
+    for element in params.objects("spectrum", "a response; its name is the channel's") {
+        let name = element.require("name")?.value.clone();
+        let response = match AnyTexture::parse(element, params.loader, Usage::Unbounded)? {
+            AnyTexture::Constant(SpectralFunction::Table(table)) => (*table).clone(),
+            _ => {
+                return Err(SceneError::at(
+                    &element.span,
+                    "a response must be a table",
+                    "expected `nm:value, …` pairs",
+                ));
+            }
+        };
+        bands.push(Band { name, response });
+    }
+    if bands.is_empty() {
+        return Err(SceneError::at(
+            &params.element.span,
+            "a specfilm without responses",
+            "add a <spectrum name=…>",
+        ));
+    }
+    bands.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(bands)
+}

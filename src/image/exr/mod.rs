@@ -1,0 +1,34 @@
+//! Images as OpenEXR files.
+//!
+//! The first part holds the means as 32-bit floats under the channels' names and their variances under
+//! `variance.NAME`. The data window is the crop window, the display window the full film. Provenance stands in the header as
+//! `etalon.NAME`. A shard has a second part, [`SHARD_PART`], with the words of the accumulators as unsigned integers:
+//! `NAME.00` and on, in the order of `ChannelAccumulator::word`; leaving a part out is easy for every reader, so a
+//! shard looks like any other image to a viewer.
+
+mod read;
+mod samples;
+mod write;
+
+pub use read::read_exr;
+pub use write::write_exr;
+
+#[cfg(test)]
+pub(super) use write::encode;
+
+/// Name of the part that holds a shard's accumulators.
+const SHARD_PART: &str = "accumulators";
+
+/// Prefix of the attributes that hold the provenance.
+const PREFIX: &str = "etalon.";
+
+/// Prefix of the channels that hold variances.
+const VARIANCE: &str = "variance.";
+
+/// Name of the channel that holds one word of the accumulators of the channel `name`.
+fn word_name(name: &str, word: usize) -> String {
+    format!("{name}.{word:02}")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,142 @@
+//! Reading.
+
+use super::{PREFIX, SHARD_PART, VARIANCE, word_name};
+use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
+use crate::image::provenance::{Attribute, Provenance};
+use crate::image::{Channel, Image, ImageError, Window};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, FlatSamples, IntegerBounds, Layer, LayerAttributes, Layers,
+    ReadChannels, ReadLayers, Vec2, read,
+};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+type File = exr::prelude::Image<Layers<AnyChannels<FlatSamples>>>;
+
+/// Reads an image from a flat OpenEXR file, its own or another program's. Of the latter's parts the first is
+/// taken, with half floats and integers converted to floats.
+pub fn read_exr(path: &Path) -> Result<Image, ImageError> {
+    let reader =
+        read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let file = reader.from_file(path).map_err(|error| ImageError::new(error).at(path))?;
+    decode(file).map_err(|error| error.at(path))
+}
+
+fn decode(mut file: File) -> Result<Image, ImageError> {
+    let film = file.attributes.display_window;
+    let is_shard =
+        |layer: &Part| layer.attributes.layer_name.as_ref().is_some_and(|name| name.eq(SHARD_PART));
+    let shard = file.layer_data.iter().position(is_shard).map(|index| file.layer_data.remove(index));
+    if file.layer_data.is_empty() {
+        return Err(ImageError::new("the file has no picture"));
+    }
+    let layer = file.layer_data.remove(0);
+    let crop = window(film, &layer)?;
+    let provenance = provenance(&layer.attributes)?;
+    let channels = channels(layer.channel_data, crop)?;
+    let accumulators = match (shard, &provenance) {
+        (Some(shard), Some(provenance)) => {
+            if window(film, &shard)? != crop || !provenance.samples.start.is_multiple_of(BLOCK) {
+                return Err(ImageError::new("the accumulators do not fit the picture"));
+            }
+            Some(accumulators(shard.channel_data, crop, &channels)?)
+        }
+        _ => None,
+    };
+    let full = (film.size.width() as u32, film.size.height() as u32);
+    Ok(Image { full, crop, channels, provenance, accumulators })
+}
+
+type Part = Layer<AnyChannels<FlatSamples>>;
+
+/// The data window relative to the upper left corner of the display window.
+fn window(film: IntegerBounds, layer: &Part) -> Result<Window, ImageError> {
+    let data = IntegerBounds::new(layer.attributes.layer_position, layer.size);
+    if !film.contains(data) {
+        return Err(ImageError::new("the data window reaches beyond the display window"));
+    }
+    let Vec2(x, y) = data.position - film.position;
+    Ok(Window {
+        x: x as u32,
+        y: y as u32,
+        width: data.size.width() as u32,
+        height: data.size.height() as u32,
+    })
+}
+
+/// The provenance, if the file has any of its attributes.
+fn provenance(attributes: &LayerAttributes) -> Result<Option<Provenance>, ImageError> {
+    let mut found = BTreeMap::new();
+    for (name, value) in &attributes.other {
+        let value = match value {
+            AttributeValue::Text(value) => Attribute::Text(value.to_string()),
+            AttributeValue::I32(value) => Attribute::Integer(*value),
+            AttributeValue::F32(value) => Attribute::Real(*value),
+            _ => continue,
+        };
+        if let Some(name) = name.to_string().strip_prefix(PREFIX) {
+            found.insert(name.to_owned(), value);
+        }
+    }
+    if found.is_empty() { Ok(None) } else { Provenance::from_attributes(found).map(Some) }
+}
+
+/// The channels with their variances; `R G B` first, the others by name.
+fn channels(channels: AnyChannels<FlatSamples>, crop: Window) -> Result<Vec<Channel>, ImageError> {
+    let mut found = BTreeMap::new();
+    for AnyChannel { name, sample_data, .. } in channels.list {
+        if sample_data.len() != crop.pixels() {
+            return Err(ImageError::new(format!("the channel `{name}` is subsampled")));
+        }
+        let values = match sample_data {
+            FlatSamples::F32(values) => values,
+            other => other.values_as_f32().collect(),
+        };
+        found.insert(name.to_string(), values);
+    }
+    let names: Vec<String> = found.keys().cloned().collect();
+    let mut channels = Vec::new();
+    for name in names {
+        // A variance has been taken together with its channel, which comes before it or after it.
+        let is_variance = name.strip_prefix(VARIANCE).is_some_and(|of| found.contains_key(of));
+        if !is_variance && let Some(mean) = found.remove(&name) {
+            let variance = found.remove(&format!("{VARIANCE}{name}"));
+            channels.push(Channel { name, mean, variance });
+        }
+    }
+    channels
+        .sort_by_key(|channel| ["R", "G", "B"].iter().position(|name| *name == channel.name).unwrap_or(3));
+    Ok(channels)
+}
+
+fn accumulators(
+    words: AnyChannels<FlatSamples>,
+    crop: Window,
+    channels: &[Channel],
+) -> Result<Accumulators, ImageError> {
+    let mut found: BTreeMap<String, Vec<u32>> = BTreeMap::new();
+    for AnyChannel { name, sample_data, .. } in words.list {
+        if let FlatSamples::U32(values) = sample_data
+            && values.len() == crop.pixels()
+        {
+            found.insert(name.to_string(), values);
+        }
+    }
+    let mut accumulators = Accumulators::new(crop.width, crop.height, channels.len());
+    for (index, Channel { name, .. }) in channels.iter().enumerate() {
+        let mut planes = Vec::new();
+        for word in (0..Accumulators::WORDS).map(|word| word_name(name, word)) {
+            let missing = || ImageError::new(format!("the channel `{word}` of the accumulators is missing"));
+            planes.push(found.remove(&word).ok_or_else(missing)?);
+        }
+        let positions = (0..crop.height).flat_map(|y| (0..crop.width).map(move |x| (x, y)));
+        for (pixel, (x, y)) in positions.enumerate() {
+            let words = std::array::from_fn(|word| planes[word][pixel]);
+            let damaged =
+                || ImageError::new(format!("the accumulator `{name}` of pixel ({x}, {y}) is damaged"));
+            accumulators.pixel_mut(x, y)[index] =
+                ChannelAccumulator::from_words(&words).ok_or_else(damaged)?;
+        }
+    }
+    Ok(accumulators)
+}

@@ -1,0 +1,150 @@
+//! Pictures for the eye: 8-bit sRGB, and PNG files of them.
+
+use super::atomic::write_file;
+use super::{Image, ImageError};
+use image::ImageEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use std::path::Path;
+
+/// What stands for a value that is not finite; no renderer makes it by accident.
+const MAGENTA: [u8; 3] = [255, 0, 255];
+
+/// A picture of 8-bit sRGB values, pixel by pixel in rows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rgb8 {
+    /// Number of columns.
+    pub width: u32,
+    /// Number of rows.
+    pub height: u32,
+    /// The pixels.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Rgb8 {
+    /// A picture of one colour.
+    pub fn filled(width: u32, height: u32, color: [u8; 3]) -> Rgb8 {
+        Rgb8 { width, height, pixels: vec![color; width as usize * height as usize] }
+    }
+
+    /// Copies another picture into this one, its upper left pixel to (`left`, `top`). What does not fit is cut off.
+    pub fn paste(&mut self, picture: &Rgb8, left: u32, top: u32) {
+        for y in 0..picture.height.min(self.height.saturating_sub(top)) {
+            for x in 0..picture.width.min(self.width.saturating_sub(left)) {
+                let target = (top + y) as usize * self.width as usize + (left + x) as usize;
+                self.pixels[target] = picture.pixels[y as usize * picture.width as usize + x as usize];
+            }
+        }
+    }
+}
+
+/// The sRGB code of a linear value in 0..1 (IEC 61966-2-1), rounded to the nearest of 256. Values outside are clamped.
+pub fn encode_srgb(linear: f32) -> u8 {
+    let linear = f64::from(linear).clamp(0.0, 1.0);
+    let encoded =
+        if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 };
+    (255.0 * encoded + 0.5) as u8
+}
+
+/// The picture of an image's channels `R G B`, and how many pixels of it are not finite; these are shown in magenta.
+///
+/// # Errors
+/// If the image lacks one of the channels.
+pub fn develop(image: &Image) -> Result<(Rgb8, usize), ImageError> {
+    let plane = |name: &str| {
+        let channel = image.channel(name).filter(|channel| channel.mean.len() == image.crop.pixels());
+        channel.ok_or_else(|| ImageError::new(format!("the image has no channel `{name}`")))
+    };
+    let (red, green, blue) = (plane("R")?, plane("G")?, plane("B")?);
+    let mut bad = 0;
+    let mut pixel = |i: usize| {
+        let linear = [red.mean[i], green.mean[i], blue.mean[i]];
+        if linear.iter().all(|value| value.is_finite()) {
+            linear.map(encode_srgb)
+        } else {
+            bad += 1;
+            MAGENTA
+        }
+    };
+    let pixels = (0..image.crop.pixels()).map(&mut pixel).collect();
+    Ok((Rgb8 { width: image.crop.width, height: image.crop.height, pixels }, bad))
+}
+
+/// Writes a picture to a PNG file, whole or not at all. Equal pictures give equal bytes.
+pub fn write_png(path: &Path, picture: &Rgb8) -> Result<(), ImageError> {
+    let mut bytes = Vec::new();
+    // Stated here, so that another default of the encoder does not change files.
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
+    encoder
+        .write_image(
+            picture.pixels.as_flattened(),
+            picture.width,
+            picture.height,
+            image::ExtendedColorType::Rgb8,
+        )
+        .map_err(|error| ImageError::new(error).at(path))?;
+    write_file(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Channel, Window};
+
+    fn rgb(values: &[[f32; 3]]) -> Image {
+        let channel = |(i, name): (usize, &str)| Channel {
+            name: name.into(),
+            mean: values.iter().map(|value| value[i]).collect(),
+            variance: None,
+        };
+        let crop = Window { x: 0, y: 0, width: values.len() as u32, height: 1 };
+        let channels = ["R", "G", "B"].into_iter().enumerate().map(channel).collect();
+        Image { full: (crop.width, 1), crop, channels, provenance: None, accumulators: None }
+    }
+
+    #[test]
+    fn every_code_comes_back_from_its_linear_value() {
+        for code in 0..=255u8 {
+            let encoded = f64::from(code) / 255.0;
+            let linear =
+                if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) };
+            assert_eq!(encode_srgb(linear as f32), code);
+        }
+    }
+
+    #[test]
+    fn values_outside_are_clamped() {
+        assert_eq!([-1.0, -0.0, 1.0, 1e30].map(encode_srgb), [0, 0, 255, 255]);
+        assert!((0..1000).map(|i| encode_srgb(i as f32 / 999.0)).is_sorted());
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_magenta_and_counted() {
+        let image = rgb(&[[0.0, 1.0, 0.5], [f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]]);
+        let picture = Rgb8 { width: 3, height: 1, pixels: vec![[0, 255, 188], MAGENTA, MAGENTA] };
+        assert_eq!(develop(&image), Ok((picture, 2)));
+        let mut grey = image;
+        grey.channels.truncate(1);
+        assert!(develop(&grey).is_err_and(|error| error.to_string().contains("`G`")));
+    }
+
+    #[test]
+    fn a_picture_comes_back_from_its_file() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("a.png");
+        let pixels = (0..=255u8).map(|i| [i, i ^ 0x55, 255 - i]).collect();
+        let picture = Rgb8 { width: 32, height: 8, pixels };
+        write_png(&path, &picture)?;
+        let back = image::open(&path)?.into_rgb8();
+        assert_eq!(back.dimensions(), (32, 8));
+        assert_eq!(back.into_raw(), picture.pixels.as_flattened());
+        Ok(())
+    }
+
+    #[test]
+    fn pasting_cuts_off_what_does_not_fit() {
+        let mut sheet = Rgb8::filled(2, 2, [0; 3]);
+        sheet.paste(&Rgb8::filled(2, 2, [9; 3]), 1, 1);
+        sheet.paste(&Rgb8::filled(2, 2, [7; 3]), 5, 0);
+        assert_eq!(sheet.pixels, [[0; 3], [0; 3], [0; 3], [9; 3]]);
+    }
+}

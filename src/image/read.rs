@@ -1,0 +1,69 @@
+//! Reading image files that scenes refer to.
+
+use crate::texture::bitmap::Pixels;
+use exr::prelude::*;
+use std::path::Path;
+
+/// Decodes EXR, PNG, JPEG or Radiance HDR; alpha is dropped. The error says what is wrong.
+pub fn pixels(path: &Path) -> std::result::Result<Pixels, String> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let pixels = match extension.as_str() {
+        "exr" => exr_pixels(path)?,
+        "hdr" | "rgbe" => hdr_pixels(path)?,
+        _ => other_pixels(path)?,
+    };
+    if pixels.width == 0 || pixels.height == 0 {
+        return Err("the image is empty".into());
+    }
+    match pixels.values.iter().position(|v| !v.is_finite()) {
+        None => Ok(pixels),
+        Some(i) => {
+            let texel = i / pixels.channels;
+            Err(format!("the texel ({}, {}) is not finite", texel % pixels.width, texel / pixels.width))
+        }
+    }
+}
+
+/// Many writers sign Radiance files in their own way, so the signature is not held against them.
+fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
+    let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
+    let decoder = image::codecs::hdr::HdrDecoder::new_nonstrict(std::io::BufReader::new(file));
+    let image = decoder.and_then(image::DynamicImage::from_decoder).map_err(|e| e.to_string())?;
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    Ok(Pixels { width, height, channels: 3, values: image.into_rgb32f().into_raw(), encoded: false })
+}
+
+fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
+    let image =
+        image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
+    let image = image.decode().map_err(|e| e.to_string())?;
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let color = image.color();
+    let is_float = matches!(color, image::ColorType::Rgb32F | image::ColorType::Rgba32F);
+    let (channels, values) = if color.has_color() {
+        (3, image.into_rgb32f().into_raw())
+    } else if color.bytes_per_pixel() / color.channel_count() == 2 {
+        (1, image.into_luma16().into_raw().iter().map(|&v| v as f32 / 65535.0).collect())
+    } else {
+        (1, image.into_luma8().into_raw().iter().map(|&v| v as f32 / 255.0).collect())
+    };
+    Ok(Pixels { width, height, channels, values, encoded: !is_float })
+}
+
+fn exr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
+    let image = read_first_flat_layer_from_file(path).map_err(|e| e.to_string())?;
+    let (width, height) = (image.layer_data.size.width(), image.layer_data.size.height());
+    let channel = |names: &[&str]| {
+        let mut list = image.layer_data.channel_data.list.iter();
+        let found = list.find(|c| names.contains(&c.name.to_string().as_str()));
+        found.map(|c| c.sample_data.values_as_f32().collect::<Vec<f32>>())
+    };
+    match (channel(&["R", "r"]), channel(&["G", "g"]), channel(&["B", "b"]), channel(&["Y", "y", "L"])) {
+        (Some(r), Some(g), Some(b), _) => {
+            let values = r.iter().zip(&g).zip(&b).flat_map(|((&r, &g), &b)| [r, g, b]).collect();
+            Ok(Pixels { width, height, channels: 3, values, encoded: false })
+        }
+        (_, _, _, Some(values)) => Ok(Pixels { width, height, channels: 1, values, encoded: false }),
+        _ => Err("the EXR has neither the channels R, G, B nor Y".into()),
+    }
+}

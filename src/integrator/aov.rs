@@ -1,0 +1,102 @@
+//! Properties of what is seen, beside the image of another integrator.
+
+use super::{AnyIntegrator, Counters, INTEGRATORS};
+use crate::math::Ray;
+use crate::scene::Scene;
+use crate::scene::error::{SceneError, known};
+use crate::scene::params::{Params, Usage};
+use crate::scene::registry::construct;
+
+pub const NAME: &str = "aov";
+pub const ABOUT: &str = "Depth, position, normals and the like as further channels; 0 where nothing is seen.";
+pub const EXAMPLES: &[&str] =
+    &[r#"<integrator type="aov"><string name="aovs" value="dd:depth,nn:sh_normal"/>
+    <integrator type="path"/></integrator>"#];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Property {
+    Depth,
+    Position,
+    Uv,
+    GeometricNormal,
+    ShadingNormal,
+    Tangent,
+    PrimitiveIndex,
+    ShapeIndex,
+}
+
+/// Names in scene files, and the suffixes of the channels.
+const PROPERTIES: &[(&str, Property, &[&str])] = &[
+    ("depth", Property::Depth, &["T"]),
+    ("position", Property::Position, &["X", "Y", "Z"]),
+    ("uv", Property::Uv, &["U", "V"]),
+    ("geo_normal", Property::GeometricNormal, &["X", "Y", "Z"]),
+    ("sh_normal", Property::ShadingNormal, &["X", "Y", "Z"]),
+    ("dp_du", Property::Tangent, &["X", "Y", "Z"]),
+    ("prim_index", Property::PrimitiveIndex, &["I"]),
+    ("shape_index", Property::ShapeIndex, &["I"]),
+];
+
+#[derive(Clone, Debug)]
+pub struct Aov {
+    /// What fills the colour channels.
+    pub nested: Option<AnyIntegrator>,
+    outputs: Vec<(String, Property, &'static [&'static str])>,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
+    let list = params.string("aovs", "pairs `channel:property`, with commas between")?;
+    let list = list.ok_or_else(|| params.error("aovs", "`aovs` is missing", "expected such as dd:depth"))?;
+    let mut outputs: Vec<(String, Property, &'static [&'static str])> = vec![];
+    for pair in list.value.split(',').map(str::trim).filter(|p| !p.is_empty()) {
+        let (name, kind) = pair.split_once(':').ok_or_else(|| {
+            SceneError::at(&list.value_span, format!("`{pair}` is no pair"), "expected `channel:property`")
+        })?;
+        let found = PROPERTIES.iter().find(|p| p.0 == kind.trim()).ok_or_else(|| {
+            let names: Vec<&str> = PROPERTIES.iter().map(|p| p.0).collect();
+            SceneError::at(&list.value_span, format!("unknown property `{kind}`"), known(kind, &names))
+        })?;
+        if outputs.iter().any(|(n, ..)| n == name) {
+            return Err(SceneError::at(&list.value_span, format!("the channel `{name}` is given twice"), ""));
+        }
+        outputs.push((name.to_owned(), found.1, found.2));
+    }
+    let nested = match params.object("integrator", "what fills the colour channels")? {
+        None => None,
+        Some(element) => Some(construct(INTEGRATORS, element, params.loader, Usage::Unbounded)?),
+    };
+    Ok(AnyIntegrator::Aov(Box::new(Aov { nested, outputs })))
+}
+
+impl Aov {
+    pub fn channels(&self) -> Vec<String> {
+        let of = |(name, _, suffixes): &(String, Property, &'static [&'static str])| {
+            suffixes.iter().map(|s| format!("{name}.{s}")).collect::<Vec<_>>()
+        };
+        self.outputs.iter().flat_map(of).collect()
+    }
+
+    pub fn values(&self, scene: &Scene, ray: &Ray, counters: &mut Counters, values: &mut [f64]) {
+        counters.rays += 1;
+        values.fill(0.0);
+        let Some(hit) = scene.accel.closest(ray) else { return };
+        let (shape, point) = scene.surface::<true>(ray, &hit);
+        let index = scene.shapes.iter().position(|s| std::ptr::eq(s, shape)).unwrap_or(0);
+        let mut values = values.iter_mut();
+        for (_, property, suffixes) in &self.outputs {
+            let v = match property {
+                Property::Depth => [hit.t, 0.0, 0.0],
+                Property::Position => point.p.to_array(),
+                Property::Uv => [point.uv.x, point.uv.y, 0.0],
+                Property::GeometricNormal => point.ng.to_array(),
+                Property::ShadingNormal => point.ns.to_array(),
+                Property::Tangent => point.dp_du.to_array(),
+                Property::PrimitiveIndex => [(hit.primitive - shape.first_primitive) as f64, 0.0, 0.0],
+                Property::ShapeIndex => [index as f64, 0.0, 0.0],
+            };
+            for (value, to) in v.iter().zip(values.by_ref().take(suffixes.len())) {
+                *to = *value;
+            }
+        }
+    }
+}

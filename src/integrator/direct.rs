@@ -1,0 +1,140 @@
+//! Direct light only.
+
+use super::light::{self, Vertex, power_heuristic};
+use super::path::{Arrival, environment, side_towards};
+use super::{AnyIntegrator, Counters};
+use crate::bsdf::Bsdf;
+use crate::math::{DVec2, DVec3, Ray};
+use crate::sampler::{FIRST_VERTEX, Sampler};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use crate::scene::{Features, Scene};
+use crate::spectrum::{Spectrum, Wavelengths};
+
+pub const NAME: &str = "direct";
+pub const ABOUT: &str =
+    "Emitters and what they light directly, with chosen numbers of emitter and BSDF samples.";
+pub const EXAMPLES: &[&str] = &[
+    r#"<integrator type="direct"/>"#,
+    r#"<integrator type="direct"><integer name="emitter_samples" value="4"/><integer name="bsdf_samples" value="2"/></integrator>"#,
+];
+
+#[derive(Clone, Copy, Debug)]
+pub struct Direct {
+    emitter_samples: u32,
+    bsdf_samples: u32,
+    hide_emitters: bool,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
+    let both = params.integer("shading_samples", 1, 1..=1024, "emitter and BSDF samples alike")?;
+    let emitter_samples =
+        params.integer("emitter_samples", both, 0..=1024, "samples of the emitters")? as u32;
+    let bsdf_samples = params.integer("bsdf_samples", both, 0..=1024, "samples of the BSDF")? as u32;
+    let hide_emitters = params.boolean("hide_emitters", false, "emitters are not seen directly")?;
+    if emitter_samples + bsdf_samples == 0 {
+        return Err(params.error(
+            "bsdf_samples",
+            "no samples at all",
+            "expected at least one of either kind",
+        ));
+    }
+    Ok(AnyIntegrator::Direct(Direct { emitter_samples, bsdf_samples, hide_emitters }))
+}
+
+impl Direct {
+    /// Estimates the radiance along a camera ray.
+    pub fn radiance<const F: u32>(
+        &self,
+        scene: &Scene,
+        mut ray: Ray,
+        λ: &mut Wavelengths,
+        sampler: &Sampler,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        let seen = Arrival { pdf: 1.0, delta: true };
+        let (hit, shape, point) = loop {
+            counters.rays += 1;
+            let Some(hit) = scene.accel.closest(&ray) else {
+                let hidden = F & Features::ENVIRONMENT == 0 || self.hide_emitters;
+                return if hidden { Spectrum::ZERO } else { environment(scene, &ray, seen, 1, λ) };
+            };
+            let (shape, point) = scene.surface::<true>(&ray, &hit);
+            if !(self.hide_emitters && shape.emitter.is_some()) {
+                break (hit, shape, point);
+            }
+            ray = Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive);
+        };
+        let mut radiance = match shape.emitter {
+            None => Spectrum::ZERO,
+            Some(index) => {
+                scene.emitters.list[index as usize].emitter.surface_radiance(&point, -ray.direction, λ)
+            }
+        };
+        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        let frame = point.frame(side.traits.anisotropic);
+        let bsdf = scene.materials[side.material as usize].at(&point, λ);
+        let mut vertex = Vertex {
+            point: &point,
+            primitive: hit.primitive,
+            frame: &frame,
+            bsdf: &bsdf,
+            wo: DVec3::ZERO,
+            side,
+        };
+        vertex.wo = vertex.to_local(-ray.direction);
+        let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
+        if side.traits.smooth {
+            for i in 0..self.emitter_samples {
+                let u = sampler.block(FIRST_VERTEX + i);
+                let counts = (emitter_count, bsdf_count);
+                let u_light = DVec2::new(u[0], u[1]);
+                radiance += light::sample_emitter(scene, &vertex, u[4], u_light, counts, λ, counters);
+            }
+        }
+        for i in 0..self.bsdf_samples {
+            let u = sampler.block(FIRST_VERTEX + i);
+            let Some(sample) = bsdf.sample(vertex.wo, u[5], DVec2::new(u[2], u[3])) else { continue };
+            let local =
+                if side.turned { DVec3::new(sample.wi.x, sample.wi.y, -sample.wi.z) } else { sample.wi };
+            let onward = Ray::leaving(point.p, frame.to_world(local), f64::INFINITY, hit.primitive);
+            let arrived = self.arriving::<F>(scene, &onward, &sample, λ, counters);
+            radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;
+        }
+        radiance
+    }
+
+    /// Emitted light along a sampled direction, weighted against the emitter samples.
+    fn arriving<const F: u32>(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        sample: &crate::bsdf::Sample,
+        λ: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        counters.rays += 1;
+        let (emitted, pdf) = match scene.accel.closest(ray) {
+            None if F & Features::ENVIRONMENT == 0 => return Spectrum::ZERO,
+            None => {
+                let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
+                let found = scene.emitters.list[index].emitter.distant_radiance(ray.direction, λ);
+                let Some((radiance, pdf)) = found else { return Spectrum::ZERO };
+                (radiance, pdf * scene.emitters.probability(index))
+            }
+            Some(hit) => {
+                let (shape, point) = scene.surface::<true>(ray, &hit);
+                let Some(index) = shape.emitter else { return Spectrum::ZERO };
+                let emitter = &scene.emitters.list[index as usize].emitter;
+                let pdf = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
+                let radiance = emitter.surface_radiance(&point, -ray.direction, λ);
+                (radiance, pdf * scene.emitters.probability(index as usize))
+            }
+        };
+        if sample.delta {
+            return emitted;
+        }
+        let own = self.bsdf_samples as f64 * sample.pdf;
+        emitted * power_heuristic(own, self.emitter_samples as f64 * pdf) as f32
+    }
+}

@@ -1,0 +1,78 @@
+//! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
+
+use super::Counters;
+use crate::bsdf::{AnyBsdf, Bsdf};
+use crate::math::{DVec2, DVec3, Frame, Ray};
+use crate::scene::{Scene, Side};
+use crate::shape::SurfacePoint;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// The power heuristic with exponent 2 (Veach 1997, §9.2.4), as 1/(1 + (b/a)²): densities are never squared alone,
+/// so none can overflow.
+#[inline]
+pub fn power_heuristic(a: f64, b: f64) -> f64 {
+    let ratio = b / a;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// A surface point where light is gathered.
+pub struct Vertex<'a> {
+    pub point: &'a SurfacePoint,
+    pub primitive: u32,
+    pub frame: &'a Frame,
+    pub bsdf: &'a AnyBsdf<'a>,
+    pub wo: DVec3,
+    pub side: Side,
+}
+
+impl Vertex<'_> {
+    /// World direction to the local frame of the side.
+    #[inline]
+    pub fn to_local(&self, w: DVec3) -> DVec3 {
+        let local = self.frame.to_local(w);
+        if self.side.turned { DVec3::new(local.x, local.y, -local.z) } else { local }
+    }
+}
+
+/// One emitter sample out of `count`, weighted against `rivals` BSDF samples: an estimate of the direct light that
+/// this technique has to contribute.
+///
+/// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
+/// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n.
+#[inline]
+pub fn sample_emitter(
+    scene: &Scene,
+    vertex: &Vertex,
+    choice: f64,
+    u: DVec2,
+    (count, rivals): (f64, f64),
+    λ: &Wavelengths,
+    counters: &mut Counters,
+) -> Spectrum {
+    let Some((entry, probability, _)) = scene.emitters.sample(choice) else { return Spectrum::ZERO };
+    let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
+    let Some(light) = entry.emitter.sample(shape, vertex.point.p, u, λ) else { return Spectrum::ZERO };
+    let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
+    if scattered.value.is_zero() || light.radiance.is_zero() {
+        return Spectrum::ZERO;
+    }
+    counters.rays += 1;
+    if scene.accel.occluded(&Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive)) {
+        return Spectrum::ZERO;
+    }
+    let pdf = light.pdf * probability;
+    let weight = if light.delta { 1.0 } else { power_heuristic(count * pdf, rivals * scattered.pdf) };
+    scattered.value * light.radiance * (weight / (pdf * count)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power_heuristic;
+
+    #[test]
+    fn weights_sum_to_one_at_any_scale() {
+        for (a, b) in [(1.0, 3.0), (1e200, 3e200), (1e-300, 1e300), (0.0, 1.0)] {
+            assert!((power_heuristic(a, b) + power_heuristic(b, a) - 1.0).abs() < 1e-15, "{a} {b}");
+        }
+    }
+}

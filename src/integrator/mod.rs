@@ -1,0 +1,169 @@
+//! Estimators of what a pixel sees.
+//!
+//! *How to add one*: write `integrator/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
+//! [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
+
+mod aov;
+mod depth;
+mod direct;
+pub mod light;
+pub mod path;
+
+use crate::math::{DVec3, Ray};
+use crate::sampler::Sampler;
+use crate::scene::registry::Entry;
+use crate::scene::{Features, Scene};
+use crate::shape::Hit;
+use crate::spectrum::{Spectrum, Wavelengths};
+pub use aov::Aov;
+pub use depth::Depth;
+pub use direct::Direct;
+pub use path::Path;
+
+/// Any integrator.
+#[derive(Clone, Debug)]
+pub enum AnyIntegrator {
+    Path(Path),
+    Direct(Direct),
+    Depth(Depth),
+    Aov(Box<Aov>),
+}
+
+macro_rules! integrators {
+    ($($module:ident),* $(,)?) => {
+        /// Every integrator.
+        pub static INTEGRATORS: &[Entry<AnyIntegrator>] = &[$(Entry {
+            name: $module::NAME,
+            about: $module::ABOUT,
+            examples: $module::EXAMPLES,
+            parse: $module::parse,
+        }),*];
+    };
+}
+integrators!(path, direct, depth, aov);
+
+impl Default for AnyIntegrator {
+    fn default() -> Self {
+        Self::Path(Path::default())
+    }
+}
+
+/// What happened along the way, for reports.
+#[derive(Clone, Debug, Default)]
+pub struct Counters {
+    pub rays: u64,
+    /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
+    pub cut: u64,
+    /// The vertices of the path, for `etalon replay` only.
+    pub log: Option<Vec<Event>>,
+}
+
+/// A vertex of a replayed path, as it was when the path arrived.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    pub hit: Hit,
+    pub p: DVec3,
+    /// What light from here on is multiplied with.
+    pub throughput: Spectrum,
+    /// Gathered so far, emission at this vertex included.
+    pub radiance: Spectrum,
+    /// Wavelength of lane 0 in nm.
+    pub nm: f32,
+}
+
+/// Estimates the radiance along one ray.
+pub type Kernel = fn(&Scene, &AnyIntegrator, Ray, &mut Wavelengths, &Sampler, &mut Counters) -> Spectrum;
+
+/// A compiled kernel and what it can do.
+#[derive(Debug)]
+pub struct KernelEntry {
+    pub features: Features,
+    pub name: &'static str,
+    pub run: Kernel,
+}
+
+macro_rules! kernels {
+    ($($name:literal: $features:expr),* $(,)?) => {
+        /// From least to most able. A scene runs the first that has all it needs; on any scene that several can
+        /// run, their images are equal to the bit.
+        pub static KERNELS: &[KernelEntry] = &[$(KernelEntry {
+            features: Features($features),
+            name: $name,
+            run: radiance::<{ $features }>,
+        }),*];
+    };
+}
+kernels! {
+    "plain": 0,
+    "plain+environment": Features::ENVIRONMENT,
+    "textured": Features::TEXTURES | Features::ENVIRONMENT,
+    "full": Features::ALL,
+}
+
+/// The least kernel that suffices.
+pub fn kernel_for(features: Features) -> &'static KernelEntry {
+    let enough = |k: &&KernelEntry| k.features.0 & features.0 == features.0;
+    KERNELS.iter().find(enough).unwrap_or(&KERNELS[KERNELS.len() - 1])
+}
+
+fn radiance<const F: u32>(
+    scene: &Scene,
+    integrator: &AnyIntegrator,
+    ray: Ray,
+    λ: &mut Wavelengths,
+    sampler: &Sampler,
+    counters: &mut Counters,
+) -> Spectrum {
+    match integrator {
+        AnyIntegrator::Path(path) => path.radiance::<F>(scene, ray, λ, sampler, counters),
+        AnyIntegrator::Direct(direct) => direct.radiance::<F>(scene, ray, λ, sampler, counters),
+        AnyIntegrator::Depth(_) => Spectrum::ZERO,
+        AnyIntegrator::Aov(aov) => match &aov.nested {
+            Some(nested) => radiance::<F>(scene, nested, ray, λ, sampler, counters),
+            None => Spectrum::ZERO,
+        },
+    }
+}
+
+impl AnyIntegrator {
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Path(_) => path::NAME,
+            Self::Direct(_) => direct::NAME,
+            Self::Depth(_) => depth::NAME,
+            Self::Aov(_) => aov::NAME,
+        }
+    }
+
+    /// Whether the image has colours, and not only auxiliary channels.
+    pub fn has_radiance(&self) -> bool {
+        match self {
+            Self::Path(_) | Self::Direct(_) => true,
+            Self::Depth(_) => false,
+            Self::Aov(aov) => aov.nested.as_ref().is_some_and(|n| n.has_radiance()),
+        }
+    }
+
+    /// Whether texture coordinates are needed even where no texture is.
+    pub fn needs_uv(&self) -> bool {
+        matches!(self, Self::Aov(_))
+    }
+
+    /// Names of the channels besides the colours.
+    pub fn extra_channels(&self) -> Vec<String> {
+        match self {
+            Self::Path(_) | Self::Direct(_) => vec![],
+            Self::Depth(_) => ["R", "G", "B"].map(String::from).to_vec(),
+            Self::Aov(aov) => aov.channels(),
+        }
+    }
+
+    /// Values of the extra channels for one camera ray.
+    pub fn extra_values(&self, scene: &Scene, ray: &Ray, counters: &mut Counters, values: &mut [f64]) {
+        match self {
+            Self::Path(_) | Self::Direct(_) => {}
+            Self::Depth(depth) => depth.values(scene, ray, counters, values),
+            Self::Aov(aov) => aov.values(scene, ray, counters, values),
+        }
+    }
+}

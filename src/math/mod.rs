@@ -1,0 +1,22 @@
+//! Vectors, frames, rays, warps and reproducible functions: everything the models share and no model owns.
+//!
+//! All of it is `f64` and uses only operations whose result IEEE 754 fixes, or functions of [`function`] that are
+//! built from those. The platform's mathematics library never decides a bit of an image.
+
+pub mod discrete;
+pub mod frame;
+pub mod function;
+pub mod quadrature;
+pub mod ray;
+pub mod simd;
+pub mod transform;
+pub mod warp;
+
+pub use discrete::Discrete;
+pub use frame::Frame;
+pub use glam::{DVec2, DVec3};
+pub use ray::Ray;
+pub use transform::Transform;
+
+/// π⁻¹, the normalisation of the cosine over the hemisphere.
+pub const INV_PI: f64 = std::f64::consts::FRAC_1_PI;

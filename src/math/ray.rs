@@ -1,0 +1,53 @@
+//! Rays.
+
+use glam::DVec3;
+
+/// A half-line in world space, with the primitive it starts on.
+///
+/// A ray never meets the planar primitive it starts on again, and meets a quadric it starts on only at the other
+/// root: leaving a surface needs no offset and no epsilon. `start` bounds the rounding error of the origin
+/// against neighbouring primitives.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    pub origin: DVec3,
+    /// Unit length.
+    pub direction: DVec3,
+    /// Distances at or below this are rounding error of `origin`.
+    pub start: f64,
+    /// Distances at or beyond this are not looked at.
+    pub end: f64,
+    /// The primitive that `origin` lies on, or [`Ray::FREE`].
+    pub from: u32,
+}
+
+impl Ray {
+    /// The `from` of a ray that starts in free space.
+    pub const FREE: u32 = u32::MAX;
+
+    /// A ray from a point in free space.
+    pub fn free(origin: DVec3, direction: DVec3) -> Self {
+        Self { origin, direction, start: 0.0, end: f64::INFINITY, from: Self::FREE }
+    }
+
+    /// A ray that leaves primitive `from` at `origin`, to distance `end`.
+    #[inline]
+    pub fn leaving(origin: DVec3, direction: DVec3, end: f64, from: u32) -> Self {
+        Self { origin, direction, start: position_error(origin), end, from }
+    }
+
+    /// The point at distance `t`.
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// A bound of the rounding error of a computed surface point.
+///
+/// Points are interpolated from stored vertices or projected onto quadrics in `f64`: about ten roundings of
+/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene.
+#[inline]
+pub fn position_error(p: DVec3) -> f64 {
+    const TEN_ROUNDINGS: f64 = 1.0 / (1u64 << 49) as f64;
+    p.abs().max_element() * TEN_ROUNDINGS
+}

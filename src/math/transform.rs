@@ -1,0 +1,119 @@
+//! Affine maps with their inverses.
+
+use super::function::{sincos, tan};
+use glam::{DMat4, DVec3, DVec4};
+
+/// An affine (or, for cameras, projective) map and its inverse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    pub matrix: DMat4,
+    pub inverse: DMat4,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Transform {
+    pub const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, inverse: DMat4::IDENTITY };
+
+    /// From a matrix; `None` if it is singular or not finite.
+    pub fn from_matrix(matrix: DMat4) -> Option<Self> {
+        let inverse = matrix.inverse();
+        let usable = matrix.is_finite() && inverse.is_finite() && matrix.determinant() != 0.0;
+        usable.then_some(Self { matrix, inverse })
+    }
+
+    pub fn translate(by: DVec3) -> Self {
+        Self { matrix: DMat4::from_translation(by), inverse: DMat4::from_translation(-by) }
+    }
+
+    /// `None` if a factor is zero.
+    pub fn scale(by: DVec3) -> Option<Self> {
+        let usable = by.cmpne(DVec3::ZERO).all() && by.is_finite();
+        usable.then(|| Self { matrix: DMat4::from_scale(by), inverse: DMat4::from_scale(by.recip()) })
+    }
+
+    /// Rotation about `axis` by an angle in degrees (Rodrigues); `None` if the axis has no length.
+    pub fn rotate(axis: DVec3, degrees: f64) -> Option<Self> {
+        let k = axis.try_normalize()?;
+        let (sin, cos) = sincos(degrees.to_radians());
+        let column = |e: DVec3| (e * cos + k.cross(e) * sin + k * (k.dot(e) * (1.0 - cos))).extend(0.0);
+        let matrix = DMat4::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z), DVec4::W);
+        Some(Self { matrix, inverse: matrix.transpose() })
+    }
+
+    /// Mitsuba's camera frame: at `origin`, looking along +z at `target`, +x to the left of `up`.
+    /// `None` if the three do not span a plane.
+    pub fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
+        let forward = (target - origin).try_normalize()?;
+        let left = up.cross(forward).try_normalize()?;
+        let up = forward.cross(left);
+        Self::from_matrix(DMat4::from_cols(
+            left.extend(0.0),
+            up.extend(0.0),
+            forward.extend(0.0),
+            origin.extend(1.0),
+        ))
+    }
+
+    /// `self` after `first`.
+    pub fn after(&self, first: &Self) -> Self {
+        Self { matrix: self.matrix * first.matrix, inverse: first.inverse * self.inverse }
+    }
+
+    pub fn inverted(&self) -> Self {
+        Self { matrix: self.inverse, inverse: self.matrix }
+    }
+
+    #[inline]
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.matrix.transform_point3(p)
+    }
+
+    #[inline]
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.matrix.transform_vector3(v)
+    }
+
+    /// Normals go with the inverse transpose; the result is not normalised.
+    #[inline]
+    pub fn normal(&self, n: DVec3) -> DVec3 {
+        self.inverse.transpose().transform_vector3(n)
+    }
+
+    /// Whether the map mirrors space.
+    pub fn mirrors(&self) -> bool {
+        self.matrix.determinant() < 0.0
+    }
+}
+
+/// Half the width of an image plane at distance 1 that spans `degrees`.
+pub fn half_width(degrees: f64) -> f64 {
+    tan(0.5 * degrees.to_radians())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverses_undo() {
+        let t = Transform::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::new(-4.0, 0.5, 2.0), DVec3::Y)
+            .and_then(|t| Some(t.after(&Transform::rotate(DVec3::new(1.0, 1.0, 0.2), 40.0)?)))
+            .and_then(|t| Some(t.after(&Transform::scale(DVec3::new(2.0, -3.0, 0.5))?)))
+            .unwrap();
+        let p = DVec3::new(0.3, -0.7, 5.0);
+        assert!((t.inverted().point(t.point(p)) - p).length() < 1e-13);
+        assert!(t.mirrors());
+    }
+
+    #[test]
+    fn degenerate_maps_are_refused() {
+        assert!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)).is_none());
+        assert!(Transform::rotate(DVec3::ZERO, 10.0).is_none());
+        assert!(Transform::look_at(DVec3::ZERO, DVec3::Y, DVec3::Y).is_none());
+    }
+}

@@ -1,0 +1,209 @@
+//! Who computes what, and when. Nothing here can change a pixel: every camera sample is a function of the scene, the
+//! seed, its pixel and its number ([`sample`]), and pixels add up in an order that does not matter ([`crate::film`]).
+
+pub mod sample;
+
+use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
+use crate::image::{Channel, Image, Provenance, Window};
+use crate::integrator::{Counters, KernelEntry, kernel_for};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use sample::Camera;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Edge of the square tiles that threads take, in pixels.
+const TILE: u32 = 16;
+
+/// What to render of a scene.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Numbers of the samples of every pixel; must begin at a multiple of [`BLOCK`].
+    pub samples: Range<u64>,
+    pub seed: u32,
+    /// Pixels of the film.
+    pub window: Window,
+    /// 0 means one for each processor.
+    pub threads: usize,
+    /// Keep the exact sums, so that the image can be merged with others.
+    pub shard: bool,
+    /// Run this kernel instead of the least sufficient one.
+    pub kernel: Option<&'static KernelEntry>,
+}
+
+/// A camera sample whose value is not a number or infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NonFinite {
+    pub pixel: (u32, u32),
+    pub sample: u64,
+}
+
+/// What a render did besides making an image.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Camera samples.
+    pub samples: u64,
+    pub rays: u64,
+    /// Paths cut at the hard limit of vertices.
+    pub cut: u64,
+    pub non_finite: u64,
+    /// The first few of them, in order of pixel and sample.
+    pub first_non_finite: Vec<NonFinite>,
+    pub kernel: &'static str,
+    pub threads: usize,
+}
+
+/// Shared between a render and whoever watches it.
+#[derive(Debug, Default)]
+pub struct Progress {
+    /// Camera samples that are done.
+    pub done: AtomicU64,
+    /// Set to stop early; the render then returns nothing.
+    pub stop: AtomicBool,
+}
+
+/// How many non-finite samples are listed.
+const LISTED: usize = 8;
+
+struct Tile {
+    window: Window,
+    /// Pixel by pixel, channel by channel: exact sums for a shard, else what will be written of them.
+    sums: Vec<ChannelAccumulator>,
+    moments: Vec<(f32, f32)>,
+    counters: Counters,
+    non_finite: u64,
+    first_non_finite: Vec<NonFinite>,
+}
+
+/// Renders. `None` if `progress` was told to stop, or if the threads could not be started.
+pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
+    debug_assert_eq!(settings.samples.start % BLOCK, 0);
+    let kernel = settings.kernel.unwrap_or_else(|| kernel_for(scene.features));
+    let camera = Camera::new(scene, settings.seed, kernel);
+    let names = camera.channel_names();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().ok()?;
+    let tiles = pool.install(|| {
+        let windows: Vec<Window> = tiles(settings.window).collect();
+        windows
+            .into_par_iter()
+            .map(|w| tile(&camera, w, names.len(), settings, progress))
+            .collect::<Option<Vec<Tile>>>()
+    })?;
+    let mut report = Report { kernel: kernel.name, threads: pool.current_num_threads(), ..Report::default() };
+    for tile in &tiles {
+        report.rays += tile.counters.rays;
+        report.cut += tile.counters.cut;
+        report.non_finite += tile.non_finite;
+        report.first_non_finite.extend(&tile.first_non_finite);
+    }
+    report.first_non_finite.sort_by_key(|n| (n.pixel.1, n.pixel.0, n.sample));
+    report.first_non_finite.truncate(LISTED);
+    let count = settings.samples.end - settings.samples.start;
+    report.samples = count * settings.window.pixels() as u64;
+    let provenance = Provenance {
+        version: env!("CARGO_PKG_VERSION").into(),
+        scene: scene.hash.clone(),
+        seed: settings.seed as u64,
+        samples: settings.samples.clone(),
+        kernel: kernel.name.into(),
+        integrator: scene.integrator.name().into(),
+        extra: BTreeMap::new(),
+    };
+    Some((assemble(scene, settings, names, tiles, provenance), report))
+}
+
+fn tiles(window: Window) -> impl Iterator<Item = Window> {
+    let columns = (0..window.width).step_by(TILE as usize);
+    (0..window.height).step_by(TILE as usize).flat_map(move |y| {
+        columns.clone().map(move |x| Window {
+            x: window.x + x,
+            y: window.y + y,
+            width: TILE.min(window.width - x),
+            height: TILE.min(window.height - y),
+        })
+    })
+}
+
+fn tile(
+    camera: &Camera,
+    window: Window,
+    channels: usize,
+    settings: &Settings,
+    progress: &Progress,
+) -> Option<Tile> {
+    let mut sums = vec![ChannelAccumulator::default(); channels];
+    let count = settings.samples.end - settings.samples.start;
+    let mut kept = vec![];
+    let mut moments = vec![];
+    let mut counters = Counters::default();
+    let mut values = vec![0.0; channels];
+    let (mut non_finite, mut first_non_finite) = (0, vec![]);
+    for i in 0..window.pixels() {
+        if progress.stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let pixel = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
+        for sample in settings.samples.clone() {
+            camera.sample(pixel, sample, &mut counters, &mut values);
+            let mut finite = true;
+            for (sum, value) in sums.iter_mut().zip(&values) {
+                sum.add(sample, *value);
+                finite &= value.is_finite();
+            }
+            if !finite {
+                non_finite += 1;
+                if first_non_finite.len() < LISTED {
+                    first_non_finite.push(NonFinite { pixel, sample });
+                }
+            }
+        }
+        if settings.shard {
+            kept.extend_from_slice(&sums);
+        } else {
+            moments.extend(sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)));
+        }
+        sums.fill(ChannelAccumulator::default());
+        progress.done.fetch_add(count, Ordering::Relaxed);
+    }
+    Some(Tile { window, sums: kept, moments, counters, non_finite, first_non_finite })
+}
+
+/// Places the tiles; each pixel comes from exactly one.
+fn assemble(
+    scene: &Scene,
+    settings: &Settings,
+    names: Vec<String>,
+    tiles: Vec<Tile>,
+    provenance: Provenance,
+) -> Image {
+    let (window, full) = (settings.window, scene.sensor.film.size);
+    if settings.shard {
+        let mut accumulators = Accumulators::new(window.width, window.height, names.len());
+        for tile in &tiles {
+            for (i, sums) in tile.sums.chunks_exact(names.len()).enumerate() {
+                let (x, y) = (
+                    tile.window.x + i as u32 % tile.window.width,
+                    tile.window.y + i as u32 / tile.window.width,
+                );
+                accumulators.pixel_mut(x - window.x, y - window.y).copy_from_slice(sums);
+            }
+        }
+        return Image::from_accumulators(full, window, &names, provenance, accumulators, true);
+    }
+    let empty = || vec![0.0f32; window.pixels()];
+    let mut channels: Vec<Channel> =
+        names.into_iter().map(|name| Channel { name, mean: empty(), variance: Some(empty()) }).collect();
+    for tile in &tiles {
+        for (i, moments) in tile.moments.chunks_exact(channels.len()).enumerate() {
+            let (x, y) =
+                (tile.window.x + i as u32 % tile.window.width, tile.window.y + i as u32 / tile.window.width);
+            let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
+            for (channel, (mean, variance)) in channels.iter_mut().zip(moments) {
+                channel.mean[at] = *mean;
+                channel.variance.iter_mut().for_each(|v| v[at] = *variance);
+            }
+        }
+    }
+    Image { full, crop: window, channels, provenance: Some(provenance), accumulators: None }
+}

@@ -1,0 +1,157 @@
+//! Numbers in [0, 1), each a function of (seed, pixel, sample, dimension) and of nothing else.
+//!
+//! Numbers come in blocks of eight: block 0 belongs to the camera, one further block to every vertex of a path.
+//! Within a block the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a sampler may stratify together.
+//!
+//! *How to add one*: write `sampler/<name>.rs` with a function that makes a block; add a variant of [`Kind`] and its
+//! rows in [`SAMPLERS`].
+
+mod independent;
+mod sobol;
+
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use crate::scene::registry::Entry;
+
+/// What a sampler's element declares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SamplerSettings {
+    pub kind: Kind,
+    pub samples: u32,
+    pub seed: u32,
+}
+
+impl Default for SamplerSettings {
+    fn default() -> Self {
+        Self { kind: Kind::Sobol, samples: 4, seed: 0 }
+    }
+}
+
+/// How numbers are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Independent,
+    Sobol,
+}
+
+macro_rules! samplers {
+    ($($name:literal, $kind:ident, $about:literal;)*) => {
+        /// Every sampler. Etalon's images equal Mitsuba's in expectation, never in noise, so Mitsuba's stratified
+        /// samplers all mean the best stratification there is here.
+        pub static SAMPLERS: &[Entry<SamplerSettings>] = &[$(Entry {
+            name: $name,
+            about: $about,
+            examples: &[concat!(r#"<sampler type=""#, $name, r#""><integer name="sample_count" value="64"/></sampler>"#)],
+            parse: |params| parse(params, Kind::$kind),
+        }),*];
+    };
+}
+samplers! {
+    "independent", Independent, "Independent uniform numbers (PCG).";
+    "sobol", Sobol, "Owen-scrambled Sobol pairs; the default.";
+    "stratified", Sobol, "Accepted for Mitsuba's sake; the same as `sobol`.";
+    "multijitter", Sobol, "Accepted for Mitsuba's sake; the same as `sobol`.";
+    "orthogonal", Sobol, "Accepted for Mitsuba's sake; the same as `sobol`.";
+    "ldsampler", Sobol, "Accepted for Mitsuba's sake; the same as `sobol`.";
+}
+
+fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError> {
+    let samples = params.integer("sample_count", 4, 1..=i64::from(u32::MAX), "samples a pixel")? as u32;
+    let seed = params.integer("seed", 0, 0..=i64::from(u32::MAX), "another seed, another noise")? as u32;
+    params.boolean("jitter", true, "Mitsuba's option of stratified samplers; ignored")?;
+    Ok(SamplerSettings { kind, samples, seed })
+}
+
+/// The numbers of one camera sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampler {
+    kind: Kind,
+    /// Stands for the seed and the pixel.
+    key: u32,
+    sample: u32,
+}
+
+/// The block of the camera.
+pub const CAMERA: u32 = 0;
+/// The blocks of the vertices begin here.
+pub const FIRST_VERTEX: u32 = 1;
+/// The blocks of further emitter samples begin here, beyond any vertex.
+pub const FURTHER_EMITTER_SAMPLES: u32 = 1 << 30;
+
+impl Sampler {
+    pub fn new(kind: Kind, seed: u32, pixel: (u32, u32), sample: u32) -> Self {
+        let key = mix(pixel.0 ^ mix(pixel.1 ^ mix(seed ^ 0x9e37_79b9)));
+        Self { kind, key, sample }
+    }
+
+    /// Eight numbers in [0, 1).
+    #[inline]
+    pub fn block(&self, block: u32) -> [f64; 8] {
+        let bits = match self.kind {
+            Kind::Independent => independent::block(self.key, self.sample, block),
+            Kind::Sobol => sobol::block(self.key, self.sample, block),
+        };
+        bits.map(|b| b as f64 * (1.0 / 4294967296.0))
+    }
+}
+
+/// A hash of 32 bits whose every output bit depends on every input bit (Wellons' lowbias32).
+#[inline]
+pub fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Kolmogorov–Smirnov distance from uniform, in units of 1/√n.
+    fn distance(mut values: Vec<f64>) -> f64 {
+        values.sort_by(f64::total_cmp);
+        let n = values.len() as f64;
+        let gaps = values
+            .iter()
+            .enumerate()
+            .map(|(i, v)| (v - i as f64 / n).abs().max((v - (i + 1) as f64 / n).abs()));
+        gaps.fold(0.0, f64::max) * n.sqrt()
+    }
+
+    #[test]
+    fn every_dimension_is_uniform_over_samples_and_over_pixels() {
+        for kind in [Kind::Independent, Kind::Sobol] {
+            for dimension in 0..8 {
+                for block in [0, 1, 7] {
+                    let value = |pixel, sample| Sampler::new(kind, 1, pixel, sample).block(block)[dimension];
+                    // Exceeded once in 10⁷.
+                    assert!(
+                        distance((0..4096).map(|s| value((3, 5), s)).collect()) < 2.9,
+                        "{kind:?} {dimension}"
+                    );
+                    assert!(
+                        distance((0..4096).map(|p| value((p % 64, p / 64), 0)).collect()) < 2.9,
+                        "{kind:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_pixels_and_samples_do_not_share_numbers() {
+        let all = |kind| {
+            let mut seen = std::collections::BTreeSet::new();
+            for (seed, x, y, sample) in [(0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
+            {
+                for v in Sampler::new(kind, seed, (x, y), sample).block(3) {
+                    seen.insert(v.to_bits());
+                }
+            }
+            seen.len()
+        };
+        assert_eq!((all(Kind::Independent), all(Kind::Sobol)), (40, 40));
+    }
+}

@@ -1,0 +1,286 @@
+//! From a document to a [`Scene`].
+
+use super::error::{SceneError, known};
+use super::loader::Loader;
+use super::params::{Params, Usage};
+use super::registry::construct;
+use super::xml::{self, Document, Element};
+use super::{Features, Overrides, Scene, Shape, Side, overrides};
+use crate::bsdf::AnyMaterial;
+use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
+use crate::integrator::{AnyIntegrator, INTEGRATORS};
+use crate::math::DVec3;
+use crate::sensor::Sensor;
+use crate::shape::accel::Accel;
+use crate::shape::{Geometry, SHAPES};
+use crate::spectrum::ColorMode;
+use crate::texture::AnyTexture;
+use std::collections::BTreeMap;
+use std::path::Path;
+use xxhash_rust::xxh3::Xxh3;
+
+/// Reads a scene file. `definitions` are values for its `$parameters`.
+pub fn load(
+    path: &Path,
+    definitions: &[(String, String)],
+    mode: ColorMode,
+    overrides: &Overrides,
+) -> Result<Scene, SceneError> {
+    let mut document = xml::read(path, definitions)?;
+    overrides::apply(&mut document, overrides)?;
+    build(&document, mode)
+}
+
+/// Reads a scene from text, as if it stood in a file called `name`.
+pub fn load_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, SceneError> {
+    build(&xml::read_text(name, text)?, mode)
+}
+
+struct Builder<'a, 'd> {
+    loader: &'a Loader<'d>,
+    shapes: Vec<Shape>,
+    materials: Vec<AnyMaterial>,
+    /// What both sides wear of the materials that were read, by their element: shapes share them.
+    known: BTreeMap<*const Element, [Side; 2]>,
+    emitters: Vec<select::Entry>,
+    /// Grey for surfaces without a material; black for those that shine.
+    default_sides: [Option<[Side; 2]>; 2],
+}
+
+fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
+    let root = &document.root;
+    if root.tag != "scene" {
+        return Err(SceneError::at(&root.span, format!("the root is a <{}>", root.tag), "expected <scene>"));
+    }
+    root.only(&["version", "type", "id", "name"])?;
+    let loader = Loader::new(document, mode)?;
+    let mut builder = Builder {
+        loader: &loader,
+        shapes: vec![],
+        materials: vec![],
+        known: BTreeMap::new(),
+        emitters: vec![],
+        default_sides: [None; 2],
+    };
+    let (mut sensors, mut integrators) = (vec![], vec![]);
+    for child in &root.children {
+        let element = loader.resolve(child)?;
+        match element.tag.as_str() {
+            "shape" => builder.shape(element)?,
+            "emitter" => builder.emitter(element)?,
+            "sensor" => sensors.push(element),
+            "integrator" => integrators.push(element),
+            // Read where they are referred to, and here for the sake of their errors.
+            "bsdf" => {
+                builder.material(element)?;
+            }
+            "texture" | "spectrum" => {
+                AnyTexture::parse(element, &loader, Usage::Unbounded)?;
+            }
+            "medium" => {
+                let help = "known at the top level: shape, emitter, sensor, integrator, bsdf, texture";
+                return Err(SceneError::at(&element.span, "participating media are not available", help));
+            }
+            other => {
+                let names = ["shape", "emitter", "sensor", "integrator", "bsdf", "texture"];
+                return Err(SceneError::at(
+                    &element.span,
+                    format!("<{other}> has no place here"),
+                    known(other, &names),
+                ));
+            }
+        }
+    }
+    let sensor = match sensors[..] {
+        [] => return Err(SceneError::at(&root.span, "the scene has no sensor", "add a <sensor>")),
+        // The first is used, as in Mitsuba; the others are read for the sake of their errors.
+        [first, ref others @ ..] => {
+            others.iter().try_for_each(|other| Sensor::parse(other, &loader).map(drop))?;
+            Sensor::parse(first, &loader)?
+        }
+    };
+    let integrator = match integrators[..] {
+        [] => AnyIntegrator::default(),
+        [one] => construct(INTEGRATORS, one, &loader, Usage::Unbounded)?,
+        [_, second, ..] => {
+            return Err(SceneError::at(&second.span, "a second integrator", "expected only one"));
+        }
+    };
+    let hash = hash(document, &loader, mode)?;
+    let features = features(&builder, &integrator);
+    let geometries: Vec<&Geometry> = builder.shapes.iter().map(|s| &s.geometry).collect();
+    let accel = Accel::new(&geometries);
+    let (lo, hi) = geometries
+        .iter()
+        .map(|g| g.bounds())
+        .fold((DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)), |(lo, hi), (a, b)| {
+            (lo.min(a), hi.max(b))
+        });
+    let radius = if geometries.is_empty() { 1.0 } else { 0.5 * (hi - lo).length() };
+    let Builder { shapes, materials, emitters, .. } = &mut builder;
+    let emitters = Emitters::new(std::mem::take(emitters), radius, |i| &shapes[i as usize].geometry);
+    let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));
+    Ok(Scene { shapes, materials, emitters, accel, sensor, integrator, mode, features, hash })
+}
+
+impl<'a, 'd> Builder<'a, 'd> {
+    fn shape(&mut self, element: &'d Element) -> Result<(), SceneError> {
+        let kind = element.require("type")?;
+        let entry = SHAPES.iter().find(|e| e.name == kind.value).ok_or_else(|| {
+            let names: Vec<&str> = SHAPES.iter().map(|e| e.name).collect();
+            SceneError::at(
+                &kind.value_span,
+                format!("unknown shape `{}`", kind.value),
+                known(&kind.value, &names),
+            )
+        })?;
+        let mut params = Params::new(element, self.loader, Usage::Unbounded)?;
+        let mut geometry = (entry.parse)(&mut params)?;
+        let material = params
+            .object("bsdf", "what the surface is made of; by default matte grey, or black if it shines")?;
+        let emitter = params.object("emitter", "what the surface emits")?;
+        params.finish()?;
+        check_extent(&geometry, element)?;
+        let sides = match material {
+            Some(element) => self.material(element)?,
+            None => self.default_sides(emitter.is_some()),
+        };
+        let emitter = match emitter {
+            None => None,
+            Some(element) => {
+                let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
+                if !matches!(emitter, AnyEmitter::Area(_)) {
+                    let message = format!("a shape cannot be a `{}` emitter", emitter.name());
+                    return Err(SceneError::at(&element.span, message, "expected an `area` emitter"));
+                }
+                if let Geometry::Mesh(mesh) = &mut geometry {
+                    mesh.prepare_sampling();
+                }
+                self.emitters.push(select::Entry { emitter, shape: Some(self.shapes.len() as u32) });
+                Some(self.emitters.len() as u32 - 1)
+            }
+        };
+        let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
+        self.shapes.push(Shape { geometry, first_primitive, sides, emitter });
+        Ok(())
+    }
+
+    /// Adds a material. A two-sided one at the top is resolved here, once and for all.
+    fn sides(&mut self, material: AnyMaterial) -> [Side; 2] {
+        match material {
+            AnyMaterial::TwoSided(both) => {
+                let (front, back) = both.into_sides();
+                let front = self.side(front, false);
+                [front, back.map_or(Side { turned: true, ..front }, |back| self.side(back, true))]
+            }
+            other => [self.side(other, false); 2],
+        }
+    }
+
+    fn side(&mut self, material: AnyMaterial, turned: bool) -> Side {
+        let traits = material.traits();
+        self.materials.push(material);
+        Side { material: self.materials.len() as u32 - 1, turned, traits }
+    }
+
+    fn material(&mut self, element: &'d Element) -> Result<[Side; 2], SceneError> {
+        if let Some(sides) = self.known.get(&(element as *const Element)) {
+            return Ok(*sides);
+        }
+        let material = AnyMaterial::parse(element, self.loader)?;
+        let sides = self.sides(material);
+        self.known.insert(element, sides);
+        Ok(sides)
+    }
+
+    fn default_sides(&mut self, shines: bool) -> [Side; 2] {
+        let known = self.default_sides[usize::from(shines)];
+        let sides = known.unwrap_or_else(|| self.sides(AnyMaterial::matte(if shines { 0.0 } else { 0.5 })));
+        self.default_sides[usize::from(shines)] = Some(sides);
+        sides
+    }
+
+    fn emitter(&mut self, element: &'d Element) -> Result<(), SceneError> {
+        let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
+        if matches!(emitter, AnyEmitter::Area(_)) {
+            return Err(SceneError::at(
+                &element.span,
+                "an `area` emitter without a shape",
+                "put it inside a <shape>",
+            ));
+        }
+        if emitter.is_environment() && self.emitters.iter().any(|e| e.emitter.is_environment()) {
+            return Err(SceneError::at(&element.span, "a second environment", "expected only one"));
+        }
+        self.emitters.push(select::Entry { emitter, shape: None });
+        Ok(())
+    }
+}
+
+/// Refuses shapes whose coordinates overflow.
+fn check_extent(geometry: &Geometry, element: &Element) -> Result<(), SceneError> {
+    let (lo, hi) = geometry.bounds();
+    /// The largest coordinate whose square is still finite in f64 and which f32 vertices can hold.
+    const LARGEST: f64 = 1e37;
+    let largest = lo.abs().max(hi.abs()).max_element();
+    if geometry.primitives() > 0 && (largest.is_nan() || largest >= LARGEST) {
+        return Err(SceneError::at(
+            &element.span,
+            "the shape's coordinates overflow",
+            "expected a smaller shape",
+        ));
+    }
+    Ok(())
+}
+
+fn features(builder: &Builder, integrator: &AnyIntegrator) -> Features {
+    let mut bits = 0;
+    for material in &builder.materials {
+        let traits = material.traits();
+        bits |= if traits.textured { Features::TEXTURES } else { 0 };
+        bits |= if traits.anisotropic { Features::TEXTURES | Features::ANISOTROPY } else { 0 };
+        bits |= if traits.dispersive { Features::DISPERSION } else { 0 };
+    }
+    for entry in &builder.emitters {
+        bits |= if entry.emitter.varies() { Features::TEXTURES } else { 0 };
+        bits |= if entry.emitter.is_environment() { Features::ENVIRONMENT } else { 0 };
+    }
+    bits |= if integrator.needs_uv() { Features::TEXTURES } else { 0 };
+    Features(bits)
+}
+
+/// Scene text after substitution, colour mode, and the bytes of every file it refers to.
+fn hash(document: &Document, loader: &Loader, mode: ColorMode) -> Result<String, SceneError> {
+    let mut hasher = Xxh3::new();
+    hasher.update(mode.name().as_bytes());
+    hash_element(&document.root, &mut hasher);
+    for (alias, id) in &document.aliases {
+        hash_text(alias, &mut hasher);
+        hash_text(id, &mut hasher);
+    }
+    for file in loader.files() {
+        let bytes = std::fs::read(&file)
+            .map_err(|e| SceneError::nowhere(format!("cannot read {}: {e}", file.display())))?;
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(&bytes);
+    }
+    Ok(format!("{:032x}", hasher.digest128()))
+}
+
+fn hash_text(text: &str, hasher: &mut Xxh3) {
+    hasher.update(&(text.len() as u64).to_le_bytes());
+    hasher.update(text.as_bytes());
+}
+
+fn hash_element(element: &Element, hasher: &mut Xxh3) {
+    hash_text(&element.tag, hasher);
+    hasher.update(&(element.attributes.len() as u64).to_le_bytes());
+    for attribute in &element.attributes {
+        hash_text(&attribute.name, hasher);
+        hash_text(&attribute.value, hasher);
+    }
+    hasher.update(&(element.children.len() as u64).to_le_bytes());
+    for child in &element.children {
+        hash_element(child, hasher);
+    }
+}

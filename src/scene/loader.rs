@@ -1,0 +1,120 @@
+//! What all parts of a scene share while it is being read.
+
+use super::error::SceneError;
+use super::xml::{Document, Element};
+use crate::spectrum::ColorMode;
+use crate::spectrum::upsample::Upsampler;
+use crate::texture::bitmap::Pixels;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Names, caches and the colour mode of one reading.
+pub struct Loader<'d> {
+    pub mode: ColorMode,
+    pub upsampler: Arc<Upsampler>,
+    ids: BTreeMap<&'d str, &'d Element>,
+    aliases: &'d BTreeMap<String, String>,
+    /// The objects being read, outermost first: a second visit to one of them is a cycle.
+    open: RefCell<Vec<*const Element>>,
+    /// Decoded bitmaps; many materials share one.
+    bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
+    /// Every file that was read, for the scene's hash.
+    files: RefCell<Vec<PathBuf>>,
+}
+
+impl<'d> Loader<'d> {
+    /// Collects the ids of a document.
+    pub fn new(document: &'d Document, mode: ColorMode) -> Result<Self, SceneError> {
+        let mut ids = BTreeMap::new();
+        collect(&document.root, &mut ids)?;
+        Ok(Self {
+            mode,
+            upsampler: Upsampler::shared(),
+            ids,
+            aliases: &document.aliases,
+            open: RefCell::default(),
+            bitmaps: RefCell::default(),
+            files: RefCell::default(),
+        })
+    }
+
+    /// The object a `<ref>` means; other elements mean themselves.
+    pub fn resolve(&self, element: &'d Element) -> Result<&'d Element, SceneError> {
+        if element.tag != "ref" {
+            return Ok(element);
+        }
+        element.only(&["id", "name"])?;
+        let id = element.require("id")?;
+        let mut name = id.value.as_str();
+        // Each alias leads to another name, so a chain longer than the table is a circle.
+        for _ in 0..self.aliases.len() {
+            name = self.aliases.get(name).map_or(name, String::as_str);
+        }
+        self.ids.get(name).copied().ok_or_else(|| {
+            let names: Vec<&str> = self.ids.keys().copied().collect();
+            let help = super::error::known(&id.value, &names);
+            SceneError::at(&id.value_span, format!("there is no object with id `{}`", id.value), help)
+        })
+    }
+
+    /// Marks an object as being read; refuses one that is being read already.
+    pub(super) fn enter(&self, element: &Element) -> Result<(), SceneError> {
+        let mut open = self.open.borrow_mut();
+        if open.iter().any(|e| std::ptr::eq(*e, element)) {
+            return Err(SceneError::at(
+                &element.span,
+                "this object contains itself",
+                "a <ref> inside leads back here",
+            ));
+        }
+        open.push(element);
+        Ok(())
+    }
+
+    pub(super) fn leave(&self) {
+        self.open.borrow_mut().pop();
+    }
+
+    /// Notes a file that the scene depends on.
+    pub fn depends_on(&self, path: &Path) {
+        self.files.borrow_mut().push(path.to_owned());
+    }
+
+    /// The files the scene depends on, in order of first use, without repetition.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files: Vec<PathBuf> = vec![];
+        for file in self.files.borrow().iter() {
+            if !files.contains(file) {
+                files.push(file.clone());
+            }
+        }
+        files
+    }
+
+    /// A bitmap, decoded once.
+    pub fn bitmap(&self, path: &Path) -> Result<Arc<Pixels>, SceneError> {
+        if let Some(pixels) = self.bitmaps.borrow().get(path) {
+            return Ok(pixels.clone());
+        }
+        self.depends_on(path);
+        let pixels = Arc::new(Pixels::read(path).map_err(SceneError::nowhere)?);
+        self.bitmaps.borrow_mut().insert(path.to_owned(), pixels.clone());
+        Ok(pixels)
+    }
+}
+
+fn collect<'d>(element: &'d Element, ids: &mut BTreeMap<&'d str, &'d Element>) -> Result<(), SceneError> {
+    if element.tag != "ref"
+        && let Some(id) = element.attribute("id")
+        && ids.insert(&id.value, element).is_some()
+    {
+        return Err(SceneError::at(
+            &id.value_span,
+            format!("the id `{}` is taken", id.value),
+            "expected a unique id",
+        ));
+    }
+    element.children.iter().try_for_each(|child| collect(child, ids))
+}

@@ -1,0 +1,128 @@
+//! A scene: plain arrays of everything that a ray can meet or that can shine, read from Mitsuba 3 XML.
+//!
+//! Reading has three stages. [`xml`] makes a tree of elements whose every piece knows its place in the file;
+//! the models read their own parameters from it through [`params`]; `build` puts what they made into arrays.
+
+mod build;
+pub mod catalogue;
+pub mod error;
+pub mod loader;
+mod overrides;
+pub mod params;
+pub mod registry;
+pub mod transform;
+pub mod xml;
+
+use crate::bsdf::{AnyMaterial, Traits};
+use crate::emitter::Emitters;
+use crate::integrator::AnyIntegrator;
+use crate::math::Ray;
+use crate::sensor::Sensor;
+use crate::shape::accel::Accel;
+use crate::shape::{Geometry, Hit, SurfacePoint};
+use crate::spectrum::ColorMode;
+pub use build::load;
+pub use build::load_text;
+
+/// A surface: its geometry, what it is made of and what it emits.
+pub struct Shape {
+    pub geometry: Geometry,
+    /// The number of its first primitive.
+    pub first_primitive: u32,
+    /// Materials by side: front, back.
+    pub sides: [Side; 2],
+    /// Its entry in the scene's emitters.
+    pub emitter: Option<u32>,
+}
+
+/// What one side of a surface wears.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// Index of the material.
+    pub material: u32,
+    /// The material is seen as if from its front: the local frame is turned around.
+    pub turned: bool,
+    pub traits: Traits,
+}
+
+/// What a command line may say instead of the scene file.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// An integrator with its default settings.
+    pub integrator: Option<String>,
+    /// Edges of the longest path; −1 means no limit.
+    pub max_depth: Option<i64>,
+    /// Film size; the crop window becomes the whole film.
+    pub size: Option<(u32, u32)>,
+    pub seed: Option<u32>,
+    /// A sampler by name.
+    pub sampler: Option<String>,
+}
+
+/// Everything that a render needs.
+pub struct Scene {
+    pub shapes: Vec<Shape>,
+    pub materials: Vec<AnyMaterial>,
+    pub emitters: Emitters,
+    pub accel: Accel,
+    pub sensor: Sensor,
+    pub integrator: AnyIntegrator,
+    pub mode: ColorMode,
+    /// What the scene uses; decides which kernel runs.
+    pub features: Features,
+    /// A hash of the scene file with all it refers to, as 32 hexadecimal digits.
+    pub hash: String,
+}
+
+/// What a scene uses beyond the least that every scene does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Features(pub u32);
+
+impl Features {
+    /// Texture coordinates: something varies over a surface.
+    pub const TEXTURES: u32 = 1;
+    /// A material with a preferred direction.
+    pub const ANISOTROPY: u32 = 2;
+    /// Refraction that separates wavelengths.
+    pub const DISPERSION: u32 = 4;
+    /// Light from outside.
+    pub const ENVIRONMENT: u32 = 8;
+    pub const ALL: u32 = 15;
+
+    /// The names of the features, for people.
+    pub fn names(self) -> Vec<&'static str> {
+        let all = [
+            (Self::TEXTURES, "textures"),
+            (Self::ANISOTROPY, "anisotropy"),
+            (Self::DISPERSION, "dispersion"),
+            (Self::ENVIRONMENT, "environment"),
+        ];
+        all.into_iter().filter(|(bit, _)| self.0 & bit != 0).map(|(_, name)| name).collect()
+    }
+}
+
+impl Scene {
+    /// The shape that a primitive belongs to, and its number there.
+    #[inline]
+    pub fn shape_of(&self, primitive: u32) -> (&Shape, u32) {
+        let after = self.shapes.partition_point(|s| s.first_primitive <= primitive);
+        let shape = &self.shapes[after - 1];
+        (shape, primitive - shape.first_primitive)
+    }
+
+    /// The surface at a hit.
+    #[inline(always)]
+    pub fn surface<const UV: bool>(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
+        let (shape, local) = self.shape_of(hit.primitive);
+        (shape, shape.geometry.point::<UV>(ray, hit, local))
+    }
+
+    /// Bytes of geometry, search structure and textures are counted where they are largest: here, the first two.
+    pub fn geometry_bytes(&self) -> usize {
+        let meshes = self.shapes.iter().map(|s| match &s.geometry {
+            Geometry::Mesh(mesh) => mesh.bytes(),
+            _ => size_of::<Geometry>(),
+        });
+        meshes.sum::<usize>() + self.accel.bytes()
+    }
+}

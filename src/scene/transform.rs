@@ -1,0 +1,124 @@
+//! `<transform>` and the three coordinates of points, vectors and transformation steps.
+
+use super::error::{SceneError, Span};
+use super::params::number;
+use super::xml::{Attribute, Element};
+use crate::math::{DVec3, Transform};
+use glam::DMat4;
+
+/// The steps of a `<transform>`, each applied after the one before.
+pub fn parse(element: &Element) -> Result<Transform, SceneError> {
+    if element.tag != "transform" {
+        let message = format!("expected a <transform>, not <{}>", element.tag);
+        return Err(SceneError::at(&element.span, message, "expected <transform>"));
+    }
+    element.only(&["name"])?;
+    let mut result = Transform::IDENTITY;
+    for step in &element.children {
+        result = parse_step(step)?.after(&result);
+    }
+    if !result.matrix.is_finite() || !result.inverse.is_finite() {
+        return Err(SceneError::at(&element.span, "the transform overflows", "expected moderate factors"));
+    }
+    Ok(result)
+}
+
+fn parse_step(step: &Element) -> Result<Transform, SceneError> {
+    let singular =
+        |what: &str| SceneError::at(&step.span, format!("this <{}> is singular", step.tag), what.to_owned());
+    match step.tag.as_str() {
+        "translate" => Ok(Transform::translate(coordinates(step, "", 0.0)?)),
+        "scale" => Transform::scale(coordinates(step, "", 1.0)?)
+            .ok_or_else(|| singular("expected factors other than 0")),
+        "rotate" => {
+            let angle = step.require("angle")?;
+            let degrees = number(&angle.value).ok_or_else(|| bad_number(&angle.value_span, &angle.value))?;
+            let axis = coordinates(step, "angle", 0.0)?;
+            Transform::rotate(axis, degrees).ok_or_else(|| singular("expected an axis with a length"))
+        }
+        "lookat" | "look_at" => {
+            step.only(&["origin", "target", "up"])?;
+            let point = |name| step.require(name).and_then(triple);
+            let up = match step.attribute("up") {
+                Some(up) => triple(up)?,
+                None => DVec3::Y,
+            };
+            let (origin, target) = (point("origin")?, point("target")?);
+            let found = Transform::look_at(origin, target, up);
+            // Any `up` will do when the file leaves it to the reader and +y is the viewing direction.
+            let found = found.or_else(|| {
+                Transform::look_at(origin, target, DVec3::X).filter(|_| step.attribute("up").is_none())
+            });
+            found.ok_or_else(|| {
+                singular("expected a target apart from the origin, and `up` not along the view")
+            })
+        }
+        "matrix" => {
+            step.only(&["value"])?;
+            let value = step.require("value")?;
+            let numbers = numbers(value)?;
+            let entries: [f64; 16] = match numbers[..] {
+                [a, b, c, d, e, f, g, h, i] => [a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0, 0.0, 0.0, 0.0, 1.0],
+                _ => numbers.try_into().map_err(|n: Vec<f64>| {
+                    SceneError::at(
+                        &value.value_span,
+                        format!("{} numbers", n.len()),
+                        "expected 16 or 9 numbers",
+                    )
+                })?,
+            };
+            Transform::from_matrix(DMat4::from_cols_array(&entries).transpose())
+                .ok_or_else(|| singular("expected an invertible matrix"))
+        }
+        other => {
+            let steps = ["translate", "rotate", "scale", "lookat", "matrix"];
+            Err(SceneError::at(
+                &step.span,
+                format!("unknown step <{other}>"),
+                super::error::known(other, &steps),
+            ))
+        }
+    }
+}
+
+/// `x= y= z=` or `value="x, y, z"`; one number in `value` means all three. `rest` stands for coordinates left out.
+pub fn coordinates(element: &Element, other: &str, rest: f64) -> Result<DVec3, SceneError> {
+    element.only(&["x", "y", "z", "value", other, "name"])?;
+    if let Some(value) = element.attribute("value") {
+        if let Some(extra) = element.attributes.iter().find(|a| ["x", "y", "z"].contains(&a.name.as_str())) {
+            return Err(SceneError::at(
+                &extra.name_span,
+                "both `value` and coordinates",
+                "expected one of them",
+            ));
+        }
+        return triple(value);
+    }
+    let coordinate = |name| match element.attribute(name) {
+        None => Ok(rest),
+        Some(a) => number(&a.value).ok_or_else(|| bad_number(&a.value_span, &a.value)),
+    };
+    Ok(DVec3::new(coordinate("x")?, coordinate("y")?, coordinate("z")?))
+}
+
+fn triple(attribute: &Attribute) -> Result<DVec3, SceneError> {
+    match numbers(attribute)?[..] {
+        [x] => Ok(DVec3::splat(x)),
+        [x, y, z] => Ok(DVec3::new(x, y, z)),
+        ref n => Err(SceneError::at(
+            &attribute.value_span,
+            format!("{} numbers", n.len()),
+            "expected three numbers",
+        )),
+    }
+}
+
+/// Numbers between commas or blanks.
+pub fn numbers(attribute: &Attribute) -> Result<Vec<f64>, SceneError> {
+    let words = attribute.value.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
+    words.map(|w| number(w).ok_or_else(|| bad_number(&attribute.value_span, w))).collect()
+}
+
+fn bad_number(span: &Span, text: &str) -> SceneError {
+    SceneError::at(span, format!("`{text}` is no number"), "expected a finite number")
+}

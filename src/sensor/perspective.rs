@@ -1,0 +1,51 @@
+//! The pinhole camera.
+
+use super::{AnySensor, Sensor, common, half_width, require_rigid};
+use crate::math::frame::unit;
+use crate::math::{DVec2, DVec3, Ray, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+
+pub const NAME: &str = "perspective";
+pub const ABOUT: &str = "A pinhole camera: everything is sharp.";
+pub const EXAMPLES: &[&str] = &[r#"<sensor type="perspective"><float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, 1, -5" target="0, 1, 0" up="0, 1, 0"/></transform></sensor>"#];
+
+#[derive(Clone, Debug)]
+pub struct Perspective {
+    to_world: Transform,
+    /// Half the size of the image at distance 1.
+    half: DVec2,
+    principal_offset: DVec2,
+    near: f64,
+    far: f64,
+}
+
+pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
+    let common = common(params)?;
+    params.optional_float("focus_distance", "of a `thinlens`; ignored here, as in Mitsuba")?;
+    let half = half_width(params, common.film.aspect())?;
+    let x = params.float("principal_point_offset_x", 0.0, "of the film's centre, in film widths")?;
+    let y = params.float("principal_point_offset_y", 0.0, "of the film's centre, in film heights")?;
+    require_rigid(params, &common.to_world)?;
+    let camera = AnySensor::Perspective(Perspective {
+        to_world: common.to_world,
+        half: DVec2::new(half, half / common.film.aspect()),
+        principal_offset: DVec2::new(x, y),
+        near: common.near,
+        far: common.far,
+    });
+    Ok(Sensor { camera, film: common.film, sampler: common.sampler })
+}
+
+impl Perspective {
+    #[inline]
+    pub fn ray(&self, film: DVec2) -> Ray {
+        let p = (DVec2::ONE - 2.0 * (film + self.principal_offset)) * self.half;
+        let d = DVec3::new(p.x, p.y, 1.0);
+        let per_depth = d.length();
+        let direction = unit(self.to_world.vector(d));
+        let origin = self.to_world.point(DVec3::ZERO) + direction * (self.near * per_depth);
+        Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
+    }
+}

@@ -1,0 +1,252 @@
+//! What a ray meets first.
+//!
+//! A hierarchy of axis-aligned boxes, eight to a node, leads to blocks of four primitives. Boxes are `f32` in
+//! coordinates that fill the unit cube whatever the scene's scale and place; primitives are tested in `f64`, so the
+//! boxes only have to be safe, not exact. The closest hit is the smallest (distance, primitive number): neither the
+//! shape of the tree, nor who built it, nor the order of traversal can change what is found.
+//!
+//! A handful of primitives needs no tree at all.
+
+mod build;
+mod node;
+mod patches;
+mod space;
+mod spheres;
+mod triangles;
+
+use super::{Cylinder, Hit};
+use crate::math::Ray;
+use crate::math::simd::F64x4;
+use node::{Node, NodeRef, Target};
+use patches::Patches;
+use space::Space;
+use spheres::Spheres;
+use triangles::{Sheared, Triangles};
+
+/// The leaf of a tree whose primitives are not all triangles.
+#[derive(Clone, Debug, Default)]
+struct Mixed {
+    triangles: Option<u32>,
+    patches: Option<u32>,
+    spheres: Option<u32>,
+    cylinders: std::ops::Range<u32>,
+}
+
+/// All primitives of a scene, ready to be met by rays.
+pub struct Accel {
+    space: Space,
+    /// Empty where all blocks are simply tried.
+    nodes: Vec<Node>,
+    triangles: Vec<Triangles>,
+    patches: Vec<Patches>,
+    spheres: Vec<Spheres>,
+    cylinders: Vec<(Cylinder, u32)>,
+    mixed: Vec<Mixed>,
+    primitives: u32,
+}
+
+/// The best hit so far, and the primitive that cannot be met again.
+#[derive(Clone, Copy)]
+struct Search<'a> {
+    ray: &'a Ray,
+    best: Hit,
+}
+
+impl Search<'_> {
+    const NONE: u32 = u32::MAX;
+
+    #[inline(always)]
+    fn new(ray: &Ray) -> Search<'_> {
+        Search { ray, best: Hit { t: ray.end, u: 0.0, v: 0.0, primitive: Self::NONE } }
+    }
+
+    /// Takes a hit if it comes before the best: by distance, then by primitive.
+    #[inline(always)]
+    fn offer(&mut self, t: f64, u: f64, v: f64, primitive: u32) {
+        if t < self.best.t || (t == self.best.t && primitive < self.best.primitive && self.found()) {
+            self.best = Hit { t, u, v, primitive };
+        }
+    }
+
+    #[inline(always)]
+    fn found(&self) -> bool {
+        self.best.primitive != Self::NONE
+    }
+}
+
+/// A ray in every lane.
+struct Rays {
+    origin: [F64x4; 3],
+    direction: [F64x4; 3],
+    start: F64x4,
+}
+
+impl Rays {
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.to_array().map(F64x4::splat),
+            direction: ray.direction.to_array().map(F64x4::splat),
+            start: F64x4::splat(ray.start),
+        }
+    }
+}
+
+/// Nodes that wait: the deepest tree pushes seven siblings a level.
+const STACK: usize = 512;
+
+impl Accel {
+    /// The first primitive along the ray, between its start and end.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut search = Search::new(ray);
+        self.search::<false>(&mut search);
+        search.found().then_some(search.best)
+    }
+
+    /// Whether anything lies between the ray's start and end.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let mut search = Search::new(ray);
+        self.search::<true>(&mut search);
+        search.found()
+    }
+
+    /// How many primitives there are.
+    pub fn primitives(&self) -> u32 {
+        self.primitives
+    }
+
+    /// Bytes that nodes and blocks take.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.triangles)
+            + size_of_val(&*self.patches)
+            + size_of_val(&*self.spheres)
+            + size_of_val(&*self.cylinders)
+            + size_of_val(&*self.mixed)
+    }
+
+    /// Nodes of the tree; none where the primitives are simply tried.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    #[inline(always)]
+    fn search<const ANY: bool>(&self, search: &mut Search) {
+        if self.nodes.is_empty() {
+            self.try_all::<ANY>(search);
+        } else {
+            self.traverse::<ANY>(search);
+        }
+    }
+
+    #[inline(always)]
+    fn try_all<const ANY: bool>(&self, search: &mut Search) {
+        let rays = Rays::new(search.ray);
+        for block in &self.patches {
+            block.intersect(&rays, search);
+            if ANY && search.found() {
+                return;
+            }
+        }
+        for block in &self.spheres {
+            block.intersect(&rays, search);
+            if ANY && search.found() {
+                return;
+            }
+        }
+        for cylinder in &self.cylinders {
+            intersect_cylinder(cylinder, search);
+            if ANY && search.found() {
+                return;
+            }
+        }
+        if !self.triangles.is_empty() {
+            let sheared = Sheared::new(search.ray);
+            for block in &self.triangles {
+                block.intersect(&sheared, search);
+                if ANY && search.found() {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn traverse<const ANY: bool>(&self, search: &mut Search) {
+        let Some(mut local) = self.space.enter(search.ray) else { return };
+        let sheared = Sheared::new(search.ray);
+        let mut stack = [(NodeRef::EMPTY, 0.0f32); STACK];
+        let mut depth = 0;
+        let mut next = NodeRef::ROOT;
+        loop {
+            match next.target() {
+                Target::Node(index) => {
+                    let (mut hits, entry) = self.nodes[index].intersect(&local);
+                    if hits != 0 {
+                        let first_pushed = depth;
+                        while hits != 0 {
+                            let lane = hits.trailing_zeros() as usize;
+                            hits &= hits - 1;
+                            stack[depth] = (self.nodes[index].children[lane], entry[lane]);
+                            depth += 1;
+                            if !ANY {
+                                // Farthest first, so that the nearest comes off the stack first.
+                                let mut at = depth - 1;
+                                while at > first_pushed && stack[at - 1].1 < stack[at].1 {
+                                    stack.swap(at - 1, at);
+                                    at -= 1;
+                                }
+                            }
+                        }
+                    }
+                }
+                Target::Triangles(index) => self.triangles[index].intersect(&sheared, search),
+                Target::Mixed(index) => self.intersect_mixed(&self.mixed[index], &sheared, search),
+            }
+            if search.found() {
+                if ANY {
+                    return;
+                }
+                local.shorten(&self.space, search.best.t);
+            }
+            loop {
+                if depth == 0 {
+                    return;
+                }
+                depth -= 1;
+                if stack[depth].1 <= local.limit {
+                    next = stack[depth].0;
+                    break;
+                }
+            }
+        }
+    }
+
+    fn intersect_mixed(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
+        if let Some(block) = mixed.triangles {
+            self.triangles[block as usize].intersect(sheared, search);
+        }
+        let rays = Rays::new(search.ray);
+        if let Some(block) = mixed.patches {
+            self.patches[block as usize].intersect(&rays, search);
+        }
+        if let Some(block) = mixed.spheres {
+            self.spheres[block as usize].intersect(&rays, search);
+        }
+        for cylinder in &self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize] {
+            intersect_cylinder(cylinder, search);
+        }
+    }
+}
+
+fn intersect_cylinder((cylinder, primitive): &(Cylinder, u32), search: &mut Search) {
+    // The end is open: a tie with the best hit must still be offered, to be decided by number.
+    let end = search.best.t.next_up();
+    if let Some(t) = cylinder.intersect(search.ray, search.ray.from == *primitive, end) {
+        search.offer(t, 0.0, 0.0, *primitive);
+    }
+}
+
+#[cfg(test)]
+mod tests;

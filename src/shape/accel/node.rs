@@ -1,0 +1,91 @@
+//! Nodes with eight children.
+
+use super::space::LocalRay;
+
+/// A child: a node, a block of triangles, a mixed leaf, or nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeRef(u32);
+
+/// What a [`NodeRef`] leads to.
+pub enum Target {
+    Node(usize),
+    Triangles(usize),
+    Mixed(usize),
+}
+
+impl NodeRef {
+    const KIND: u32 = 3 << 30;
+    pub const ROOT: Self = Self(0);
+    /// Children that are not there have empty boxes, so this is never followed.
+    pub const EMPTY: Self = Self(u32::MAX);
+
+    pub fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    pub fn triangles(index: usize) -> Self {
+        Self(index as u32 | 1 << 30)
+    }
+
+    pub fn mixed(index: usize) -> Self {
+        Self(index as u32 | 2 << 30)
+    }
+
+    #[inline(always)]
+    pub fn target(self) -> Target {
+        let index = (self.0 & !Self::KIND) as usize;
+        match self.0 >> 30 {
+            0 => Target::Node(index),
+            1 => Target::Triangles(index),
+            _ => Target::Mixed(index),
+        }
+    }
+}
+
+/// Eight boxes and what is in them.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Node {
+    /// planes[side][axis][child], side 0 the lower.
+    planes: [[[f32; 8]; 3]; 2],
+    pub children: [NodeRef; 8],
+}
+
+impl Node {
+    /// A node whose boxes are all empty.
+    pub fn empty() -> Self {
+        let planes = [[[f32::INFINITY; 8]; 3], [[f32::NEG_INFINITY; 8]; 3]];
+        Self { planes, children: [NodeRef::EMPTY; 8] }
+    }
+
+    pub fn set(&mut self, child: usize, lo: [f32; 3], hi: [f32; 3], to: NodeRef) {
+        for axis in 0..3 {
+            self.planes[0][axis][child] = lo[axis];
+            self.planes[1][axis][child] = hi[axis];
+        }
+        self.children[child] = to;
+    }
+
+    /// Which boxes the ray enters (a bit each) and where.
+    #[inline(always)]
+    pub fn intersect(&self, ray: &LocalRay) -> (u32, [f32; 8]) {
+        let mut entry = [0.0f32; 8];
+        let mut exit = [ray.limit; 8];
+        for axis in 0..3 {
+            let near = &self.planes[ray.negative[axis]][axis];
+            let far = &self.planes[1 - ray.negative[axis]][axis];
+            let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
+            for i in 0..8 {
+                let a = (near[i] - origin) * inverse;
+                let b = (far[i] - origin) * inverse * LocalRay::SLACK;
+                entry[i] = if a > entry[i] { a } else { entry[i] };
+                exit[i] = if b < exit[i] { b } else { exit[i] };
+            }
+        }
+        let mut hits = 0;
+        for i in 0..8 {
+            hits |= u32::from(entry[i] <= exit[i]) << i;
+        }
+        (hits, entry)
+    }
+}

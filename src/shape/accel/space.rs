@@ -1,0 +1,89 @@
+//! The coordinates of the boxes: the scene moved and scaled by a power of two into the unit cube.
+
+use crate::math::{DVec3, Ray};
+
+/// Boxes are widened by this part of the scene. It covers what a ray loses when it is rounded to `f32` in unit
+/// coordinates: 2⁻²⁵ of its origin, and 2⁻²⁴ of its direction over a length of at most 2√3, together below 2⁻²².
+pub const PADDING: f32 = 1.0 / (1 << 21) as f32;
+
+/// The relative rounding error of a slab test, twice over (Ize 2013): (1 + 2γ₃) rounded up.
+const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
+
+/// A scale and a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Space {
+    centre: DVec3,
+    /// A power of two, so that scaling a scene by one changes no bit here.
+    scale: f64,
+}
+
+/// A ray in unit coordinates, from where it enters the unit cube.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalRay {
+    pub origin: [f32; 3],
+    /// 1 / direction; never infinite.
+    pub inverse: [f32; 3],
+    /// For each axis 1 where the direction is negative: which of the two planes is met first.
+    pub negative: [usize; 3],
+    /// Boxes beyond this are not looked at.
+    pub limit: f32,
+    /// How far along the ray, in unit coordinates, the origin was moved.
+    moved: f64,
+}
+
+impl Space {
+    pub fn new(lo: DVec3, hi: DVec3) -> Self {
+        let centre = 0.5 * lo + 0.5 * hi;
+        let extent = (0.5 * hi - 0.5 * lo).max_element();
+        let exponent = if extent > 0.0 { libm::ilogb(extent) + 1 } else { 0 };
+        // Scenes at the very ends of the exponent range keep a finite scale.
+        Self { centre, scale: libm::scalbn(1.0, -exponent.clamp(-1000, 1000)) }
+    }
+
+    /// A box in unit coordinates, widened to hold all rounding.
+    pub fn enclose(&self, lo: DVec3, hi: DVec3) -> ([f32; 3], [f32; 3]) {
+        let lo = (lo - self.centre) * self.scale;
+        let hi = (hi - self.centre) * self.scale;
+        let down = |v: f64| (v as f32).next_down() - PADDING;
+        let up = |v: f64| (v as f32).next_up() + PADDING;
+        (lo.to_array().map(down), hi.to_array().map(up))
+    }
+
+    /// Clips the ray to the cube; `None` if it passes by.
+    #[inline(always)]
+    pub fn enter(&self, ray: &Ray) -> Option<LocalRay> {
+        /// A direction this close to a plane of boxes does not cross the scene in that axis.
+        const PARALLEL: f64 = 1.0 / (1u128 << 100) as f64;
+        let origin = (ray.origin - self.centre) * self.scale;
+        let direction = ray.direction.map(|d| if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d });
+        let inverse = 1.0 / direction;
+        let reach = 1.0 + 2.0 * PADDING as f64;
+        let (a, b) = ((-reach - origin) * inverse, (reach - origin) * inverse);
+        let entry = a.min(b).max_element().max(0.0);
+        let exit = a.max(b).min_element();
+        if entry > exit * (1.0 + 1.0 / (1u64 << 50) as f64) {
+            return None;
+        }
+        let moved = if entry > 0.0 { origin + direction * entry } else { origin };
+        let mut local = LocalRay {
+            origin: moved.to_array().map(|v| v as f32),
+            inverse: inverse.to_array().map(|v| v as f32),
+            negative: direction.to_array().map(|d| usize::from(d.is_sign_negative())),
+            limit: f32::INFINITY,
+            moved: entry,
+        };
+        local.shorten(self, ray.end);
+        Some(local)
+    }
+}
+
+impl LocalRay {
+    /// Looks no farther than distance `t` (world).
+    #[inline(always)]
+    pub fn shorten(&mut self, space: &Space, t: f64) {
+        self.limit = (t * space.scale - self.moved) as f32 * SLACK + PADDING;
+    }
+
+    /// The slack that the far side of a slab test is given.
+    pub const SLACK: f32 = SLACK;
+}

@@ -1,0 +1,119 @@
+//! The tree against trying everything, and rays aimed where trees leak.
+
+use super::*;
+use crate::math::{DVec3, Transform, warp};
+use crate::shape::mesh_data::MeshData;
+use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
+use glam::DVec2;
+use rand_pcg::{Pcg32, rand_core::Rng};
+
+fn uniform(rng: &mut Pcg32) -> f64 {
+    rng.next_u32() as f64 / 4294967296.0
+}
+
+fn direction(rng: &mut Pcg32) -> DVec3 {
+    warp::sphere(DVec2::new(uniform(rng), uniform(rng)))
+}
+
+/// A closed sphere of triangles.
+fn ball(rings: u32, scale: f64, centre: DVec3) -> Geometry {
+    let mut positions = vec![];
+    let mut triangles = vec![];
+    for i in 0..=rings {
+        for j in 0..rings {
+            let (sin, cos) = libm::sincos(std::f64::consts::PI * i as f64 / rings as f64);
+            let (s, c) = libm::sincos(std::f64::consts::TAU * j as f64 / rings as f64);
+            positions.push([sin * c, sin * s, cos].map(|v| v as f32));
+            if i < rings {
+                let (k, next) = (i * rings, (j + 1) % rings);
+                triangles.push([k + j, k + rings + j, k + rings + next]);
+                triangles.push([k + j, k + rings + next, k + next]);
+            }
+        }
+    }
+    let place = Transform::translate(centre).after(&Transform::scale(DVec3::splat(scale)).unwrap());
+    Geometry::Mesh(Mesh::new(
+        MeshData { positions, normals: None, uvs: None, triangles, surface_points: None },
+        &place,
+        false,
+        true,
+    ))
+}
+
+fn zoo() -> Vec<Geometry> {
+    let mut rng = Pcg32::new(1, 1);
+    let mut shapes = vec![ball(20, 1.0, DVec3::ZERO), ball(8, 0.3, DVec3::new(2.0, 0.0, 0.0))];
+    for i in 0..40 {
+        let place = Transform::translate(direction(&mut rng) * 3.0)
+            .after(&Transform::rotate(direction(&mut rng), 360.0 * uniform(&mut rng)).unwrap())
+            .after(&Transform::scale(DVec3::splat(0.1 + uniform(&mut rng))).unwrap());
+        shapes.push(match i % 4 {
+            0 => Geometry::Patch(Patch::new(&place, false, Outline::Square)),
+            1 => Geometry::Patch(Patch::new(&place, false, Outline::Circle)),
+            2 => Geometry::Sphere(Sphere::new(&place, DVec3::ZERO, 0.5, false)),
+            _ => Geometry::Cylinder(Cylinder::new(&place, DVec3::ZERO, DVec3::Z, 0.3, false)),
+        });
+    }
+    shapes
+}
+
+#[test]
+fn the_tree_finds_what_trying_everything_finds() {
+    let shapes = zoo();
+    let refs: Vec<&Geometry> = shapes.iter().collect();
+    let tree = Accel::new(&refs);
+    assert!(tree.node_count() > 1);
+    let mut flat = Accel::new(&refs);
+    flat.nodes.clear();
+    let mut rng = Pcg32::new(2, 2);
+    let mut hits = 0;
+    for _ in 0..100_000 {
+        let mut ray = Ray::free(direction(&mut rng) * 4.0 * uniform(&mut rng), direction(&mut rng));
+        let found = tree.closest(&ray);
+        assert_eq!(found, flat.closest(&ray), "{ray:?}");
+        assert_eq!(found.is_some(), tree.occluded(&ray));
+        if let Some(hit) = found {
+            hits += 1;
+            ray.end = hit.t;
+            assert!(!tree.occluded(&ray) && !flat.occluded(&ray));
+            let onward = Ray::leaving(ray.at(hit.t), direction(&mut rng), f64::INFINITY, hit.primitive);
+            assert_eq!(tree.closest(&onward), flat.closest(&onward), "{onward:?}");
+        }
+    }
+    assert!(hits > 30_000, "{hits}");
+}
+
+#[test]
+fn no_ray_leaks_through_edges_or_vertices() {
+    for (scale, centre) in [(1.0, DVec3::ZERO), (1e-6, DVec3::ONE), (1e5, DVec3::new(1e6, -2e6, 3e5))] {
+        let shape = ball(24, scale, centre);
+        let accel = Accel::new(&[&shape]);
+        let Geometry::Mesh(mesh) = &shape else { unreachable!() };
+        let mut rng = Pcg32::new(3, 3);
+        for i in 0..200_000usize {
+            let triangle = mesh.triangles[i % mesh.triangles.len()];
+            let corner = |k: usize| DVec3::from(mesh.positions[triangle[k] as usize].map(f64::from));
+            let t = if i % 3 == 0 { 0.0 } else { uniform(&mut rng) };
+            let target = corner(0) * (1.0 - t) + corner(i % 2 + 1) * t;
+            let origin = centre + direction(&mut rng) * (0.5 * scale);
+            let ray = Ray::free(origin, crate::math::frame::unit(target - origin));
+            assert!(accel.closest(&ray).is_some(), "{ray:?} at scale {scale}");
+        }
+    }
+}
+
+#[test]
+fn scaling_by_a_power_of_two_scales_every_hit_exactly() {
+    for exponent in [-40, -13, 27, 40] {
+        let factor = libm::scalbn(1.0, exponent);
+        let (a, b) = (ball(16, 1.0, DVec3::ZERO), ball(16, factor, DVec3::ZERO));
+        let (one, scaled) = (Accel::new(&[&a]), Accel::new(&[&b]));
+        let mut rng = Pcg32::new(4, 4);
+        for _ in 0..10_000 {
+            let (o, d) = (direction(&mut rng) * 2.0, direction(&mut rng));
+            let found = one.closest(&Ray::free(o, d));
+            let expected = found.map(|hit| Hit { t: hit.t * factor, ..hit });
+            assert_eq!(scaled.closest(&Ray::free(o * factor, d)), expected);
+        }
+    }
+}

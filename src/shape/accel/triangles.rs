@@ -1,0 +1,98 @@
+//! Four triangles at a time, watertight (Woop, Benthin & Wald 2013).
+//!
+//! The ray is sheared to the z axis and the edge functions are evaluated in `f64` from `f32` vertices. The function of
+//! an edge shared by two triangles is computed from the same numbers in both, with the sign exactly reversed, so a
+//! ray through the edge meets at least one.
+
+use super::Search;
+use crate::math::Ray;
+use crate::math::simd::F64x4;
+
+/// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
+pub struct Sheared {
+    axes: [usize; 3],
+    origin: [f64; 3],
+    shear: [f64; 3],
+}
+
+impl Sheared {
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction.to_array();
+        let size = ray.direction.abs();
+        let z = if size.x > size.y {
+            if size.x > size.z { 0 } else { 2 }
+        } else if size.y > size.z {
+            1
+        } else {
+            2
+        };
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let o = ray.origin.to_array();
+        let inverse = 1.0 / d[z];
+        Self {
+            axes,
+            origin: axes.map(|a| o[a]),
+            shear: [d[axes[0]] * inverse, d[axes[1]] * inverse, inverse],
+        }
+    }
+}
+
+/// Four triangles; missing ones have no area.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub struct Triangles {
+    /// vertices[corner][axis][triangle].
+    vertices: [[[f32; 4]; 3]; 3],
+    primitives: [u32; 4],
+}
+
+impl Triangles {
+    pub fn empty() -> Self {
+        Self { vertices: [[[0.0; 4]; 3]; 3], primitives: [Search::NONE; 4] }
+    }
+
+    pub fn set(&mut self, lane: usize, corners: [[f32; 3]; 3], primitive: u32) {
+        for (vertex, corner) in self.vertices.iter_mut().zip(corners) {
+            for (lanes, coordinate) in vertex.iter_mut().zip(corner) {
+                lanes[lane] = coordinate;
+            }
+        }
+        self.primitives[lane] = primitive;
+    }
+
+    #[inline(always)]
+    pub fn intersect(&self, ray: &Sheared, search: &mut Search) {
+        let origin = ray.origin.map(F64x4::splat);
+        let shear = ray.shear.map(F64x4::splat);
+        let corner = |vertex: &[[f32; 4]; 3]| {
+            let [x, y, z] = ray.axes.map(|axis| F64x4::widen(&vertex[axis]));
+            let z = z - origin[2];
+            [(x - origin[0]) - shear[0] * z, (y - origin[1]) - shear[1] * z, z]
+        };
+        let [a, b, c] = [0, 1, 2].map(|i| corner(&self.vertices[i]));
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        let zero = F64x4::splat(0.0);
+        let mut inside = zero.at_most(u.min(v).min(w)) | u.max(v).max(w).at_most(zero);
+        if inside == 0 {
+            return;
+        }
+        let determinant = u + v + w;
+        let t = (u * a[2] + v * b[2] + w * c[2]) * shear[2] / determinant;
+        // No area makes a NaN or an infinity, and neither comes before the best.
+        inside &= F64x4::splat(search.ray.start).below(t) & t.at_most(F64x4::splat(search.best.t));
+        if inside == 0 {
+            return;
+        }
+        let (t, v, w, determinant) = (t.to_array(), v.to_array(), w.to_array(), determinant.to_array());
+        while inside != 0 {
+            let i = inside.trailing_zeros() as usize;
+            inside &= inside - 1;
+            if self.primitives[i] != search.ray.from && determinant[i] != 0.0 {
+                search.offer(t[i], v[i] / determinant[i], w[i] / determinant[i], self.primitives[i]);
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Open cylinders.
+
+use super::patch::on_circle;
+use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
+use crate::math::frame::unit;
+use crate::math::function::atan2;
+use crate::math::{DVec2, DVec3, Frame, INV_PI, Ray, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use std::f64::consts::PI;
+
+pub const NAME: &str = "cylinder";
+pub const ABOUT: &str = "The wall of a cylinder between two points, without caps.";
+pub const EXAMPLES: &[&str] = &[
+    r#"<shape type="cylinder"/>"#,
+    r#"<shape type="cylinder"><point name="p0" x="-1" y="0" z="0"/><point name="p1" x="1" y="0.5" z="0"/>
+        <float name="radius" value="0.3"/></shape>"#,
+];
+
+/// A cylinder in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Cylinder {
+    start: DVec3,
+    /// Unit axis, and the two unit vectors that uv angles are measured in.
+    axis: DVec3,
+    x: DVec3,
+    y: DVec3,
+    length: f64,
+    radius: f64,
+    inward: bool,
+}
+
+pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
+    let (to_world, flip) = placement(params)?;
+    let radius = params.float_where("radius", 1.0, "radius", "a positive number", |r| r > 0.0)?;
+    let p0 = params.vector("p0", Some(DVec3::ZERO), "centre of one end")?.unwrap_or(DVec3::ZERO);
+    let p1 = params.vector("p1", Some(DVec3::Z), "centre of the other end")?.unwrap_or(DVec3::Z);
+    if p0 == p1 {
+        return Err(params.error("p1", "the cylinder has no length", "expected two different points"));
+    }
+    let frame = Frame::about(unit(p1 - p0));
+    let axes = [frame.s, frame.t, frame.n].map(|axis| to_world.vector(axis));
+    require_orthogonal(params, axes, &[(0, 1)])?;
+    Ok(Geometry::Cylinder(Cylinder::new(&to_world, p0, p1, radius, flip)))
+}
+
+impl Cylinder {
+    pub fn new(to_world: &Transform, p0: DVec3, p1: DVec3, radius: f64, inward: bool) -> Self {
+        let frame = Frame::about(unit(p1 - p0));
+        let start = to_world.point(p0);
+        let along = to_world.point(p1) - start;
+        let x = to_world.vector(frame.s);
+        Self {
+            start,
+            axis: unit(along),
+            x: unit(x),
+            y: unit(to_world.vector(frame.t)),
+            length: along.length(),
+            radius: radius * x.length(),
+            inward,
+        }
+    }
+
+    /// The nearest crossing beyond `ray.start`; `on_surface` if the origin lies on this very cylinder.
+    ///
+    /// The sphere's equation in the plane across the axis. With d′ the direction's part across, all terms are
+    /// divided by |d′| only at the end, so that rays along the axis pass without a division by zero.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, on_surface: bool, end: f64) -> Option<f64> {
+        let o = ray.origin - self.start;
+        let across = |v: DVec3| v - self.axis * v.dot(self.axis);
+        let (o_across, d_across) = (across(o), across(ray.direction));
+        let a = d_across.dot(d_across);
+        if a == 0.0 {
+            return None;
+        }
+        let b = o_across.dot(d_across);
+        let (along_o, along_d) = (o.dot(self.axis), ray.direction.dot(self.axis));
+        let accept = |t: f64| {
+            let z = along_o + along_d * t;
+            (t > ray.start && t < end && z >= 0.0 && z <= self.length).then_some(t)
+        };
+        if on_surface {
+            return accept(-2.0 * b / a);
+        }
+        let nearest = o_across - d_across * (b / a);
+        let discriminant = a * (self.radius * self.radius - nearest.dot(nearest));
+        if discriminant < 0.0 {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        let distance = o_across.length();
+        let c = (distance - self.radius) * (distance + self.radius);
+        let q = if b < 0.0 { -b + root } else { -b - root };
+        let (near, far) = if b < 0.0 { (c / q, q / a) } else { (q / a, c / q) };
+        accept(near).or_else(|| accept(far))
+    }
+
+    /// The point of the wall nearest to `near`.
+    pub fn point<const UV: bool>(&self, near: DVec3) -> SurfacePoint {
+        let o = near - self.start;
+        let z = o.dot(self.axis);
+        let outward = unit(o - self.axis * z);
+        let n = if self.inward { -outward } else { outward };
+        let p = self.start + self.axis * z + outward * self.radius;
+        if !UV {
+            return SurfacePoint { p, ng: n, ns: n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+        }
+        let (x, y) = (outward.dot(self.x), outward.dot(self.y));
+        let turn = 0.5 * INV_PI * atan2(y, x);
+        let uv = DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, z / self.length);
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du: (self.y * x - self.x * y) * (2.0 * PI * self.radius) }
+    }
+
+    pub fn area(&self) -> f64 {
+        2.0 * PI * self.radius * self.length
+    }
+
+    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+        let c = on_circle(u.x);
+        let outward = self.x * c.x + self.y * c.y;
+        let p = self.start + self.axis * (u.y * self.length) + outward * self.radius;
+        AreaSample { p, n: if self.inward { -outward } else { outward }, uv: u, pdf: 1.0 / self.area() }
+    }
+
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let half = self.axis.map(|a| ((1.0 - a) * (1.0 + a)).max(0.0).sqrt()) * self.radius;
+        let end = self.start + self.axis * self.length;
+        (self.start.min(end) - half, self.start.max(end) + half)
+    }
+}

@@ -1,0 +1,202 @@
+//! Triangle meshes in world space.
+
+use super::mesh_data::MeshData;
+use super::{AreaSample, SurfacePoint};
+use crate::math::frame::unit;
+use crate::math::function::acos;
+use crate::math::{DVec2, DVec3, Discrete, Transform, warp};
+
+/// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
+#[derive(Debug)]
+pub struct Mesh {
+    pub positions: Vec<[f32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit shading normals; `None` means the triangles are flat.
+    normals: Option<Vec<[f32; 3]>>,
+    uvs: Option<Vec<[f32; 2]>>,
+    /// The winding gives the back side.
+    flipped: bool,
+    /// Triangles by area, for meshes that emit.
+    areas: Discrete,
+}
+
+fn double(v: [f32; 3]) -> DVec3 {
+    DVec3::new(v[0] as f64, v[1] as f64, v[2] as f64)
+}
+
+fn single(v: DVec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+impl Mesh {
+    /// Places a mesh. Where the file has no normals they are made from the geometry, unless `face_normals`.
+    ///
+    /// As in Mitsuba, stored normals keep their side under a mirroring transform, while geometry turns inside out.
+    pub fn new(data: MeshData, to_world: &Transform, flip: bool, face_normals: bool) -> Self {
+        let positions: Vec<[f32; 3]> =
+            data.positions.iter().map(|&p| single(to_world.point(double(p)))).collect();
+        let side = if flip { -1.0 } else { 1.0 };
+        let stored = data.normals.filter(|_| !face_normals);
+        let mirrored = stored.is_some() && to_world.mirrors();
+        let normals = match stored {
+            _ if face_normals => None,
+            Some(normals) => {
+                let place = |n: &[f32; 3]| single(to_world.normal(double(*n)).normalize_or_zero() * side);
+                Some(normals.iter().map(place).collect())
+            }
+            None => {
+                let points = data.surface_points.as_deref();
+                Some(smooth_normals(&positions, &data.triangles, points, side))
+            }
+        };
+        let (triangles, uvs) = (data.triangles, data.uvs);
+        Self { positions, triangles, normals, uvs, flipped: flip != mirrored, areas: Discrete::default() }
+    }
+
+    #[inline]
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|i| double(self.positions[i as usize]))
+    }
+
+    /// The point p₀ + u(p₁ − p₀) + v(p₂ − p₀) of a triangle.
+    #[inline(always)]
+    pub fn point<const UV: bool>(&self, triangle: u32, u: f64, v: f64) -> SurfacePoint {
+        let [p0, p1, p2] = self.corners(triangle);
+        let (e1, e2) = (p1 - p0, p2 - p0);
+        let ng = unit(e1.cross(e2));
+        let ng = if self.flipped { -ng } else { ng };
+        let indices = self.triangles[triangle as usize];
+        let ns = match &self.normals {
+            None => ng,
+            Some(normals) => {
+                let [n0, n1, n2] = indices.map(|i| double(normals[i as usize]));
+                let n = n0 + (n1 - n0) * u + (n2 - n0) * v;
+                // Opposite normals may cancel, and files may hold zeros: there the surface itself decides.
+                if n.length_squared() > 0.0 { unit(n) } else { ng }
+            }
+        };
+        let (uv, dp_du) = match &self.uvs {
+            _ if !UV => (DVec2::ZERO, DVec3::ZERO),
+            None => (DVec2::new(u, v), e1),
+            Some(uvs) => {
+                let [t0, t1, t2] =
+                    indices.map(|i| DVec2::new(uvs[i as usize][0] as f64, uvs[i as usize][1] as f64));
+                let (d1, d2) = (t1 - t0, t2 - t0);
+                let determinant = d1.x * d2.y - d1.y * d2.x;
+                let dp_du =
+                    if determinant != 0.0 { (e1 * d2.y - e2 * d1.y) / determinant } else { DVec3::ZERO };
+                (t0 + d1 * u + d2 * v, dp_du)
+            }
+        };
+        SurfacePoint { p: p0 + e1 * u + e2 * v, ng, ns, uv, dp_du }
+    }
+
+    fn triangle_area(&self, triangle: u32) -> f64 {
+        let [p0, p1, p2] = self.corners(triangle);
+        0.5 * (p1 - p0).cross(p2 - p0).length()
+    }
+
+    pub fn area(&self) -> f64 {
+        if self.areas.is_empty() {
+            (0..self.triangles.len() as u32).map(|i| self.triangle_area(i)).sum()
+        } else {
+            self.areas.total()
+        }
+    }
+
+    /// Builds the table that [`Mesh::sample_area`] needs; only meshes that emit have it.
+    pub fn prepare_sampling(&mut self) {
+        self.areas = Discrete::new((0..self.triangles.len() as u32).map(|i| self.triangle_area(i)));
+    }
+
+    #[inline]
+    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+        let (triangle, _, rest) = self.areas.sample(u.x);
+        let b = warp::triangle(DVec2::new(rest, u.y));
+        let point = self.point::<true>(triangle as u32, b.x, b.y);
+        AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf: 1.0 / self.areas.total() }
+    }
+
+    /// Bytes of the vertex and index arrays.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.positions)
+            + size_of_val(&*self.triangles)
+            + self.normals.as_deref().map_or(0, size_of_val)
+            + self.uvs.as_deref().map_or(0, size_of_val)
+    }
+
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let start = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+        self.positions.iter().map(|&p| double(p)).fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)))
+    }
+}
+
+/// Vertex normals weighted by the angle of each triangle at the vertex (Thürmer & Wüthrich 1998), summed over all
+/// vertices that are the same point of the surface.
+fn smooth_normals(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    points: Option<&[u32]>,
+    side: f64,
+) -> Vec<[f32; 3]> {
+    let point_of = |vertex: u32| points.map_or(vertex, |p| p[vertex as usize]) as usize;
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for triangle in triangles {
+        let p = triangle.map(|i| double(positions[i as usize]));
+        let n = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
+        for i in 0..3 {
+            let (a, b) = (p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]);
+            let cos = a.dot(b) / (a.length() * b.length());
+            if n != DVec3::ZERO && cos.is_finite() {
+                sums[point_of(triangle[i])] += n * acos(cos.clamp(-1.0, 1.0));
+            }
+        }
+    }
+    let normal = |vertex| single(sums[point_of(vertex)].normalize_or_zero() * side);
+    (0..positions.len() as u32).map(normal).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle(normals: bool) -> MeshData {
+        MeshData {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            normals: normals.then(|| vec![[0.0, 0.0, 1.0]; 3]),
+            uvs: Some(vec![[0.0, 0.0], [2.0, 0.0], [0.0, 4.0]]),
+            triangles: vec![[0, 1, 2]],
+            surface_points: None,
+        }
+    }
+
+    #[test]
+    fn mirroring_turns_geometry_but_not_stored_normals() {
+        let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).unwrap();
+        for (normals, face, flip, expected) in [
+            (true, false, false, 1.0),
+            (true, false, true, -1.0),
+            (false, false, false, -1.0),
+            (false, true, true, 1.0),
+        ] {
+            let point = Mesh::new(triangle(normals), &mirror, flip, face).point::<true>(0, 0.2, 0.2);
+            assert_eq!((point.ns.z, point.ng.z), (expected, expected), "{normals} {face} {flip}");
+        }
+    }
+
+    #[test]
+    fn points_interpolate_and_tangents_follow_the_texture() {
+        let point = Mesh::new(triangle(true), &Transform::IDENTITY, false, false).point::<true>(0, 0.25, 0.5);
+        assert_eq!((point.p, point.uv), (DVec3::new(0.25, 0.5, 0.0), DVec2::new(0.5, 2.0)));
+        assert_eq!(point.dp_du, DVec3::new(0.5, 0.0, 0.0));
+    }
+
+    #[test]
+    fn area_samples_fill_the_triangles() {
+        let mut mesh = Mesh::new(triangle(true), &Transform::IDENTITY, false, false);
+        mesh.prepare_sampling();
+        let sample = mesh.sample_area(DVec2::new(0.3, 0.7));
+        assert!(sample.p.x >= 0.0 && sample.p.y >= 0.0 && sample.p.x + sample.p.y <= 1.0);
+        assert_eq!(sample.pdf, 2.0);
+    }
+}

@@ -1,0 +1,201 @@
+//! PLY, the Stanford triangle format (Greg Turk, 1994), as text or binary of either byte order.
+//!
+//! Read are `x y z`, `nx ny nz` and texture coordinates under any of their usual names of the element `vertex`,
+//! and the lists `vertex_index` or `vertex_indices` of the element `face`. All else is passed over.
+
+mod header;
+mod values;
+mod write;
+
+pub use write::write_ply;
+
+use super::{MeshData, MeshError, read_bytes};
+use header::{Element, Encoding, Header, Property, Scalar};
+use std::path::Path;
+use values::{Ascii, Binary, Values};
+
+/// Reads a PLY mesh, with polygons cut into fans of triangles (right for convex ones).
+///
+/// # Errors
+/// Besides a file that cannot be read or is cut short: coordinates stored as integers (Mitsuba would take them
+/// for sRGB-encoded fractions), numbers that are not finite, indices out of range, no triangles, and anything
+/// left over behind the data.
+pub fn read_ply(path: &Path) -> Result<MeshData, MeshError> {
+    parse(&read_bytes(path)?)
+}
+
+fn parse(bytes: &[u8]) -> Result<MeshData, MeshError> {
+    let header = header::parse(bytes)?;
+    match header.encoding {
+        Encoding::Ascii => read_body(&header, Ascii::new(bytes, header.end)),
+        Encoding::LittleEndian => read_body(&header, Binary::<false>::new(bytes, header.end)),
+        Encoding::BigEndian => read_body(&header, Binary::<true>::new(bytes, header.end)),
+    }
+}
+
+fn read_body(header: &Header, mut values: impl Values) -> Result<MeshData, MeshError> {
+    let mut mesh = MeshData::default();
+    let vertices = header.elements.iter().find(|element| element.name == "vertex");
+    let vertex_count = vertices.map_or(0, |element| element.count);
+    for element in &header.elements {
+        if element.count > values.room(element) {
+            let (count, name) = (element.count, &element.name);
+            return Err(MeshError::file(format!(
+                "the header promises {count} records of `{name}`; the file is too short for that"
+            )));
+        }
+        match element.name.as_str() {
+            "vertex" => read_vertices(element, &mut values, &mut mesh)?,
+            "face" => read_faces(element, &mut values, vertex_count, &mut mesh.triangles)?,
+            _ if element.properties.is_empty() => {}
+            _ => skip_element(element, &mut values)?,
+        }
+    }
+    if !values.at_end() {
+        return Err(MeshError::file("the file goes on after the data that its header promises"));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(MeshError::file("the mesh has no triangles"));
+    }
+    Ok(mesh)
+}
+
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+const UV: [[&str; 2]; 3] = [["texture_u", "texture_v"], ["s", "t"], ["u", "v"]];
+
+/// Where a vertex's numbers are gathered: x y z, nx ny nz, u v.
+const SLOTS: usize = 8;
+
+fn read_vertices(element: &Element, values: &mut impl Values, mesh: &mut MeshData) -> Result<(), MeshError> {
+    let has = |name: &&str| -> bool {
+        element.properties.iter().any(|property| property.name == *name && property.length.is_none())
+    };
+    if !POSITION.iter().all(has) {
+        return Err(MeshError::file("the element `vertex` has no `x`, `y` and `z`"));
+    }
+    let has_normals = NORMAL.iter().all(has);
+    let uv_names = UV.iter().find(|names| names.iter().all(has));
+    let mut names: Vec<(&str, usize)> = POSITION.into_iter().zip(0..).collect();
+    names.extend(NORMAL.into_iter().zip(3..).filter(|_| has_normals));
+    names.extend(uv_names.into_iter().flatten().copied().zip(6..));
+
+    let mut slots = Vec::with_capacity(element.properties.len());
+    for property in &element.properties {
+        let wanted = names.iter().position(|(name, _)| *name == property.name);
+        // Taken out, so that a second property of the same name is passed over.
+        let slot = wanted.filter(|_| property.length.is_none()).map(|index| names.swap_remove(index).1);
+        if slot.is_some() && !property.kind.is_float() {
+            let name = &property.name;
+            return Err(MeshError::file(format!("the vertex property `{name}` is stored as an integer")));
+        }
+        slots.push(slot);
+    }
+
+    let count = element.count as usize;
+    mesh.positions.reserve_exact(count);
+    let mut normals = Vec::with_capacity(if has_normals { count } else { 0 });
+    let mut uvs = Vec::with_capacity(if uv_names.is_some() { count } else { 0 });
+    let plain =
+        element.properties.iter().all(|property| property.kind == Scalar::F32 && property.length.is_none());
+    let mut numbers = vec![0.0; if plain { slots.len() } else { 0 }];
+    for _ in 0..count {
+        let mut record = [0.0_f32; SLOTS];
+        values.floats(&mut numbers)?;
+        for (slot, number) in slots.iter().zip(&numbers) {
+            if let Some(slot) = slot {
+                record[*slot] = *number;
+            }
+        }
+        for (property, slot) in element.properties.iter().zip(&slots).filter(|_| !plain) {
+            match slot {
+                Some(slot) => record[*slot] = values.float(property.kind)?,
+                None => skip_property(property, values)?,
+            }
+        }
+        if !record.iter().all(|number| number.is_finite()) {
+            return Err(values.error("a vertex with an infinite number or none (NaN)".into()));
+        }
+        let [x, y, z, nx, ny, nz, u, v] = record;
+        mesh.positions.push([x, y, z]);
+        if has_normals {
+            normals.push([nx, ny, nz]);
+        }
+        if uv_names.is_some() {
+            uvs.push([u, v]);
+        }
+    }
+    mesh.normals = has_normals.then_some(normals);
+    mesh.uvs = uv_names.is_some().then_some(uvs);
+    Ok(())
+}
+
+fn read_faces(
+    element: &Element,
+    values: &mut impl Values,
+    vertex_count: u64,
+    triangles: &mut Vec<[u32; 3]>,
+) -> Result<(), MeshError> {
+    let is_corners = |property: &Property| {
+        matches!(property.name.as_str(), "vertex_index" | "vertex_indices") && property.length.is_some()
+    };
+    let Some(corners) = element.properties.iter().position(is_corners) else {
+        return Err(MeshError::file("the element `face` has no list `vertex_index` or `vertex_indices`"));
+    };
+    triangles.reserve_exact(element.count as usize);
+    let [Property { kind, length, .. }, ..] = element.properties.as_slice() else { return Ok(()) };
+    let usual = element.properties.len() == 1
+        && *length == Some(Scalar::U8)
+        && matches!(kind, Scalar::I32 | Scalar::U32);
+    // A negative index is past this limit, too.
+    let limit = vertex_count.min(1 << 31) as u32;
+    for _ in 0..element.count {
+        if let Some(triangle) = usual.then(|| values.triangle(limit)).flatten() {
+            triangles.push(triangle);
+            continue;
+        }
+        for (index, property) in element.properties.iter().enumerate() {
+            let Some(length) = property.length.filter(|_| index == corners) else {
+                skip_property(property, values)?;
+                continue;
+            };
+            let count = values.integer(length)?;
+            if count < 3 {
+                return Err(values.error(format!("a face with {count} corners; it takes three")));
+            }
+            let mut corner = || {
+                let index = values.integer(property.kind)?;
+                match u32::try_from(index) {
+                    Ok(vertex) if u64::from(vertex) < vertex_count => Ok(vertex),
+                    _ => Err(values.error(format!("a face asks for vertex {index} of {vertex_count}"))),
+                }
+            };
+            let [first, mut previous] = [corner()?, corner()?];
+            for _ in 2..count {
+                let next = corner()?;
+                triangles.push([first, previous, next]);
+                previous = next;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn skip_element(element: &Element, values: &mut impl Values) -> Result<(), MeshError> {
+    for _ in 0..element.count {
+        element.properties.iter().try_for_each(|property| skip_property(property, values))?;
+    }
+    Ok(())
+}
+
+fn skip_property(property: &Property, values: &mut impl Values) -> Result<(), MeshError> {
+    let Some(length) = property.length else {
+        return values.skip(property.kind, 1);
+    };
+    let count = values.integer(length)?;
+    let count = u64::try_from(count).map_err(|_| values.error(format!("a list of length {count}")))?;
+    values.skip(property.kind, count)
+}
+
+#[cfg(test)]
+mod tests;

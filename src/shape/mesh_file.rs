@@ -1,0 +1,21 @@
+//! What shapes that are read from mesh files have in common.
+
+use super::mesh_data::{MeshData, MeshError};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use std::path::Path;
+
+/// Reads the file that `filename` names, and whether its triangles shall be flat.
+pub fn parse(
+    params: &mut Params,
+    read: impl FnOnce(&Path) -> Result<MeshData, MeshError>,
+) -> Result<(MeshData, bool), SceneError> {
+    let found = params.file("filename", "the mesh")?;
+    let (path, place) =
+        found.ok_or_else(|| params.error("filename", "a mesh needs a `filename`", "add one"))?;
+    let face_normals =
+        params.boolean("face_normals", false, "flat triangles, whatever normals the file has")?;
+    let mesh =
+        read(&path).map_err(|e| SceneError::at(&place.value_span, format!("{}: {e}", path.display()), ""))?;
+    Ok((mesh, face_normals))
+}

@@ -1,0 +1,177 @@
+//! What there is to see: one file a shape, and `accel/`, which finds what a ray meets first.
+//!
+//! *How to add one*: write `shape/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and a `parse` that makes a [`Geometry`],
+//! and add its line to `shapes!`. A shape that is not made of triangles also needs a variant of [`Geometry`].
+
+pub mod accel;
+mod cube;
+mod cylinder;
+mod disk;
+pub mod mesh;
+pub mod mesh_data;
+mod mesh_file;
+mod obj;
+mod patch;
+mod ply;
+mod rectangle;
+mod serialized;
+mod sphere;
+
+use crate::math::{DVec2, DVec3, Frame, Ray, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use crate::scene::registry::Entry;
+pub use cylinder::Cylinder;
+pub use mesh::Mesh;
+pub use patch::Patch;
+pub use sphere::Sphere;
+
+macro_rules! shapes {
+    ($($module:ident),* $(,)?) => {
+        /// Every shape.
+        pub static SHAPES: &[Entry<Geometry>] = &[$(Entry {
+            name: $module::NAME,
+            about: $module::ABOUT,
+            examples: $module::EXAMPLES,
+            parse: $module::parse,
+        }),*];
+    };
+}
+shapes!(rectangle, sphere, disk, cube, cylinder, obj, ply, serialized);
+
+/// The surface of a shape in world space.
+#[derive(Debug)]
+pub enum Geometry {
+    Mesh(Mesh),
+    Patch(Patch),
+    Sphere(Sphere),
+    Cylinder(Cylinder),
+}
+
+/// Where a ray met a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance along the ray.
+    pub t: f64,
+    /// Barycentric or patch coordinates; quadrics leave them 0.
+    pub u: f64,
+    pub v: f64,
+    /// The primitive, counted over the whole scene.
+    pub primitive: u32,
+}
+
+/// A point on a surface, in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    pub p: DVec3,
+    /// Unit normal of the surface itself, on the side of the shading normal.
+    pub ng: DVec3,
+    /// Unit shading normal.
+    pub ns: DVec3,
+    pub uv: DVec2,
+    /// ∂p/∂u, the preferred direction of anisotropic materials.
+    pub dp_du: DVec3,
+}
+
+impl SurfacePoint {
+    /// A point in the plane z = 0 with its normal along +z, for a look at a material alone.
+    pub fn flat() -> Self {
+        let n = DVec3::Z;
+        Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X }
+    }
+
+    /// The local frame in which materials work.
+    #[inline]
+    pub fn frame(&self, anisotropic: bool) -> Frame {
+        if anisotropic { Frame::along(self.ns, self.dp_du) } else { Frame::about(self.ns) }
+    }
+}
+
+/// A point chosen on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaSample {
+    pub p: DVec3,
+    /// Unit normal on the emitting side.
+    pub n: DVec3,
+    pub uv: DVec2,
+    /// Density with respect to area.
+    pub pdf: f64,
+}
+
+impl Geometry {
+    /// How many primitives rays can meet.
+    pub fn primitives(&self) -> u32 {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len() as u32,
+            _ => 1,
+        }
+    }
+
+    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the tangent
+    /// along them are left out: on quadrics they cost more than all the rest.
+    #[inline(always)]
+    pub fn point<const UV: bool>(&self, ray: &Ray, hit: &Hit, local: u32) -> SurfacePoint {
+        match self {
+            Self::Mesh(mesh) => mesh.point::<UV>(local, hit.u, hit.v),
+            Self::Patch(patch) => patch.point::<UV>(hit.u, hit.v),
+            Self::Sphere(sphere) => sphere.point::<UV>(ray.at(hit.t)),
+            Self::Cylinder(cylinder) => cylinder.point::<UV>(ray.at(hit.t)),
+        }
+    }
+
+    pub fn area(&self) -> f64 {
+        match self {
+            Self::Mesh(mesh) => mesh.area(),
+            Self::Patch(patch) => patch.area(),
+            Self::Sphere(sphere) => sphere.area(),
+            Self::Cylinder(cylinder) => cylinder.area(),
+        }
+    }
+
+    /// A point uniform in area. Meshes that emit know their triangles' areas; see [`Mesh::prepare_sampling`].
+    #[inline]
+    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+        match self {
+            Self::Mesh(mesh) => mesh.sample_area(u),
+            Self::Patch(patch) => patch.sample_area(u),
+            Self::Sphere(sphere) => sphere.sample_area(u),
+            Self::Cylinder(cylinder) => cylinder.sample_area(u),
+        }
+    }
+
+    /// The corners of the world-space bounding box.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        match self {
+            Self::Mesh(mesh) => mesh.bounds(),
+            Self::Patch(patch) => patch.bounds(),
+            Self::Sphere(sphere) => sphere.bounds(),
+            Self::Cylinder(cylinder) => cylinder.bounds(),
+        }
+    }
+}
+
+/// `to_world` and `flip_normals`, which every shape has.
+fn placement(params: &mut Params) -> Result<(Transform, bool), SceneError> {
+    let to_world = params.transform("to_world", "object space to world space")?;
+    Ok((to_world, params.boolean("flip_normals", false, "turn the surface inside out")?))
+}
+
+/// Refuses a transform that would shear a quadric into another one.
+fn require_orthogonal(params: &Params, axes: [DVec3; 3], equal: &[(usize, usize)]) -> Result<(), SceneError> {
+    /// Rotations written with a few decimals are meant as rotations; Mitsuba accepts the same.
+    const TOLERANCE: f64 = 1e-4;
+    let lengths = axes.map(DVec3::length);
+    let sheared = (0..3).any(|i| {
+        let j = (i + 1) % 3;
+        axes[i].dot(axes[j]).abs() > TOLERANCE * lengths[i] * lengths[j]
+    });
+    let uneven = equal.iter().any(|&(i, j)| (lengths[i] - lengths[j]).abs() > TOLERANCE * lengths[i]);
+    if sheared || uneven {
+        return Err(params.error(
+            "to_world",
+            "this shape cannot be sheared or scaled unevenly",
+            "expected rotation, translation and even scaling",
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,102 @@
+//! Flat pieces of a plane: parallelograms and ellipses, in one representation that is tested four at a time.
+
+use super::{AreaSample, SurfacePoint};
+use crate::math::frame::unit;
+use crate::math::function::{atan2, sin_cos_turn};
+use crate::math::{DVec2, DVec3, INV_PI, Transform, warp};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outline {
+    /// |x|, |y| ≤ 1.
+    Square,
+    /// x² + y² ≤ 1.
+    Circle,
+}
+
+/// The points centre + x·e₁ + y·e₂.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    pub centre: DVec3,
+    pub e1: DVec3,
+    pub e2: DVec3,
+    /// Unit normal on the front side.
+    pub n: DVec3,
+    pub outline: Outline,
+    area: f64,
+}
+
+impl Patch {
+    pub fn new(to_world: &Transform, flip: bool, outline: Outline) -> Self {
+        let n = unit(to_world.normal(DVec3::Z));
+        let (e1, e2) = (to_world.vector(DVec3::X), to_world.vector(DVec3::Y));
+        let unit_area = match outline {
+            Outline::Square => 4.0,
+            Outline::Circle => std::f64::consts::PI,
+        };
+        Self {
+            centre: to_world.point(DVec3::ZERO),
+            e1,
+            e2,
+            n: if flip { -n } else { n },
+            outline,
+            area: unit_area * e1.cross(e2).length(),
+        }
+    }
+
+    /// The vectors whose products with p − centre are x and y: the dual basis of (e₁, e₂) in the plane.
+    pub fn dual(&self) -> (DVec3, DVec3) {
+        let normal = self.e1.cross(self.e2);
+        let scale = 1.0 / normal.dot(normal);
+        (self.e2.cross(normal) * scale, normal.cross(self.e1) * scale)
+    }
+
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// The point with patch coordinates (x, y).
+    #[inline(always)]
+    pub fn point<const UV: bool>(&self, x: f64, y: f64) -> SurfacePoint {
+        let p = self.centre + self.e1 * x + self.e2 * y;
+        if !UV {
+            return SurfacePoint { p, ng: self.n, ns: self.n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+        }
+        let (uv, dp_du) = match self.outline {
+            Outline::Square => (DVec2::new(0.5 * (x + 1.0), 0.5 * (y + 1.0)), self.e1 * 2.0),
+            Outline::Circle => {
+                let r = (x * x + y * y).sqrt();
+                let turn = 0.5 * INV_PI * atan2(y, x);
+                let radial = if r > 0.0 { self.e1 * (x / r) + self.e2 * (y / r) } else { self.e1 };
+                (DVec2::new(r, if turn < 0.0 { turn + 1.0 } else { turn }), radial)
+            }
+        };
+        SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du }
+    }
+
+    #[inline(always)]
+    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+        let (xy, uv) = match self.outline {
+            Outline::Square => (DVec2::new(2.0 * u.x - 1.0, 2.0 * u.y - 1.0), u),
+            Outline::Circle => {
+                let d = warp::disk_concentric(u);
+                (d, self.point::<true>(d.x, d.y).uv)
+            }
+        };
+        let p = self.centre + self.e1 * xy.x + self.e2 * xy.y;
+        AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area }
+    }
+
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let half = match self.outline {
+            Outline::Square => self.e1.abs() + self.e2.abs(),
+            Outline::Circle => (self.e1 * self.e1 + self.e2 * self.e2).map(f64::sqrt),
+        };
+        (self.centre - half, self.centre + half)
+    }
+}
+
+/// A point on the unit circle at a fraction of a turn.
+pub fn on_circle(turn: f64) -> DVec2 {
+    let (sin, cos) = sin_cos_turn(turn);
+    DVec2::new(cos, sin)
+}

@@ -1,0 +1,17 @@
+//! Meshes in Mitsuba’s serialized format.
+
+use super::mesh::Mesh;
+use super::{Geometry, mesh_data, mesh_file, placement};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+
+pub const NAME: &str = "serialized";
+pub const ABOUT: &str = "A mesh in Mitsuba's compressed format, which may hold several.";
+pub const EXAMPLES: &[&str] = &[];
+
+pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
+    let (to_world, flip) = placement(params)?;
+    let index = params.integer("shape_index", 0, 0..=i64::from(u32::MAX), "which mesh of the file")?;
+    mesh_file::parse(params, |path| mesh_data::read_serialized(path, index as u32))
+        .map(|(data, face_normals)| Geometry::Mesh(Mesh::new(data, &to_world, flip, face_normals)))
+}

@@ -1,0 +1,102 @@
+//! Spheres.
+
+use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
+use crate::math::frame::unit;
+use crate::math::function::{acos, atan2};
+use crate::math::{DVec2, DVec3, Frame, INV_PI, Transform, warp};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use std::f64::consts::PI;
+
+pub const NAME: &str = "sphere";
+pub const ABOUT: &str = "A sphere; uv are azimuth and polar angle about its z axis.";
+pub const EXAMPLES: &[&str] = &[
+    r#"<shape type="sphere"/>"#,
+    r#"<shape type="sphere"><point name="center" x="1" y="2" z="3"/><float name="radius" value="0.5"/></shape>"#,
+];
+
+/// A sphere in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    pub centre: DVec3,
+    pub radius: f64,
+    /// Normals point inwards.
+    pub inward: bool,
+    /// Rows take world directions to the axes of uv.
+    axes: [DVec3; 3],
+}
+
+pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
+    let (to_world, flip) = placement(params)?;
+    let centre = params.vector("center", Some(DVec3::ZERO), "centre in object space")?.unwrap_or(DVec3::ZERO);
+    let radius =
+        params.float_where("radius", 1.0, "radius in object space", "a positive number", |r| r > 0.0)?;
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
+    require_orthogonal(params, axes, &[(0, 1), (1, 2)])?;
+    Ok(Geometry::Sphere(Sphere::new(&to_world, centre, radius, flip)))
+}
+
+impl Sphere {
+    pub fn new(to_world: &Transform, centre: DVec3, radius: f64, flip: bool) -> Self {
+        Self {
+            centre: to_world.point(centre),
+            radius: radius * to_world.vector(DVec3::X).length(),
+            inward: flip != to_world.mirrors(),
+            axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| unit(to_world.vector(axis))),
+        }
+    }
+
+    /// The point of the sphere nearest to `near`.
+    #[inline(always)]
+    pub fn point<const UV: bool>(&self, near: DVec3) -> SurfacePoint {
+        let outward = unit(near - self.centre);
+        let n = if self.inward { -outward } else { outward };
+        let p = self.centre + outward * self.radius;
+        if !UV {
+            return SurfacePoint { p, ng: n, ns: n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+        }
+        let local = DVec3::from(self.axes.map(|axis| axis.dot(outward)));
+        let turn = 0.5 * INV_PI * atan2(local.y, local.x);
+        let uv =
+            DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, INV_PI * acos(local.z.clamp(-1.0, 1.0)));
+        let dp_du = (self.axes[1] * local.x - self.axes[0] * local.y) * (2.0 * PI * self.radius);
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du }
+    }
+
+    pub fn area(&self) -> f64 {
+        4.0 * PI * self.radius * self.radius
+    }
+
+    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+        let surface = self.point::<true>(self.centre + warp::sphere(u) * self.radius);
+        AreaSample { p: surface.p, n: surface.ng, uv: surface.uv, pdf: 1.0 / self.area() }
+    }
+
+    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside.
+    ///
+    /// With s = r/d: 1 − √(1 − s²) = s²/(1 + √(1 − s²)).
+    #[inline]
+    pub fn cone(&self, p: DVec3) -> Option<f64> {
+        let d2 = (p - self.centre).length_squared();
+        let s2 = self.radius * self.radius / d2;
+        (s2 < 1.0).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
+    }
+
+    /// A visible point chosen uniformly in solid angle from `p` outside, and its density in sr⁻¹.
+    #[inline]
+    pub fn sample_cone<const UV: bool>(&self, p: DVec3, u: DVec2, one_minus_cos: f64) -> (SurfacePoint, f64) {
+        let towards = self.centre - p;
+        let distance = towards.length();
+        let local = warp::cone(u, one_minus_cos);
+        let direction = Frame::about(towards / distance).to_world(local);
+        // The chord: t = d cosθ − √(r² − d² sin²θ).
+        let sin2 = local.x * local.x + local.y * local.y;
+        let half = (self.radius * self.radius - distance * distance * sin2).max(0.0).sqrt();
+        let point = self.point::<UV>(p + direction * (distance * local.z - half));
+        (point, warp::cone_pdf(one_minus_cos))
+    }
+
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        (self.centre - self.radius, self.centre + self.radius)
+    }
+}

@@ -1,0 +1,75 @@
+//! Spectra that do not vary over a surface.
+
+use super::observer;
+use super::table::Tabulated;
+use super::upsample::Sigmoid;
+use super::{LANES, Spectrum, Wavelengths, blackbody};
+use std::sync::Arc;
+
+/// A function of wavelength, resolved for one colour mode.
+#[derive(Clone, Debug)]
+pub enum SpectralFunction {
+    /// The same at every wavelength, or in every channel.
+    Uniform(f32),
+    /// R, G, B: what every other spectrum becomes in RGB mode.
+    Rgb([f32; 3]),
+    /// A reflectance made from RGB.
+    Sigmoid(Sigmoid),
+    /// `scale` × a reflectance made from RGB × D65 of luminance 1: an emission made from RGB.
+    Illuminant { scale: f32, color: Sigmoid },
+    /// Measured values.
+    Table(Arc<Tabulated>),
+    /// `scale` × the table × D65 of luminance 1.
+    TableUnderD65 { scale: f32, table: Arc<Tabulated> },
+    /// Planck's law at a temperature in K, times a scale.
+    Blackbody { kelvin: f64, scale: f64 },
+}
+
+impl SpectralFunction {
+    #[inline]
+    pub fn eval(&self, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Uniform(value) => Spectrum::splat(*value),
+            Self::Rgb([r, g, b]) => Spectrum([*r, *g, *b, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            Self::Sigmoid(sigmoid) => Spectrum(sigmoid.eval_lanes(&λ.nm)),
+            Self::Illuminant { scale, color } => {
+                let color = color.eval_lanes(&λ.nm);
+                Spectrum::from_fn(|i| scale * color[i] * λ.d65[i])
+            }
+            Self::Table(table) => Spectrum::from_fn(|i| table.eval(λ.nm[i])),
+            Self::TableUnderD65 { scale, table } => {
+                Spectrum::from_fn(|i| scale * table.eval(λ.nm[i]) * λ.d65[i])
+            }
+            Self::Blackbody { kelvin, scale } => {
+                Spectrum::from_fn(|i| (scale * blackbody::radiance(*kelvin, λ.nm[i] as f64)) as f32)
+            }
+        }
+    }
+
+    /// Whether the value is one number whatever the lane.
+    pub fn constant(&self) -> Option<f32> {
+        match self {
+            Self::Uniform(value) => Some(*value),
+            Self::Rgb([r, g, b]) if r == g && g == b => Some(*r),
+            _ => None,
+        }
+    }
+
+    /// The mean over the visible range, or over the channels: a weight for choosing between lobes and lights.
+    pub fn mean(&self) -> f64 {
+        match self {
+            Self::Rgb(rgb) => rgb.iter().map(|&v| v as f64).sum::<f64>() / 3.0,
+            _ => {
+                const STEPS: usize = 16;
+                let mut sum = 0.0;
+                for step in 0..STEPS {
+                    let u = (step as f64 + 0.5) / (STEPS * LANES) as f64;
+                    let λ =
+                        Wavelengths::sample_uniform(u, observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX);
+                    sum += self.eval(&λ).sum() as f64;
+                }
+                sum / (STEPS * LANES) as f64
+            }
+        }
+    }
+}

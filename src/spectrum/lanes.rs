@@ -1,0 +1,120 @@
+//! The eight values a path carries.
+
+use std::ops::{Add, AddAssign, Mul, MulAssign, Sub};
+
+/// Wavelengths a path carries at once; eight `f32` fill one AVX2 register.
+pub const LANES: usize = 8;
+
+/// One value for each of the path's wavelengths; units are those of the quantity.
+///
+/// In RGB mode the lanes are R, G, B and five zeros.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(32))]
+pub struct Spectrum(pub [f32; LANES]);
+
+impl Spectrum {
+    pub const ZERO: Self = Self([0.0; LANES]);
+    pub const ONE: Self = Self([1.0; LANES]);
+
+    #[inline(always)]
+    pub const fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    // Plain loops: the array functions of the standard library are not always turned into vector code.
+    #[inline(always)]
+    pub fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {
+        let mut lanes = [0.0; LANES];
+        for (i, lane) in lanes.iter_mut().enumerate() {
+            *lane = f(i);
+        }
+        Self(lanes)
+    }
+
+    #[inline(always)]
+    pub fn map(self, mut f: impl FnMut(f32) -> f32) -> Self {
+        Self::from_fn(|i| f(self.0[i]))
+    }
+
+    /// Combines two spectra lane by lane.
+    #[inline(always)]
+    pub fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self::from_fn(|i| f(self.0[i], other.0[i]))
+    }
+
+    /// The sum over lanes, as a balanced tree: a fixed order that vector units do fast.
+    #[inline(always)]
+    pub fn sum(self) -> f32 {
+        let v = self.0;
+        let a: [f32; 4] = std::array::from_fn(|i| v[i] + v[i + 4]);
+        (a[0] + a[2]) + (a[1] + a[3])
+    }
+
+    #[inline(always)]
+    pub fn max(self) -> f32 {
+        self.0.iter().fold(f32::NEG_INFINITY, |a, &b| if b > a { b } else { a })
+    }
+
+    #[inline(always)]
+    pub fn is_zero(self) -> bool {
+        self.0.iter().all(|&v| v == 0.0)
+    }
+
+    #[inline(always)]
+    pub fn is_finite(self) -> bool {
+        self.0.iter().all(|v| v.is_finite())
+    }
+}
+
+impl Mul for Spectrum {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl Mul<f32> for Spectrum {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f32) -> Self {
+        self.map(|a| a * factor)
+    }
+}
+
+impl MulAssign for Spectrum {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl MulAssign<f32> for Spectrum {
+    #[inline(always)]
+    fn mul_assign(&mut self, factor: f32) {
+        *self = *self * factor;
+    }
+}
+
+impl Add for Spectrum {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl Sub for Spectrum {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl AddAssign for Spectrum {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}

@@ -1,0 +1,146 @@
+//! Measured spectra: values at wavelengths, and straight lines between them.
+
+/// A piecewise-linear function of wavelength in nm; zero outside its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tabulated {
+    wavelengths: Vec<f32>,
+    values: Vec<f32>,
+    /// 1/step where the wavelengths are evenly spaced, which makes the interval a multiplication away.
+    per_nm: Option<f32>,
+}
+
+impl Tabulated {
+    /// Values at increasing wavelengths. The error says what is wrong with them.
+    pub fn new(wavelengths: Vec<f32>, values: Vec<f32>) -> Result<Self, String> {
+        if wavelengths.len() != values.len() {
+            return Err(format!("{} wavelengths but {} values", wavelengths.len(), values.len()));
+        }
+        if wavelengths.len() < 2 {
+            return Err("a table needs at least two wavelengths".into());
+        }
+        if let Some(i) = values.iter().chain(&wavelengths).position(|v| !v.is_finite()) {
+            return Err(format!("entry {} is not finite", i % values.len() + 1));
+        }
+        if let Some(i) = wavelengths.windows(2).position(|w| w[1] <= w[0]) {
+            return Err(format!(
+                "wavelengths must increase, but {} follows {}",
+                wavelengths[i + 1],
+                wavelengths[i]
+            ));
+        }
+        Ok(Self { wavelengths, values, per_nm: None })
+    }
+
+    /// Values spread evenly over [min, max] nm.
+    pub fn regular(min: f32, max: f32, values: Vec<f32>) -> Result<Self, String> {
+        let last = values.len().saturating_sub(1).max(1) as f32;
+        let wavelengths = (0..values.len()).map(|i| min + (max - min) * (i as f32 / last)).collect();
+        let mut table = Self::new(wavelengths, values)?;
+        table.per_nm = Some(last / (max - min));
+        Ok(table)
+    }
+
+    /// Reads lines of "wavelength value", `#` starting a comment. The error names the line.
+    pub fn parse_spd(text: &str) -> Result<Self, String> {
+        let (mut wavelengths, mut values) = (vec![], vec![]);
+        for (i, line) in text.lines().enumerate() {
+            let line = line.split('#').next().unwrap_or("").trim();
+            if line.is_empty() {
+                continue;
+            }
+            let words: Vec<&str> =
+                line.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty()).collect();
+            let numbers: Vec<f32> = words.iter().filter_map(|w| w.parse().ok()).collect();
+            match numbers[..] {
+                [λ, value] if words.len() == 2 && λ.is_finite() && value.is_finite() => {
+                    if wavelengths.last().is_some_and(|&previous| λ <= previous) {
+                        return Err(format!("line {}: wavelengths must increase, found `{line}`", i + 1));
+                    }
+                    wavelengths.push(λ);
+                    values.push(value);
+                }
+                _ => {
+                    return Err(format!("line {}: expected a wavelength and a value, found `{line}`", i + 1));
+                }
+            }
+        }
+        Self::new(wavelengths, values)
+    }
+
+    /// The value at a wavelength in nm.
+    #[inline]
+    pub fn eval(&self, λ: f32) -> f32 {
+        let last = self.wavelengths.len() - 1;
+        // Written so that a NaN is outside, too.
+        if !(λ >= self.wavelengths[0] && λ <= self.wavelengths[last]) {
+            return 0.0;
+        }
+        let i = match self.per_nm {
+            Some(per_nm) => ((λ - self.wavelengths[0]) * per_nm) as usize,
+            None => self.wavelengths.partition_point(|&w| w <= λ).wrapping_sub(1),
+        };
+        let i = i.min(last - 1);
+        let t = (λ - self.wavelengths[i]) / (self.wavelengths[i + 1] - self.wavelengths[i]);
+        self.values[i] * (1.0 - t) + self.values[i + 1] * t
+    }
+
+    /// The first and last wavelength.
+    pub fn range(&self) -> (f32, f32) {
+        (self.wavelengths[0], self.wavelengths[self.wavelengths.len() - 1])
+    }
+
+    /// The integral over all wavelengths, in units of the values times nm.
+    pub fn integrate(&self) -> f64 {
+        let trapezoid = |(λ, v): (&[f32], &[f32])| 0.5 * (λ[1] - λ[0]) as f64 * (v[0] as f64 + v[1] as f64);
+        self.wavelengths.windows(2).zip(self.values.windows(2)).map(trapezoid).sum()
+    }
+
+    /// The same function times a factor.
+    pub fn scaled(&self, factor: f32) -> Self {
+        Self { values: self.values.iter().map(|v| v * factor).collect(), ..self.clone() }
+    }
+
+    /// The smallest and largest value.
+    pub fn bounds(&self) -> (f32, f32) {
+        self.values.iter().fold((f32::MAX, f32::MIN), |(lo, hi), &v| (lo.min(v), hi.max(v)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regular_and_irregular_tables_agree() {
+        let values: Vec<f32> = (0..48).map(|i| ((i * 7919) % 13) as f32).collect();
+        let regular = Tabulated::regular(360.0, 830.0, values.clone()).unwrap();
+        let irregular = Tabulated::new((0..48).map(|i| 360.0 + 10.0 * i as f32).collect(), values).unwrap();
+        for i in 0..10_000 {
+            let λ = 350.0 + 0.05 * i as f32;
+            assert!((regular.eval(λ) - irregular.eval(λ)).abs() < 1e-3, "{λ}");
+        }
+        assert_eq!(
+            (regular.eval(359.9), regular.eval(830.0), regular.eval(f32::NAN)),
+            (0.0, regular.values[47], 0.0)
+        );
+    }
+
+    #[test]
+    fn the_integral_is_the_area_of_trapezoids() {
+        let table = Tabulated::new(vec![400.0, 410.0, 500.0], vec![1.0, 3.0, 0.0]).unwrap();
+        assert_eq!(table.integrate(), 20.0 + 135.0);
+        assert_eq!(table.scaled(2.0).integrate(), 310.0);
+    }
+
+    #[test]
+    fn bad_tables_say_what_is_wrong() {
+        assert!(Tabulated::new(vec![1.0, 1.0], vec![0.0, 0.0]).unwrap_err().contains("increase"));
+        assert!(Tabulated::new(vec![1.0], vec![0.0]).unwrap_err().contains("two"));
+        assert!(Tabulated::new(vec![1.0, 2.0], vec![0.0, f32::NAN]).unwrap_err().contains("entry 2"));
+        assert!(Tabulated::parse_spd("400 1\n# c\n500 x\n").unwrap_err().contains("line 3"));
+        assert!(Tabulated::parse_spd("400 1\n300 1\n").unwrap_err().contains("line 2"));
+        assert!(Tabulated::parse_spd("400 1\n500 nan\n").unwrap_err().contains("line 2"));
+        assert!(Tabulated::regular(700.0, 400.0, vec![1.0, 2.0]).unwrap_err().contains("increase"));
+        assert_eq!(Tabulated::parse_spd("400 1 # c\n\n500 3\n").unwrap().eval(450.0), 2.0);
+    }
+}

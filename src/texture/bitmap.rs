@@ -1,0 +1,172 @@
+//! Images on surfaces.
+
+use super::AnyTexture;
+use crate::image::srgb;
+use crate::math::{DVec2, DVec3, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+use crate::spectrum::upsample::Sigmoid;
+use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
+use std::path::Path;
+use std::sync::Arc;
+
+pub const NAME: &str = "bitmap";
+pub const ABOUT: &str =
+    "An image file (EXR, PNG, JPEG, HDR); in spectral mode each texel is a smooth reflectance.";
+pub const EXAMPLES: &[&str] = &[];
+
+/// A decoded image: rows from the top, one or three channels.
+#[derive(Debug)]
+pub struct Pixels {
+    pub width: usize,
+    pub height: usize,
+    pub channels: usize,
+    /// As stored: sRGB-encoded if `encoded`, else linear.
+    pub values: Vec<f32>,
+    pub encoded: bool,
+}
+
+impl Pixels {
+    /// Decodes a file by its ending; the error names it.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        crate::image::read::pixels(path).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// The linear values of a texel: one channel three times over, or three.
+    pub fn linear(&self, texel: usize, raw: bool) -> [f32; 3] {
+        let decode = |v: f32| if self.encoded && !raw { srgb::decode(v as f64) as f32 } else { v };
+        match self.channels {
+            1 => [decode(self.values[texel]); 3],
+            _ => [0, 1, 2].map(|c| decode(self.values[3 * texel + c])),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wrap {
+    Repeat,
+    Mirror,
+    Clamp,
+}
+
+/// What a texel holds.
+#[derive(Clone, Debug)]
+enum Texels {
+    /// One number for all wavelengths.
+    Grey(Vec<f32>),
+    /// Linear sRGB.
+    Rgb(Vec<[f32; 3]>),
+    /// Coefficients of a reflectance.
+    Reflectance(Vec<Sigmoid>),
+}
+
+#[derive(Clone, Debug)]
+pub struct Bitmap {
+    texels: Texels,
+    /// Luminance of each texel, for textures that hold numbers.
+    scalar: Arc<Vec<f32>>,
+    width: usize,
+    height: usize,
+    nearest: bool,
+    wrap: Wrap,
+    to_uv: Transform,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
+    let found = params.file("filename", "an EXR, PNG, JPEG or HDR file")?;
+    let (path, place) =
+        found.ok_or_else(|| params.error("filename", "a bitmap needs a `filename`", "add one"))?;
+    let nearest = params.choice("filter_type", &["bilinear", "nearest"], "between texels")? == "nearest";
+    let wrap = match params.choice("wrap_mode", &["repeat", "mirror", "clamp"], "beyond the unit square")? {
+        "mirror" => Wrap::Mirror,
+        "clamp" => Wrap::Clamp,
+        _ => Wrap::Repeat,
+    };
+    let raw = params.boolean("raw", false, "whether the values are numbers and not sRGB colours")?;
+    let to_uv = params.transform("to_uv", "applied to the surface's uv")?;
+    params.choice(
+        "format",
+        &["auto", "variant", "float16", "fp16", "uint8"],
+        "Mitsuba's storage; ignored",
+    )?;
+    params.boolean("accel", true, "Mitsuba's hardware interpolation; ignored")?;
+    let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
+    let count = pixels.width * pixels.height;
+    let scalar = (0..count).map(|i| {
+        let rgb = pixels.linear(i, raw);
+        if pixels.channels == 1 { rgb[0] } else { observer::luminance(rgb.map(|v| v as f64)) as f32 }
+    });
+    let scalar: Arc<Vec<f32>> = Arc::new(scalar.collect());
+    let texels = if pixels.channels == 1 {
+        Texels::Grey(scalar.to_vec())
+    } else if params.loader.mode == ColorMode::Rgb {
+        Texels::Rgb((0..count).map(|i| pixels.linear(i, raw)).collect())
+    } else if raw {
+        Texels::Grey(scalar.to_vec())
+    } else {
+        Texels::Reflectance(
+            (0..count).map(|i| params.loader.upsampler.fit(pixels.linear(i, false))).collect(),
+        )
+    };
+    let (width, height) = (pixels.width, pixels.height);
+    Ok(AnyTexture::Bitmap(Box::new(Bitmap { texels, scalar, width, height, nearest, wrap, to_uv })))
+}
+
+impl Bitmap {
+    /// The texels about a place and their weights.
+    #[inline]
+    fn corners(&self, uv: DVec2) -> [(usize, f32); 4] {
+        let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
+        let offset = if self.nearest { 0.0 } else { 0.5 };
+        let (x, y) = (p.x * self.width as f64 - offset, p.y * self.height as f64 - offset);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (tx, ty) = if self.nearest { (0.0, 0.0) } else { ((x - x0) as f32, (y - y0) as f32) };
+        let at = |dx: i64, dy: i64| {
+            let column = self.wrapped(x0 as i64 + dx, self.width);
+            self.wrapped(y0 as i64 + dy, self.height) * self.width + column
+        };
+        [
+            (at(0, 0), (1.0 - tx) * (1.0 - ty)),
+            (at(1, 0), tx * (1.0 - ty)),
+            (at(0, 1), (1.0 - tx) * ty),
+            (at(1, 1), tx * ty),
+        ]
+    }
+
+    fn wrapped(&self, i: i64, size: usize) -> usize {
+        let n = size as i64;
+        match self.wrap {
+            Wrap::Repeat => i.rem_euclid(n) as usize,
+            Wrap::Clamp => i.clamp(0, n - 1) as usize,
+            Wrap::Mirror => {
+                let j = i.rem_euclid(2 * n);
+                (if j < n { j } else { 2 * n - 1 - j }) as usize
+            }
+        }
+    }
+
+    pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
+        let corners = self.corners(uv);
+        let mut sum = Spectrum::ZERO;
+        for (texel, weight) in corners.into_iter().filter(|(_, weight)| *weight != 0.0) {
+            let value = match &self.texels {
+                Texels::Grey(values) => Spectrum::splat(values[texel]),
+                Texels::Rgb(values) => {
+                    let [r, g, b] = values[texel];
+                    Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
+                }
+                Texels::Reflectance(values) => Spectrum(values[texel].eval_lanes(&λ.nm)),
+            };
+            sum += value * weight;
+        }
+        sum
+    }
+
+    pub fn eval_scalar(&self, uv: DVec2) -> f64 {
+        self.corners(uv).into_iter().map(|(texel, weight)| (self.scalar[texel] * weight) as f64).sum()
+    }
+
+    pub fn mean(&self) -> f64 {
+        self.scalar.iter().map(|&v| v as f64).sum::<f64>() / self.scalar.len() as f64
+    }
+}

@@ -1,0 +1,50 @@
+//! Two textures in alternating squares.
+
+use super::AnyTexture;
+use crate::math::{DVec2, DVec3, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+
+pub const NAME: &str = "checkerboard";
+pub const ABOUT: &str = "Two textures in alternating squares, two by two in the unit square of uv.";
+pub const EXAMPLES: &[&str] = &[
+    r#"<texture type="checkerboard"/>"#,
+    r#"<texture type="checkerboard"><rgb name="color0" value="0.9, 0.1, 0.1"/><rgb name="color1" value="0.1, 0.1, 0.9"/>
+        <transform name="to_uv"><scale x="4" y="4"/></transform></texture>"#,
+];
+
+#[derive(Clone, Debug)]
+pub struct Checkerboard {
+    sides: [AnyTexture; 2],
+    to_uv: Transform,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
+    let usage = params.usage;
+    let first = params.texture("color0", 0.4, usage, "colour of the squares at the origin")?;
+    let second = params.texture("color1", 0.2, usage, "colour of the others")?;
+    let to_uv = params.transform("to_uv", "applied to the surface's uv")?;
+    Ok(AnyTexture::Checkerboard(Box::new(Checkerboard { sides: [first, second], to_uv })))
+}
+
+impl Checkerboard {
+    /// The texture at a place.
+    #[inline]
+    pub fn side(&self, uv: DVec2) -> &AnyTexture {
+        let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
+        let half = |x: f64| x - x.floor() > 0.5;
+        &self.sides[usize::from(half(p.x) != half(p.y))]
+    }
+
+    /// The texture at a place, where it stands for a number. Mitsuba 3.9.1 exchanges the squares there, and the same
+    /// file must mean the same.
+    #[inline]
+    pub fn scalar_side(&self, uv: DVec2) -> &AnyTexture {
+        let first = std::ptr::eq(self.side(uv), &self.sides[0]);
+        &self.sides[usize::from(first)]
+    }
+
+    pub fn mean(&self) -> f64 {
+        0.5 * (self.sides[0].mean() + self.sides[1].mean())
+    }
+}

@@ -1,0 +1,202 @@
+//! `<rgb>`, `<spectrum>` and `<float>`: constants as scene files write them, turned into spectra as Mitsuba turns
+//! them. The same numbers mean different spectra for what reflects and for what emits.
+
+use crate::scene::error::SceneError;
+use crate::scene::loader::Loader;
+use crate::scene::params::{Usage, number};
+use crate::scene::transform::numbers;
+use crate::scene::xml::{Attribute, Element};
+use crate::spectrum::table::Tabulated;
+use crate::spectrum::{ColorMode, SpectralFunction, observer, upsample::Sigmoid};
+use std::sync::Arc;
+
+pub fn parse<'d>(
+    element: &'d Element,
+    loader: &Loader<'d>,
+    usage: Usage,
+) -> Result<SpectralFunction, SceneError> {
+    match element.tag.as_str() {
+        "float" | "integer" => {
+            element.only(&["name", "value"])?;
+            let value = element.require("value")?;
+            let number = number(&value.value).ok_or_else(|| {
+                SceneError::at(&value.value_span, format!("`{}` is no number", value.value), "")
+            })?;
+            check_range(&[number], value, usage)?;
+            Ok(match usage {
+                Usage::Emission => from_rgb([number; 3], usage, loader),
+                _ => SpectralFunction::Uniform(number as f32),
+            })
+        }
+        "rgb" | "srgb" => {
+            element.only(&["name", "value"])?;
+            let value = element.require("value")?;
+            let rgb = parse_rgb(value)?;
+            check_range(&rgb, value, usage)?;
+            Ok(from_rgb(rgb, usage, loader))
+        }
+        "spectrum" => parse_spectrum(element, loader, usage),
+        "blackbody" => super::blackbody::parse_legacy(element, loader),
+        _ => {
+            let message = format!("<{}> is no colour", element.tag);
+            Err(SceneError::at(&element.span, message, "expected <rgb>, <spectrum>, <float> or <texture>"))
+        }
+    }
+}
+
+/// One number, three numbers, or `#rrggbb`.
+pub fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
+    if let Some(digits) = value.value.trim().strip_prefix('#') {
+        let parsed = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6);
+        let code = parsed.ok_or_else(|| {
+            SceneError::at(&value.value_span, format!("`{}` is no colour", value.value), "expected #rrggbb")
+        })?;
+        return Ok([16, 8, 0].map(|shift| crate::image::srgb::decode((code >> shift & 255) as f64 / 255.0)));
+    }
+    match numbers(value)?[..] {
+        [v] => Ok([v; 3]),
+        [r, g, b] => Ok([r, g, b]),
+        ref n => Err(SceneError::at(
+            &value.value_span,
+            format!("{} numbers", n.len()),
+            "expected one or three numbers",
+        )),
+    }
+}
+
+/// Refuses reflectances beyond 0 to 1, and of anything else what is negative or more than f32 can hold.
+fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
+    let (top, expected) = match usage {
+        Usage::Reflectance => (1.0, "expected 0 to 1"),
+        Usage::Emission | Usage::Unbounded => {
+            (f64::from(f32::MAX), "expected no negative number, and none above 3.4e38")
+        }
+    };
+    let word = if usage == Usage::Reflectance { "reflectance" } else { "amount" };
+    match values.iter().find(|v| !(0.0..=top).contains(*v)) {
+        None => Ok(()),
+        Some(v) => Err(SceneError::at(&place.value_span, format!("{v} is no {word}"), expected)),
+    }
+}
+
+/// The spectrum of a linear sRGB colour.
+pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunction {
+    if loader.mode == ColorMode::Rgb {
+        return SpectralFunction::Rgb(rgb.map(|v| v as f32));
+    }
+    match usage {
+        Usage::Reflectance => SpectralFunction::Sigmoid(loader.upsampler.fit(rgb.map(|v| v as f32))),
+        Usage::Unbounded if rgb[0] == rgb[1] && rgb[1] == rgb[2] => SpectralFunction::Uniform(rgb[0] as f32),
+        Usage::Emission | Usage::Unbounded => {
+            let (scale, color) = scaled(rgb);
+            if scale == 0.0 {
+                return SpectralFunction::Uniform(0.0);
+            }
+            let color = loader.upsampler.fit(color);
+            SpectralFunction::Illuminant { scale, color }
+        }
+    }
+}
+
+/// An emission as twice its largest component times a colour whose largest is ½, where spectra are smoothest.
+pub fn scaled(rgb: [f64; 3]) -> (f32, [f32; 3]) {
+    let scale = 2.0 * rgb.iter().fold(0.0f64, |m, v| m.max(*v));
+    (scale as f32, rgb.map(|v| if scale > 0.0 { (v / scale) as f32 } else { 0.0 }))
+}
+
+/// D65 of a luminance.
+pub fn white_illuminant(value: f64) -> SpectralFunction {
+    SpectralFunction::Illuminant { scale: (2.0 * value) as f32, color: Sigmoid([0.0, 0.0, 0.0]) }
+}
+
+fn parse_spectrum<'d>(
+    element: &'d Element,
+    loader: &Loader<'d>,
+    usage: Usage,
+) -> Result<SpectralFunction, SceneError> {
+    element.only(&["name", "value", "filename"])?;
+    match (element.attribute("value"), element.attribute("filename")) {
+        (Some(value), None) if !value.value.contains(':') => {
+            let number = number(&value.value).ok_or_else(|| {
+                let message = format!("`{}` is no spectrum", value.value);
+                SceneError::at(&value.value_span, message, "expected a number or `nm:value` pairs")
+            })?;
+            check_range(&[number], value, usage)?;
+            Ok(uniform(number, usage, loader.mode))
+        }
+        (Some(value), None) => from_table(parse_pairs(value)?, value, usage, loader),
+        (None, Some(name)) => {
+            let path = crate::scene::xml::find(&element.search, &name.value).ok_or_else(|| {
+                SceneError::at(
+                    &name.value_span,
+                    format!("there is no file `{}`", name.value),
+                    "expected an .spd file",
+                )
+            })?;
+            loader.depends_on(&path);
+            let text = std::fs::read_to_string(&path).map_err(|e| e.to_string());
+            let table = text.and_then(|t| Tabulated::parse_spd(&t)).map_err(|e| {
+                SceneError::at(
+                    &name.value_span,
+                    format!("{}: {e}", path.display()),
+                    "expected lines of `nm value`",
+                )
+            })?;
+            from_table(table, name, usage, loader)
+        }
+        _ => Err(SceneError::at(
+            &element.span,
+            "a <spectrum> needs a value",
+            "expected either `value` or `filename`",
+        )),
+    }
+}
+
+/// Equal energy at all wavelengths.
+pub fn uniform(value: f64, usage: Usage, mode: ColorMode) -> SpectralFunction {
+    if mode == ColorMode::Rgb && usage == Usage::Emission {
+        // Equal energy is no white of sRGB.
+        return SpectralFunction::Rgb(observer::xyz_to_rgb([value; 3]).map(|v| v as f32));
+    }
+    SpectralFunction::Uniform(value as f32)
+}
+
+fn parse_pairs(attribute: &Attribute) -> Result<Tabulated, SceneError> {
+    let wrong =
+        |what: String| SceneError::at(&attribute.value_span, what, "expected `nm:value, nm:value, …`");
+    let (mut wavelengths, mut values) = (vec![], vec![]);
+    let words = attribute.value.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
+    for word in words {
+        let pair = word.split_once(':').and_then(|(λ, v)| Some((number(λ)?, number(v)?)));
+        let (λ, value) = pair.ok_or_else(|| wrong(format!("`{word}` is no pair of numbers")))?;
+        wavelengths.push(λ as f32);
+        values.push(value as f32);
+    }
+    Tabulated::new(wavelengths, values).map_err(wrong)
+}
+
+/// A measured spectrum: as it is, or as the colour that RGB mode makes of it.
+pub fn from_table(
+    table: Tabulated,
+    place: &Attribute,
+    usage: Usage,
+    loader: &Loader,
+) -> Result<SpectralFunction, SceneError> {
+    let (low, high) = table.bounds();
+    let top = if usage == Usage::Reflectance { 1.0 } else { f32::INFINITY };
+    if low < 0.0 || high > top {
+        let bad = if low < 0.0 { low } else { high };
+        let expected =
+            if usage == Usage::Reflectance { "expected values from 0 to 1" } else { "expected no negative" };
+        return Err(SceneError::at(
+            &place.value_span,
+            format!("the spectrum has a value of {bad}"),
+            expected,
+        ));
+    }
+    if loader.mode == ColorMode::Spectral {
+        return Ok(SpectralFunction::Table(Arc::new(table)));
+    }
+    let rgb = observer::table_to_rgb(&table, usage != Usage::Emission);
+    Ok(SpectralFunction::Rgb(rgb.map(|v| v.clamp(0.0, top as f64) as f32)))
+}

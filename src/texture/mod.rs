@@ -1,0 +1,116 @@
+//! Values that may vary over a surface. A folder's file is a model; the constant spectra are models too, because
+//! a scene file may give either wherever it gives a colour.
+//!
+//! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line to [`TEXTURES`].
+
+pub mod bitmap;
+mod blackbody;
+mod checkerboard;
+mod color;
+mod d65;
+mod irregular;
+mod regular;
+mod srgb;
+mod uniform;
+
+use crate::math::DVec2;
+use crate::scene::error::SceneError;
+use crate::scene::loader::Loader;
+use crate::scene::params::Usage;
+use crate::scene::registry::{Entry, construct};
+use crate::scene::xml::Element;
+use crate::spectrum::{ColorMode, SpectralFunction, Spectrum, Wavelengths};
+pub use bitmap::Bitmap;
+pub use checkerboard::Checkerboard;
+pub use color::scaled as color_scale;
+pub use d65::UnderD65;
+
+/// Any texture.
+#[derive(Clone, Debug)]
+pub enum AnyTexture {
+    Constant(SpectralFunction),
+    Bitmap(Box<Bitmap>),
+    Checkerboard(Box<Checkerboard>),
+    UnderD65(Box<UnderD65>),
+}
+
+macro_rules! entries {
+    ($($module:ident),* $(,)?) => {
+        /// Every texture and constant spectrum.
+        pub static TEXTURES: &[Entry<AnyTexture>] = &[$(Entry {
+            name: $module::NAME,
+            about: $module::ABOUT,
+            examples: $module::EXAMPLES,
+            parse: $module::parse,
+        }),*];
+    };
+}
+entries!(bitmap, checkerboard, uniform, regular, irregular, srgb, d65, blackbody);
+
+impl AnyTexture {
+    /// Reads `<rgb>`, `<spectrum>`, `<float>` or `<texture>`.
+    pub fn parse<'d>(element: &'d Element, loader: &Loader<'d>, usage: Usage) -> Result<Self, SceneError> {
+        match element.tag.as_str() {
+            "texture" => construct(TEXTURES, element, loader, usage),
+            "spectrum" if element.attribute("type").is_some() => construct(TEXTURES, element, loader, usage),
+            _ => color::parse(element, loader, usage).map(Self::Constant),
+        }
+    }
+
+    /// The constant that stands where a file gives nothing.
+    pub fn default_value(value: f64, usage: Usage, mode: ColorMode) -> Self {
+        let constant = SpectralFunction::Uniform(value as f32);
+        match (usage, mode) {
+            (Usage::Emission, ColorMode::Spectral) => Self::Constant(color::white_illuminant(value)),
+            _ => Self::Constant(constant),
+        }
+    }
+
+    #[inline]
+    pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Constant(function) => function.eval(λ),
+            Self::Bitmap(bitmap) => bitmap.eval(uv, λ),
+            Self::Checkerboard(board) => board.side(uv).eval(uv, λ),
+            Self::UnderD65(product) => product.eval(uv, λ),
+        }
+    }
+
+    /// The value of a texture that holds numbers, not colours: roughness, opacity, blend weights.
+    #[inline]
+    pub fn eval_scalar(&self, uv: DVec2) -> f64 {
+        match self {
+            Self::Constant(function) => function.constant().map_or_else(|| function.mean(), |v| v as f64),
+            Self::Bitmap(bitmap) => bitmap.eval_scalar(uv),
+            Self::Checkerboard(board) => board.scalar_side(uv).eval_scalar(uv),
+            Self::UnderD65(product) => product.eval_scalar(uv),
+        }
+    }
+
+    /// The mean over the surface and the spectrum: a weight for choosing between lobes and lights.
+    pub fn mean(&self) -> f64 {
+        match self {
+            Self::Constant(function) => function.mean(),
+            Self::Bitmap(bitmap) => bitmap.mean(),
+            Self::Checkerboard(board) => board.mean(),
+            Self::UnderD65(product) => product.mean(),
+        }
+    }
+
+    /// The number this texture is everywhere and at every wavelength, if it is one.
+    pub fn constant(&self) -> Option<f64> {
+        match self {
+            Self::Constant(function) => function.constant().map(|v| v as f64),
+            _ => None,
+        }
+    }
+
+    /// Whether the value depends on the place.
+    pub fn varies(&self) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::UnderD65(product) => product.varies(),
+            Self::Bitmap(_) | Self::Checkerboard(_) => true,
+        }
+    }
+}

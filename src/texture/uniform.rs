@@ -1,0 +1,14 @@
+//! The same at every wavelength.
+
+use super::{AnyTexture, color};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+
+pub const NAME: &str = "uniform";
+pub const ABOUT: &str = "The same value at every wavelength; as a light, equal-energy white.";
+pub const EXAMPLES: &[&str] = &[r#"<spectrum type="uniform"><float name="value" value="0.1"/></spectrum>"#];
+
+pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
+    let value = params.float_where("value", 1.0, "the value", "no negative number", |v| v >= 0.0)?;
+    Ok(AnyTexture::Constant(color::uniform(value, params.usage, params.loader.mode)))
+}

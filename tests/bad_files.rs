@@ -1,0 +1,195 @@
+//! Files and command lines that cannot be used: the program says why, exits with 2, and touches nothing.
+
+mod refusal;
+
+use refusal::{Folder, SENSOR, refused_with};
+use std::process::Command;
+
+fn scene(body: &str) -> String {
+    format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n")
+}
+
+fn mesh_refused(kind: &str, content: &[u8], words: &[&str]) {
+    let body = format!("<shape type=\"{kind}\">\n<string name=\"filename\" value=\"m\"/></shape>");
+    refused_with(
+        &scene(&body),
+        &[("m", content)],
+        &[&["scene.xml:4:", "<string name=\"filename\""], words].concat(),
+    );
+}
+
+/// A triangle as binary PLY, with the counts that the header claims and the third index.
+fn ply(vertices: &str, faces: &str, z: f32, last: i32) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    for v in [0.0, 0.0, z, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f32] {
+        bytes.extend(v.to_le_bytes());
+    }
+    bytes.push(3);
+    for index in [0, 1, last] {
+        bytes.extend(index.to_le_bytes());
+    }
+    bytes
+}
+
+#[test]
+fn meshes_that_are_damaged_are_refused() {
+    let whole = ply("3", "1", 0.0, 2);
+    for cut in [whole.len() - 1, whole.len() - 12, whole.len() - 20, 100, 4, 0] {
+        mesh_refused("ply", &whole[..cut], &["m:"]);
+    }
+    mesh_refused("ply", &ply("3", "1", 0.0, 3), &["vertex 3 of 3"]);
+    mesh_refused("ply", &ply("3", "1", 0.0, -1), &["vertex -1 of 3"]);
+    mesh_refused("ply", &ply("3", "1", f32::NAN, 2), &["NaN"]);
+    mesh_refused("ply", &ply("3", "1", f32::INFINITY, 2), &["infinite"]);
+    for count in ["4000000000", "18446744073709551615", "99999999999999999999999", "-1", "x"] {
+        mesh_refused("ply", &ply(count, "1", 0.0, 2), &[count]);
+        mesh_refused("ply", &ply("3", count, 0.0, 2), &[count]);
+    }
+    mesh_refused("ply", &ply("0", "0", 0.0, 2)[..160], &["m:"]);
+    mesh_refused("ply", b"hello", &["line 1", "ply"]);
+    mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["line 4", "position 4"]);
+    mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", &["line 4"]);
+    mesh_refused("obj", b"v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", &["line 2", "nan"]);
+    mesh_refused("obj", b"", &["no triangles"]);
+    mesh_refused("serialized", b"\x1c\x04\x04\x00", &["byte 0"]);
+}
+
+#[test]
+fn missing_and_damaged_files_are_refused_where_they_are_named() {
+    for kind in ["ply", "obj", "serialized"] {
+        let body = format!("<shape type=\"{kind}\">\n<string name=\"filename\" value=\"gone\"/></shape>");
+        refused_with(&scene(&body), &[], &["scene.xml:4:", "no file `gone`", "<string"]);
+    }
+    let bitmap = "<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"bitmap\">\n\
+                  <string name=\"filename\" value=\"b.png\"/></texture></bsdf>";
+    refused_with(&scene(bitmap), &[], &["scene.xml:4:", "no file `b.png`"]);
+    refused_with(&scene(bitmap), &[("b.png", b"\x89PNG\r\n\x1a\n\0\0")], &["scene.xml:4:", "b.png"]);
+    refused_with(&scene(bitmap), &[("b.png", &vast_png())], &["scene.xml:4:", "b.png"]);
+    let map = "<emitter type=\"envmap\">\n<string name=\"filename\" value=\"e.exr\"/></emitter>";
+    refused_with(&scene(map), &[], &["scene.xml:4:", "no file `e.exr`"]);
+    refused_with(&scene(map), &[("e.exr", b"v/1\x01junk")], &["scene.xml:4:", "e.exr"]);
+    let spectrum = "<bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" filename=\"a.spd\"/></bsdf>";
+    refused_with(&scene(spectrum), &[], &["scene.xml:4:", "no file `a.spd`"]);
+    for (content, line) in [("400 x\n", "line 1"), ("400 0.5\n500 nan\n", "line 2"), ("", "two wavelengths")]
+    {
+        refused_with(
+            &scene(spectrum),
+            &[("a.spd", content.as_bytes())],
+            &["scene.xml:4:", "a.spd", line, "expected"],
+        );
+    }
+    let folder = Folder::new(b"");
+    folder.command_refused(&["render", "gone.xml", "-o", "out.exr"], &["gone.xml"]);
+    folder.command_refused(&["render", ".", "-o", "out.exr"], &["cannot read"]);
+    folder.command_refused(&["explain", "gone.xml"], &["gone.xml"]);
+    folder.command_refused(&["replay", "gone.xml", "--pixel", "0,0", "--sample", "0"], &["gone.xml"]);
+}
+
+/// A PNG that claims 200 000 × 200 000 pixels and holds none.
+fn vast_png() -> Vec<u8> {
+    let mut header = b"IHDR".to_vec();
+    header.extend([200_000u32.to_be_bytes(), 200_000u32.to_be_bytes()].concat());
+    header.extend([8, 2, 0, 0, 0]);
+    let mut crc = flate2::Crc::new();
+    crc.update(&header);
+    [b"\x89PNG\r\n\x1a\n".as_slice(), &13u32.to_be_bytes(), &header, &crc.sum().to_be_bytes()].concat()
+}
+
+#[test]
+fn command_lines_that_make_no_sense_are_refused() {
+    let folder = Folder::new(scene("").as_bytes());
+    let trials: &[(&[&str], &str)] = &[
+        (&["--size", "0x5"], "no pixels"),
+        (&["--size", "5"], "640x480"),
+        (&["--size=-4x4"], "640x480"),
+        (&["--size", "100000x10000"], "too large"),
+        (&["--samples", "3..8"], "multiple of 4"),
+        (&["--samples", "8..8"], "empty"),
+        (&["--samples", "8..4"], "empty"),
+        (&["--samples", "0..99999999999"], "at most"),
+        (&["--samples", "4"], "0..64"),
+        (&["--crop", "3,3,2,2"], "0,0,4,4"),
+        (&["--crop", "4294967295,0,4294967295,1"], "0,0,4,4"),
+        (&["--crop", "0,0,0,1"], "1x1"),
+        (&["--crop", "0,0,4"], "X,Y,W,H"),
+        (&["--spp", "0"], "1..="),
+        (&["--spp", "1.5"], "1.5"),
+        (&["--spp", "4", "--samples", "0..4"], "--samples"),
+        (&["--seed", "4294967296"], "4294967296"),
+        (&["--color", "cmyk"], "`spectral` or `rgb`"),
+        (&["--integrator", "pth"], "did you mean `path`?"),
+        (&["--max-depth", "-5"], "integer from -1"),
+        (&["--bogus"], "--bogus"),
+        (&["--png", "gone/a.png"], "gone"),
+        (&["--png", "scene.xml/a.png"], "scene.xml"),
+        (&["--png", "."], "folder"),
+    ];
+    for (arguments, word) in trials {
+        folder.refused_given(arguments, &[word]);
+    }
+    std::fs::create_dir(folder.path().join("sub")).expect("made");
+    for output in ["gone/out.exr", "scene.xml/out.exr", "sub", "."] {
+        folder.command_refused(&["render", "scene.xml", "-o", output], &["cannot write", output]);
+    }
+    for pixel in ["4,0", "0,4", "-1,0", "x", "1"] {
+        let pixel = format!("--pixel={pixel}");
+        folder.command_refused(&["replay", "scene.xml", &pixel, "--sample", "0"], &[]);
+    }
+    folder.command_refused(&["replay", "scene.xml", "--pixel", "0,0", "--sample", "4294967296"], &[]);
+}
+
+#[test]
+fn parts_that_do_not_belong_together_are_refused() {
+    let folder = Folder::new(scene("<emitter type=\"constant\"/>").as_bytes());
+    std::fs::write(
+        folder.path().join("other.xml"),
+        scene("<emitter type=\"constant\"/><shape type=\"cube\"/>"),
+    )
+    .expect("written");
+    let render = |scene: &str, name: &str, more: &[&str]| {
+        let fixed = ["render", scene, "-o", name, "--quiet"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
+        let output = command.current_dir(folder.path()).args(fixed).args(more).output().expect("it runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    render("scene.xml", "a", &["--samples", "0..8"]);
+    render("scene.xml", "next", &["--samples", "8..16"]);
+    render("scene.xml", "overlap", &["--samples", "4..12"]);
+    render("scene.xml", "gap", &["--samples", "12..16"]);
+    render("scene.xml", "seed", &["--samples", "8..16", "--seed", "1"]);
+    render("scene.xml", "rgb", &["--samples", "8..16", "--color", "rgb"]);
+    render("scene.xml", "depth", &["--samples", "8..16", "--max-depth", "3"]);
+    render("scene.xml", "size", &["--samples", "8..16", "--size", "5x4"]);
+    render("scene.xml", "crop", &["--samples", "8..16", "--crop", "0,0,2,4"]);
+    render("scene.xml", "plain", &["--spp", "8"]);
+    render("other.xml", "other", &["--samples", "8..16"]);
+    let trials = [
+        ("overlap", "overlap"),
+        ("gap", "8..12 of pixel (0, 0) are missing"),
+        ("seed", "seed differs"),
+        ("other", "scene differs"),
+        ("rgb", "differs"),
+        ("depth", "differs"),
+        ("size", "differ"),
+        ("crop", ""),
+        ("plain", "shard"),
+        ("a", ""),
+        ("scene.xml", "scene.xml"),
+        ("gone", "gone"),
+    ];
+    for (part, word) in trials {
+        folder.command_refused(&["merge", "a", part, "-o", "out.exr"], &[word]);
+        folder.command_refused(&["merge", part, "a", "-o", "out.exr"], &[word]);
+    }
+    let damaged = std::fs::read(folder.path().join("next")).expect("read");
+    for cut in [damaged.len() - 1, damaged.len() / 2, 8, 0] {
+        std::fs::write(folder.path().join("cut"), &damaged[..cut]).expect("written");
+        folder.command_refused(&["merge", "a", "cut", "-o", "out.exr"], &["cut"]);
+    }
+    folder.command_refused(&["merge", "a", "next", "-o", "gone/out.exr"], &["gone/out.exr", "cannot write"]);
+    folder.command_refused(&["merge", "-o", "out.exr"], &["PARTS"]);
+}

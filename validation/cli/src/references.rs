@@ -1,0 +1,92 @@
+//! The reference scenes, rendered by Etalon and compared with the images that Mitsuba made of them.
+
+use etalon::render::{Progress, Settings, render};
+use etalon::scene::{self, Overrides};
+use etalon::spectrum::ColorMode;
+use std::path::{Path, PathBuf};
+use validation::Outcome;
+use validation::image::{self, Comparison};
+
+/// A scene, a colour mode, and the image to meet.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    pub name: String,
+    pub scene: PathBuf,
+    pub image: PathBuf,
+    pub mode: ColorMode,
+}
+
+/// The folder of the references.
+pub fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../references")
+}
+
+/// All references below a folder, by name.
+pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut found = vec![];
+    for entry in entries.filter_map(Result::ok) {
+        let file = entry.file_name().to_string_lossy().into_owned();
+        for mode in [ColorMode::Rgb, ColorMode::Spectral] {
+            if let Some(stem) = file.strip_suffix(&format!(".{}.exr", mode.name())) {
+                let scene = folder.join("scenes").join(format!("{stem}.xml"));
+                let name = format!("{stem}::{}", mode.name());
+                found.push(Reference { name, scene, image: entry.path(), mode });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(found)
+}
+
+impl Reference {
+    /// Renders with `samples` a pixel and compares. `number` draws another seed.
+    pub fn compare(
+        &self,
+        samples: u32,
+        settings: &image::Settings,
+        number: u64,
+    ) -> Result<Comparison, String> {
+        let seed = validation::statistics::seed_for(&self.name, number) as u32;
+        // Independent samples, because the pixel variance of stratified ones is an overestimate.
+        let overrides =
+            Overrides { seed: Some(seed), sampler: Some("independent".into()), ..Overrides::default() };
+        let scene = scene::load(&self.scene, &[], self.mode, &overrides).map_err(|e| e.to_string())?;
+        let settings_of_render = Settings {
+            samples: 0..u64::from(samples),
+            seed,
+            window: scene.sensor.film.crop,
+            threads: 0,
+            shard: false,
+            kernel: None,
+        };
+        let (rendered, _) =
+            render(&scene, &settings_of_render, &Progress::default()).ok_or("the render stopped")?;
+        let ours = image::Image {
+            width: rendered.crop.width as usize,
+            height: rendered.crop.height as usize,
+            channels: rendered.channels.iter().map(channel).collect(),
+        };
+        let reference = image::load(&self.image).map_err(|e| e.to_string())?;
+        image::compare(&reference, &ours, settings).map_err(|e| e.to_string())
+    }
+
+    /// The comparison as an outcome.
+    pub fn check(&self, samples: u32, margin: f64, number: u64) -> Result<Outcome, String> {
+        // Tiles must lie within their noise; their own margin is not asked for at these sample counts.
+        // Mitsuba adds its samples up in f32, so that its noiseless pixels are off by some ulp.
+        let rounding = 64.0 * f64::from(f32::EPSILON);
+        let settings =
+            image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(margin) };
+        Ok(self.compare(samples, &settings, number)?.outcome().of(&self.name))
+    }
+}
+
+fn channel(channel: &etalon::image::Channel) -> image::Channel {
+    let double = |values: &Vec<f32>| values.iter().map(|&v| v as f64).collect();
+    image::Channel {
+        name: channel.name.clone(),
+        mean: double(&channel.mean),
+        variance: channel.variance.as_ref().map(double),
+    }
+}

@@ -1,0 +1,146 @@
+//! Do sampled directions follow the density? Pearson's χ² test.
+//!
+//! Finds a wrong shape *and* a wrong total of the density, since draws without a direction (absorption, delta lobes) are one
+//! more bin that expects 1 − ∫pdf. Cannot see a wrong weight: see `weight` and `furnace`.
+//!
+//! Expected counts come from adaptive quadrature; its errors, as the non-centrality Σ n e²/p they could cause, must be
+//! negligible beside the statistic's own spread √(2k), else the answer is inconclusive.
+
+use super::{Check, Effort, always, draw, judge, partition::Partition, show};
+use crate::{
+    quadrature::Integral,
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::{Stream, Verdict, distributions::chi_square_upper, power::detectable_chi_square, seed_for},
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "chi2",
+    about: "sampled directions follow the pdf (Pearson's χ² test)",
+    applies: always,
+    run,
+};
+
+/// The root mean square relative error of the density that must be detectable.
+const MARGIN: f64 = 0.05;
+
+/// Bins expecting fewer samples than this are pooled (Cochran 1954).
+const POOL: f64 = 5.0;
+
+/// Samples a bin should expect, and bounds on the number of bins.
+const PER_BIN: usize = 1024;
+const BINS: [usize; 2] = [16, 512];
+
+/// Largest error of all integrals together.
+const QUADRATURE: f64 = 1e-4;
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let bins = (effort.samples / PER_BIN).clamp(BINS[0], BINS[1]);
+    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), bins);
+    let mut observed = vec![0.0; partition.bins() + 1];
+    let mut stream = Stream::new(seed);
+    for _ in 0..effort.samples {
+        let bin = match draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta) {
+            None => partition.bins(),
+            Some(sample) => {
+                let pdf = scatterer.pdf(wo, sample.wi);
+                if pdf.is_nan() || pdf <= 0.0 || pdf.is_infinite() {
+                    let message = format!("sampled {}, where the pdf is {pdf}", show(sample.wi));
+                    return Outcome::new("chi2", Verdict::Different, message).p_value(0.0);
+                }
+                partition.locate(sample.wi)
+            }
+        };
+        observed[bin] += 1.0;
+    }
+    let integrals = partition.integrate(QUADRATURE, |wi| scatterer.pdf(wo, wi));
+    conclude(&observed, &integrals, effort)
+}
+
+fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcome {
+    let samples = effort.samples as f64;
+    let total: Integral = integrals.iter().copied().sum();
+    if !total.value.is_finite() {
+        return Outcome::new("chi2", Verdict::Different, "the pdf is not finite").p_value(0.0);
+    }
+    let rest = Integral { value: (1.0 - total.value).max(0.0), error: total.error };
+    let cells = integrals.iter().chain([&rest]).zip(observed).map(|(integral, &count)| Bin {
+        observed: count,
+        expected: samples * integral.value,
+        error: samples * integral.error,
+    });
+    let bins = pool(cells.collect());
+    let statistic: f64 = bins.iter().map(|bin| square(bin.observed - bin.expected) / bin.expected).sum();
+    let noncentrality: f64 = bins.iter().map(|bin| square(bin.error) / bin.expected).sum();
+    let degrees = bins.len().saturating_sub(1) as f64;
+    if degrees == 0.0 {
+        return Outcome::new("chi2", Verdict::Equivalent, "no density and no sample outside delta lobes");
+    }
+    let p_value = chi_square_upper(statistic, degrees);
+    let detectable = detectable_chi_square(samples, degrees, effort.level);
+    let blurred = noncentrality > 0.1 * (2.0 * degrees).sqrt();
+    let verdict =
+        if blurred { Verdict::Inconclusive } else { judge(p_value, effort.level, detectable, MARGIN) };
+    let blur = if blurred { "; the pdf could not be integrated well enough" } else { "" };
+    let message = format!(
+        "χ² = {statistic:.1} with {degrees} degrees of freedom, p = {p_value:.3e}; \
+         would find an RMS error of the pdf of {:.2} %{blur}",
+        100.0 * detectable
+    );
+    Outcome::new("chi2", verdict, message)
+        .p_value(p_value)
+        .detectable(detectable)
+        .figure("statistic", statistic)
+        .figure("degrees", degrees)
+        .figure("quadrature_noncentrality", noncentrality)
+}
+
+#[derive(Clone, Copy)]
+struct Bin {
+    observed: f64,
+    expected: f64,
+    error: f64,
+}
+
+/// Merges bins from the smallest up until each expects at least [`POOL`] samples; a remainder joins the last.
+fn pool(mut bins: Vec<Bin>) -> Vec<Bin> {
+    bins.sort_by(|a, b| a.expected.total_cmp(&b.expected));
+    let mut pooled: Vec<Bin> = Vec::new();
+    for bin in bins {
+        match pooled.last_mut().filter(|last| last.expected < POOL) {
+            Some(last) => {
+                last.observed += bin.observed;
+                last.expected += bin.expected;
+                last.error += bin.error;
+            }
+            None => pooled.push(bin),
+        }
+    }
+    pooled
+}
+
+fn square(value: f64) -> f64 {
+    value * value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pooling_keeps_every_sample() {
+        let bin = |observed, expected| Bin { observed, expected, error: 0.0 };
+        let pooled = pool(vec![bin(9.0, 8.0), bin(0.0, 0.0), bin(1.0, 3.0), bin(2.0, 2.5), bin(7.0, 6.0)]);
+        let counts: Vec<(f64, f64)> = pooled.iter().map(|bin| (bin.observed, bin.expected)).collect();
+        assert_eq!(counts, [(3.0, 5.5), (7.0, 6.0), (9.0, 8.0)]);
+    }
+
+    #[test]
+    fn a_coarse_integral_is_no_verdict() {
+        let integral = |error| Integral { value: 0.5, error };
+        let effort = Effort { samples: 100_000, ..Effort::default() };
+        let observed = [50_100.0, 49_900.0, 0.0];
+        assert_eq!(conclude(&observed, &[integral(1e-6); 2], &effort).verdict, Verdict::Equivalent);
+        assert_eq!(conclude(&observed, &[integral(1e-2); 2], &effort).verdict, Verdict::Inconclusive);
+    }
+}

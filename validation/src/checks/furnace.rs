@@ -1,0 +1,82 @@
+//! How much light comes back, and do sampling and evaluation agree on it?
+//!
+//! Three statements: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the albedo, delta lobes
+//! included, is at most 1; and it is 1 if the model claims to be lossless. Weights count as flux (η² taken out), of
+//! which energy conservation speaks. Blind to errors that value and sample share and that keep the albedo.
+
+use super::{Check, Effort, always, draw, partition::Partition};
+use crate::{
+    quadrature::Integral,
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::{Estimate, Interval, Stream, Verdict, Welch, power::detectable_difference, seed_for},
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "furnace",
+    about: "sampled and integrated albedo agree, are at most 1, and 1 if lossless",
+    applies: always,
+    run,
+};
+
+/// The error of the albedo that must be detectable.
+const MARGIN: f64 = 0.01;
+
+const BINS: usize = 64;
+const QUADRATURE: f64 = 1e-5;
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let laws = scatterer.laws();
+    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
+    let flux = |wi: DVec3| scatterer.value(wo, wi) * laws.flux_factor(wo, wi);
+    let integral: Integral = partition.integrate(QUADRATURE, flux).into_iter().sum();
+    let mut stream = Stream::new(seed);
+    let weights: Vec<[f64; 2]> = (0..effort.samples)
+        .map(|_| match draw(scatterer, wo, &mut stream) {
+            None => [0.0, 0.0],
+            Some(sample) => {
+                let weight = sample.weight * laws.flux_factor(wo, sample.wi);
+                if sample.delta { [0.0, weight] } else { [weight, 0.0] }
+            }
+        })
+        .collect();
+    let smooth = Estimate::of(weights.iter().map(|weight| weight[0]));
+    let total = Estimate::of(weights.iter().map(|weight| weight[0] + weight[1]));
+    let exact = Estimate { mean: integral.value, variance: 0.0, degrees: f64::INFINITY };
+    let welch = Welch::new(exact, smooth);
+    // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own digits allow.
+    let slack = integral.error + effort.tolerance * integral.value.abs();
+    let agreement =
+        Interval::around(welch.difference, welch.half_width(effort.level) + slack).verdict(0.0, MARGIN);
+    let certain = Interval::around(total.mean, Welch::new(exact, total).half_width(effort.level) + slack);
+    let bounded = if certain.low > 1.0 + effort.tolerance { Verdict::Different } else { Verdict::Equivalent };
+    let lossless = if laws.lossless { strict(certain, effort) } else { Verdict::Equivalent };
+    let agreement = if within_noise(&welch, slack, effort.level) { agreement } else { Verdict::Different };
+    let message = format!(
+        "albedo {:.6} sampled, of which {:.6} ± {:.1e} outside delta lobes; {:.6} integrated{}{}",
+        total.mean,
+        smooth.mean,
+        smooth.variance.sqrt(),
+        integral.value,
+        if bounded == Verdict::Different { "; more light leaves than arrives" } else { "" },
+        if lossless == Verdict::Different { "; it claims to be lossless" } else { "" }
+    );
+    let outcome = Outcome::new("furnace", Verdict::all([agreement, bounded, lossless]), message)
+        .detectable(detectable_difference(welch.standard_error, effort.level) + slack)
+        .figure("sampled", total.mean)
+        .figure("sampled_smooth", smooth.mean)
+        .figure("integrated", integral.value);
+    // A constant weight leaves nothing to chance.
+    if welch.standard_error > slack { outcome.p_value(welch.p_value()) } else { outcome }
+}
+
+/// True if noise and slack explain the difference: a visible one is a fault even where it is small.
+fn within_noise(welch: &Welch, slack: f64, level: f64) -> bool {
+    welch.difference.abs() <= welch.half_width(level) + slack
+}
+
+/// Lossless to within the interval, and the interval narrow enough to say so.
+fn strict(certain: Interval, effort: &Effort) -> Verdict {
+    let widened = Interval { low: certain.low - effort.tolerance, high: certain.high + effort.tolerance };
+    if widened.contains(1.0) { widened.verdict(1.0, MARGIN) } else { Verdict::Different }
+}

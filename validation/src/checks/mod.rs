@@ -1,0 +1,105 @@
+//! Checks of one scattering distribution seen from one direction.
+//!
+//! To add one: a file with `pub(super) const CHECK: Check` that opens by saying what it finds and what it cannot, a line in
+//! [`CHECKS`], and a saboteur in `subjects` that this check and no weaker one rejects.
+
+mod chi2;
+mod finiteness;
+mod furnace;
+mod normalisation;
+mod partition;
+mod reciprocity;
+#[cfg(test)]
+mod trial;
+mod weight;
+
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Laws, Sample, Scatterer},
+    statistics::{Stream, Verdict},
+};
+
+/// How hard to look and how sure to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Directions drawn for statistical checks; deterministic ones use a sixteenth.
+    pub samples: usize,
+    /// Probability with which one check may reject an honest model. A caller that runs many divides it with
+    /// [`sidak`](crate::statistics::sidak).
+    pub level: f64,
+    /// Relative difference that deterministic checks take for rounding.
+    pub tolerance: f64,
+    /// Values below this have no digits left, such as those under the normal range of an f32 model, and are not
+    /// compared with one another.
+    pub smallest: f64,
+}
+
+impl Default for Effort {
+    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, all values (a model evaluated in f32).
+    fn default() -> Self {
+        Self { samples: 1 << 18, level: 1e-3, tolerance: 1e-5, smallest: 0.0 }
+    }
+}
+
+/// One check.
+pub struct Check {
+    pub name: &'static str,
+    /// One line: what must hold.
+    pub about: &'static str,
+    /// Whether the check has something to say about a model with these laws.
+    pub applies: fn(&Laws) -> bool,
+    pub run: fn(&dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome,
+}
+
+/// All checks.
+pub static CHECKS: &[Check] = &[
+    finiteness::CHECK,
+    weight::CHECK,
+    normalisation::CHECK,
+    chi2::CHECK,
+    furnace::CHECK,
+    reciprocity::CHECK,
+];
+
+/// The check called `name`.
+pub fn find(name: &str) -> Option<&'static Check> {
+    CHECKS.iter().find(|check| check.name == name)
+}
+
+/// Runs every check that applies. Each gets a seed of its own from `seed`.
+pub fn run_all(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Vec<Outcome> {
+    let laws = scatterer.laws();
+    let applicable = CHECKS.iter().filter(|check| (check.applies)(&laws));
+    applicable
+        .map(|check| (check.run)(scatterer, wo, crate::statistics::seed_for(check.name, seed), effort))
+        .collect()
+}
+
+/// Rejects if the p-value is at most the level (or NaN), else accepts if the test was sharp enough, else says so.
+fn judge(p_value: f64, level: f64, detectable: f64, margin: f64) -> Verdict {
+    if p_value.is_nan() || p_value <= level {
+        Verdict::Different
+    } else if detectable <= margin {
+        Verdict::Equivalent
+    } else {
+        Verdict::Inconclusive
+    }
+}
+
+fn draw(scatterer: &dyn Scatterer, wo: DVec3, stream: &mut Stream) -> Option<Sample> {
+    let u = [stream.uniform(), stream.uniform(), stream.uniform()];
+    scatterer.sample(wo, u)
+}
+
+fn always(_: &Laws) -> bool {
+    true
+}
+
+/// |a − b| relative to the larger; 0 if both are 0, NaN or infinite if either is not finite.
+fn relative_difference(a: f64, b: f64) -> f64 {
+    if a == b && a.is_finite() { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) }
+}
+
+fn show(direction: DVec3) -> String {
+    format!("({}, {}, {})", direction.x, direction.y, direction.z)
+}

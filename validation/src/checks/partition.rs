@@ -1,0 +1,201 @@
+//! The sphere cut into bins that fit a distribution.
+//!
+//! Fixed grids are blind to narrow lobes: at α = 0.01 all samples fall into one bin. Here a pilot sample cuts the (cos θ, φ)
+//! rectangle at medians, so that every bin expects about the same count, whatever the roughness. Within each bin the cuts
+//! go on until a handful of pilot samples is left: these cells are where quadrature starts, so it cannot overlook a lobe
+//! that sampling finds. The pilot is independent of the samples that are tested, which keeps Pearson's test valid.
+
+use std::f64::consts::PI;
+
+use super::draw;
+use crate::{
+    quadrature::{Cell, Integral, integrate},
+    scatterer::{DVec3, Scatterer, coordinates, direction},
+    statistics::Stream,
+};
+
+/// Pilot samples for each bin (between 3/4 and 3/2 of it), and for each cell that quadrature starts from.
+const PER_BIN: usize = 64;
+const PER_CELL: usize = 8;
+
+/// Cells are no larger than this in cos θ and φ, so that quadrature looks everywhere, samples or not.
+const LARGEST: [f64; 2] = [0.25, PI / 4.0];
+
+/// A cell with points is no larger than this many times what they cover.
+const LOOSE: f64 = 4.0;
+
+/// Evaluations for one bin, at most.
+const BUDGET: usize = 100_000;
+
+enum Node {
+    Split { axis: usize, position: f64, children: [usize; 2] },
+    Bin(usize),
+}
+
+/// A tree of cuts whose leaves are the bins.
+pub(super) struct Partition {
+    nodes: Vec<Node>,
+    bins: Vec<Vec<Cell>>,
+}
+
+impl Partition {
+    /// About `bins` bins for the non-delta part of `scatterer` seen from `wo`. The horizon is always a cut, since
+    /// distributions jump there.
+    pub fn adapt(scatterer: &dyn Scatterer, wo: DVec3, stream: &mut Stream, bins: usize) -> Self {
+        let pilot = (0..bins * PER_BIN).filter_map(|_| draw(scatterer, wo, stream));
+        let directions = pilot.filter(|sample| !sample.delta && sample.wi.is_finite());
+        let mut points: Vec<[f64; 2]> = directions.map(|sample| coordinates(sample.wi)).collect();
+        let sphere = Cell { low: [-1.0, -PI], high: [1.0, PI] };
+        let mut partition = Partition { nodes: Vec::new(), bins: Vec::new() };
+        partition.cut(sphere, &mut points, Some((0, 0.0)));
+        partition
+    }
+
+    pub fn bins(&self) -> usize {
+        self.bins.len()
+    }
+
+    /// The bin that holds `direction`.
+    pub fn locate(&self, direction: DVec3) -> usize {
+        let point = coordinates(direction);
+        let mut node = 0;
+        loop {
+            match &self.nodes[node] {
+                Node::Bin(bin) => return *bin,
+                Node::Split { axis, position, children } => {
+                    node = children[usize::from(point[*axis] >= *position)]
+                }
+            }
+        }
+    }
+
+    /// The integral over each bin, each with an error below `tolerance` / (number of bins) where the budget allows.
+    pub fn integrate(&self, tolerance: f64, function: impl Fn(DVec3) -> f64) -> Vec<Integral> {
+        let tolerance = tolerance / self.bins.len() as f64;
+        let at = |[z, phi]: [f64; 2]| function(direction(z, phi));
+        self.bins.iter().map(|cells| integrate(cells, tolerance, BUDGET, at)).collect()
+    }
+
+    fn cut(&mut self, cell: Cell, points: &mut [[f64; 2]], forced: Option<(usize, f64)>) -> usize {
+        let node = self.nodes.len();
+        self.nodes.push(Node::Bin(self.bins.len()));
+        let split =
+            forced.or_else(|| (2 * points.len() >= 3 * PER_BIN).then(|| median(&cell, points)).flatten());
+        if let Some((axis, position)) = split {
+            let (below, above) = separate(points, axis, position);
+            let [low, high] = cell.split(axis, position);
+            let children = [self.cut(low, below, None), self.cut(high, above, None)];
+            self.nodes[node] = Node::Split { axis, position, children };
+        } else {
+            let mut cells = Vec::new();
+            refine(cell, points, LARGEST, &mut cells);
+            self.bins.push(cells);
+        }
+        node
+    }
+}
+
+/// Cuts `cell` into the cells that quadrature starts from: at middles while it is much larger than what its points cover
+/// (so that cells shrink towards a lobe, and none holds the lobe in a corner where no node falls), at medians while it
+/// holds many, and at middles again while it is too large altogether.
+///
+/// `cover` is the extent of the points in the smallest cell around this one that had enough of them to tell.
+fn refine(cell: Cell, points: &mut [[f64; 2]], cover: [f64; 2], cells: &mut Vec<Cell>) {
+    let cover = if points.len() >= PER_CELL { extent(points) } else { cover };
+    let split = if points.is_empty() {
+        halve(&cell, LARGEST)
+    } else if let Some(split) = halve(&cell, cover.map(|cover| LOOSE * cover)) {
+        Some(split)
+    } else if points.len() >= 2 * PER_CELL {
+        median(&cell, points)
+    } else {
+        halve(&cell, LARGEST)
+    };
+    let Some((axis, position)) = split else {
+        cells.push(cell);
+        return;
+    };
+    let (below, above) = separate(points, axis, position);
+    let [low, high] = cell.split(axis, position);
+    refine(low, below, cover, cells);
+    refine(high, above, cover, cells);
+}
+
+/// The middle along the axis on which `cell` exceeds `limit` most; `None` if it does not, or can be cut no finer.
+fn halve(cell: &Cell, limit: [f64; 2]) -> Option<(usize, f64)> {
+    let excess = [0, 1].map(|axis| (cell.high[axis] - cell.low[axis]) / limit[axis]);
+    let axis = usize::from(excess[1] > excess[0]);
+    let middle = cell.middle(axis);
+    (excess[axis].is_finite() && excess[axis] > 1.0 && cell.low[axis] < middle && middle < cell.high[axis])
+        .then_some((axis, middle))
+}
+
+/// How far `points` spread along each axis.
+fn extent(points: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|axis| range(points, axis)).map(|(low, high)| high - low)
+}
+
+fn range(points: &[[f64; 2]], axis: usize) -> (f64, f64) {
+    let values = || points.iter().map(|point| point[axis]);
+    (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// The median along the axis on which `points` spread over the larger angle; `None` if it does not separate them.
+fn median(cell: &Cell, points: &mut [[f64; 2]]) -> Option<(usize, f64)> {
+    let (z, phi) = (range(points, 0), range(points, 1));
+    let cosine = 0.5 * (z.0 + z.1);
+    let sine_squared = (1.0 - cosine) * (1.0 + cosine);
+    // dθ = dz / sin θ against sin θ dφ.
+    let axis = usize::from((phi.1 - phi.0) * sine_squared > z.1 - z.0);
+    let middle = points.len() / 2;
+    points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+    let position = points[middle][axis];
+    let separates = points.iter().any(|point| point[axis] < position);
+    (separates && cell.low[axis] < position && position < cell.high[axis]).then_some((axis, position))
+}
+
+/// Reorders `points` into those below `position` and the rest.
+fn separate(points: &mut [[f64; 2]], axis: usize, position: f64) -> (&mut [[f64; 2]], &mut [[f64; 2]]) {
+    points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+    let below = points.partition_point(|point| point[axis] < position);
+    points.split_at_mut(below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subjects::{Conductor, Lambert};
+
+    #[test]
+    fn bins_cover_the_sphere_once() {
+        let partition = Partition::adapt(
+            &Conductor { alpha: 0.1, r0: 0.9 },
+            direction(0.5, 0.0),
+            &mut Stream::new(0),
+            64,
+        );
+        let area: Integral = partition.integrate(1.0, |_| 1.0).into_iter().sum();
+        assert!((area.value - 4.0 * PI).abs() < 1e-9);
+        let mut stream = Stream::named("partition", 0);
+        for _ in 0..1000 {
+            let point = [2.0 * stream.uniform() - 1.0, PI * (2.0 * stream.uniform() - 1.0)];
+            let bin = &partition.bins[partition.locate(direction(point[0], point[1]))];
+            let inside = |cell: &&Cell| {
+                (0..2).all(|axis| cell.low[axis] <= point[axis] && point[axis] <= cell.high[axis])
+            };
+            assert!(bin.iter().any(|cell| inside(&cell)));
+        }
+    }
+
+    #[test]
+    fn narrow_lobes_fill_all_bins_evenly() {
+        for alpha in [1e-3, 0.01, 0.5] {
+            let (conductor, wo) = (Conductor { alpha, r0: 0.9 }, direction(0.8, 0.0));
+            let partition = Partition::adapt(&conductor, wo, &mut Stream::new(1), 64);
+            let masses = partition.integrate(1e-4, |wi| conductor.pdf(wo, wi));
+            let above = masses.iter().filter(|mass| mass.value > 0.2 / 64.0).count();
+            assert!(above >= 60, "{above} of {} bins at α = {alpha}", partition.bins());
+        }
+        assert!(Partition::adapt(&Lambert { albedo: 0.5 }, DVec3::Z, &mut Stream::new(2), 64).bins() >= 60);
+    }
+}

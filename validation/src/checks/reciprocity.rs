@@ -1,0 +1,60 @@
+//! Does light take the same way back?
+//!
+//! f(wo, wi) / η(wo)² = f(wi, wo) / η(wi)² (Veach 1997, eq. 5.14), pair by pair, for directions that the model samples and for
+//! directions all over the sphere.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{Check, Effort, draw, relative_difference, show};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Laws, Scatterer, direction},
+    statistics::{Stream, Verdict},
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "reciprocity",
+    about: "f(wo, wi) / η(wo)² is symmetric",
+    applies: |laws: &Laws| laws.reciprocal,
+    run,
+};
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let laws = scatterer.laws();
+    let mut stream = Stream::new(seed);
+    let (mut checked, mut wrong, mut worst, mut place) = (0, 0, 0.0f64, wo);
+    for turn in 0..effort.samples.div_ceil(16) {
+        let uniform = direction(2.0 * stream.uniform() - 1.0, TAU * stream.uniform() - PI);
+        let sampled = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta);
+        let wi = sampled.filter(|_| turn % 2 == 0).map_or(uniform, |sample| sample.wi);
+        let one_way = reduced(scatterer, &laws, wo, wi);
+        let other_way = reduced(scatterer, &laws, wi, wo);
+        // Finite and without digits: nothing to compare.
+        if one_way.max(other_way) < effort.smallest {
+            continue;
+        }
+        let error = relative_difference(one_way, other_way);
+        checked += 1;
+        wrong += usize::from(error.is_nan() || error > effort.tolerance);
+        if error.is_nan() || error > worst {
+            (worst, place) = (error, wi);
+        }
+    }
+    let verdict = if wrong == 0 { Verdict::Equivalent } else { Verdict::Different };
+    let message = if wrong == 0 {
+        format!("{checked} pairs agree within {worst:.1e}")
+    } else {
+        format!(
+            "both ways differ by {worst:.2e} for wi = {}; {wrong} of {checked} pairs are wrong",
+            show(place)
+        )
+    };
+    Outcome::new("reciprocity", verdict, message).figure("checked", checked as f64).figure("worst", worst)
+}
+
+/// f(wo, wi) / η(wo)².
+fn reduced(scatterer: &dyn Scatterer, laws: &Laws, wo: DVec3, wi: DVec3) -> f64 {
+    let cosine = if scatterer.is_phase_function() { 1.0 } else { wi.z.abs() };
+    let index = laws.index(wo);
+    scatterer.value(wo, wi) / (cosine * index * index)
+}

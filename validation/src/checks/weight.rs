@@ -1,0 +1,50 @@
+//! Is the weight of each sample f |cos θ| / pdf?
+//!
+//! Holds for every single sample, so no statistics: `weight` × `pdf` must be `value`, and the density that comes with the
+//! sample must be the one the model states for that direction. A χ² test of directions cannot see either.
+
+use super::{Check, Effort, always, draw, relative_difference, show};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::{Stream, Verdict},
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "weight",
+    about: "each sample's weight is value / pdf, and its pdf is the stated one",
+    applies: always,
+    run,
+};
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let mut stream = Stream::new(seed);
+    let (mut checked, mut wrong, mut worst, mut place) = (0, 0, 0.0f64, None);
+    for _ in 0..effort.samples.div_ceil(16) {
+        let Some(sample) = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta) else { continue };
+        let (value, pdf) = (scatterer.value(wo, sample.wi), scatterer.pdf(wo, sample.wi));
+        let weight = relative_difference(sample.weight * pdf, value);
+        let density = relative_difference(sample.pdf, pdf);
+        checked += 1;
+        // Not `>`: a NaN must count as wrong.
+        wrong += usize::from(!(weight <= effort.tolerance && density <= effort.tolerance));
+        for (error, what) in
+            [(weight, "weight × pdf and value"), (density, "the sample's pdf and the stated one")]
+        {
+            if error.is_nan() || error > worst {
+                (worst, place) = (error, Some((what, sample.wi)));
+            }
+        }
+    }
+    let verdict = if wrong == 0 { Verdict::Equivalent } else { Verdict::Different };
+    let message = match place {
+        Some((what, wi)) if wrong > 0 => {
+            format!("{what} differ by {worst:.2e} at {}; {wrong} of {checked} samples are wrong", show(wi))
+        }
+        _ => format!("{checked} samples agree within {worst:.1e}"),
+    };
+    Outcome::new("weight", verdict, message)
+        .figure("checked", checked as f64)
+        .figure("wrong", wrong as f64)
+        .figure("worst", worst)
+}

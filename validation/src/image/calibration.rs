@@ -1,0 +1,170 @@
+//! Does the comparison keep its level, and does it find what it promises? On synthetic images with known truth.
+
+use super::{
+    Comparison, Image, Settings, compare,
+    synthetic::{Noise, grey, render},
+};
+use crate::statistics::Verdict;
+
+const WIDTH: usize = 48;
+const TRIALS: u64 = 1000;
+
+/// A picture with a contrast of 1:20 from left to right.
+fn scene() -> Vec<f64> {
+    (0..WIDTH * WIDTH).map(|index| 0.05 + (index % WIDTH) as f64 / WIDTH as f64).collect()
+}
+
+fn judge(a: &Image, b: &Image) -> Comparison {
+    compare(a, b, &Settings::default()).unwrap()
+}
+
+/// Share of `TRIALS` comparisons of two honest images, with these samples a pixel, that are called different.
+fn false_alarms(noise: Noise, samples: [usize; 2]) -> f64 {
+    let scene = scene();
+    let rejected = (0..TRIALS).filter(|&trial| {
+        let [a, b] = [("calibration a", samples[0]), ("calibration b", samples[1])]
+            .map(|(name, samples)| render(WIDTH, &scene, noise, samples, name, trial));
+        judge(&a, &b).verdict == Verdict::Different
+    });
+    let share = rejected.count() as f64 / TRIALS as f64;
+    println!("{noise:?} {samples:?}: {share} rejected at level 0.01");
+    share
+}
+
+/// The shares that 1000 trials at exactly 1 % leave once in 290 suites.
+fn assert_calibrated(share: f64) {
+    assert!((0.003..=0.021).contains(&share), "{share}");
+}
+
+#[test]
+fn level_is_kept_with_normal_noise() {
+    assert_calibrated(false_alarms(Noise::Normal, [64, 64]));
+}
+
+#[test]
+fn level_is_kept_with_skewed_noise() {
+    assert_calibrated(false_alarms(Noise::Exponential, [64, 64]));
+}
+
+#[test]
+fn level_is_kept_with_unequal_budgets() {
+    assert_calibrated(false_alarms(Noise::Exponential, [128, 32]));
+}
+
+#[test]
+fn fireflies_do_not_raise_the_alarm() {
+    assert!(false_alarms(Noise::Firefly, [64, 16]) <= 0.021);
+}
+
+/// Scales the pixels `selected` by their column and row.
+fn scaled(mut scene: Vec<f64>, factor: f64, selected: impl Fn(usize, usize) -> bool) -> Vec<f64> {
+    for (index, value) in scene.iter_mut().enumerate() {
+        if selected(index % WIDTH, index / WIDTH) {
+            *value *= factor;
+        }
+    }
+    scene
+}
+
+#[test]
+fn two_percent_loss_in_the_noisy_half_is_found() {
+    // At 512 samples a pixel the mean's standard error is √(2/512)/48 · 1.15 (contrast) = 0.15 %; the loss is 1.5 % of it.
+    let loss = scaled(scene(), 0.98, |x, _| x >= WIDTH / 2);
+    let found = (0..40).filter(|&trial| {
+        let a = render(WIDTH, &scene(), Noise::Exponential, 512, "loss a", trial);
+        let b = render(WIDTH, &loss, Noise::Exponential, 512, "loss b", trial);
+        judge(&a, &b).verdict == Verdict::Different
+    });
+    // 40 of 40 has a 95 % lower bound of 92.8 %.
+    assert_eq!(found.count(), 40);
+}
+
+#[test]
+fn one_wrong_tile_is_found_where_it_is() {
+    // At 512 samples a pixel a tile's standard error is √(2/512)/16 = 0.4 %; the fault is 5 %.
+    let wrong = scaled(scene(), 0.95, |x, y| x / 16 == 2 && y / 16 == 1);
+    for trial in 0..20 {
+        let a = render(WIDTH, &scene(), Noise::Exponential, 512, "tile a", trial);
+        let b = render(WIDTH, &wrong, Noise::Exponential, 512, "tile b", trial);
+        let found = judge(&a, &b);
+        assert_eq!(found.verdict, Verdict::Different, "{}", found.message);
+        let places: Vec<_> = found.tiles.different.iter().map(|tile| (tile.column, tile.row)).collect();
+        assert_eq!(places, [(2, 1)]);
+        assert!(found.message.contains("tile (2, 1) channel Y"), "{}", found.message);
+    }
+}
+
+#[test]
+fn enough_samples_make_equivalence_and_too_few_say_how_many() {
+    let noisy = |variance: f64, name: &str| {
+        let mut stream = crate::statistics::Stream::named(name, variance.to_bits());
+        let mut image = grey(WIDTH, &scene(), variance);
+        for mean in &mut image.channels[0].mean {
+            *mean += variance.sqrt() * stream.normal();
+        }
+        image
+    };
+    let variance = 1e-2;
+    let found = judge(&noisy(variance, "few a"), &noisy(variance, "few b"));
+    assert_eq!(found.verdict, Verdict::Inconclusive, "{}", found.message);
+    let factor = found.more_samples.unwrap();
+    let variance = variance / factor;
+    let found = judge(&noisy(variance, "many a"), &noisy(variance, "many b"));
+    assert_eq!(found.verdict, Verdict::Equivalent, "{}", found.message);
+}
+
+#[test]
+fn a_value_that_is_not_finite_fails_and_is_named() {
+    let a = render(WIDTH, &scene(), Noise::Normal, 64, "nan a", 0);
+    let mut b = a.clone();
+    b.channels[0].mean[WIDTH * 5 + 3] = f64::NAN;
+    let found = judge(&a, &b);
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(found.message.contains("pixel (3, 5) channel Y"), "{}", found.message);
+    // The same value on both sides is no excuse.
+    assert_eq!(judge(&b, &b).verdict, Verdict::Different);
+}
+
+#[test]
+fn noiseless_images_are_equivalent_if_equal_and_different_if_not() {
+    let a = grey(WIDTH, &scene(), 0.0);
+    assert_eq!(judge(&a, &a).verdict, Verdict::Equivalent);
+    let rounded = scene().iter().map(|&value| f64::from(value as f32)).collect::<Vec<_>>();
+    assert_eq!(judge(&a, &grey(WIDTH, &rounded, 0.0)).verdict, Verdict::Equivalent);
+    let mut b = a.clone();
+    b.channels[0].mean[WIDTH + 4] *= 1.0 + 1e-5;
+    let found = judge(&a, &b);
+    assert_eq!(found.verdict, Verdict::Different);
+    assert!(found.message.contains("pixel (4, 1)"), "{}", found.message);
+}
+
+#[test]
+fn black_images_are_equivalent_and_black_is_not_grey() {
+    let black = grey(WIDTH, &[0.0; WIDTH * WIDTH], 0.0);
+    let mut almost = black.clone();
+    almost.channels[0].mean[0] = -0.0;
+    assert_eq!(judge(&black, &almost).verdict, Verdict::Equivalent);
+    assert_eq!(judge(&black, &grey(WIDTH, &[0.5; WIDTH * WIDTH], 1e-4)).verdict, Verdict::Different);
+}
+
+#[test]
+fn without_variances_nothing_is_claimed() {
+    let mut a = render(WIDTH, &scene(), Noise::Normal, 64, "unknown a", 0);
+    let b = render(WIDTH, &scene(), Noise::Normal, 64, "unknown b", 0);
+    a.channels[0].variance = None;
+    let found = judge(&a, &b);
+    assert_eq!((found.verdict, found.more_samples), (Verdict::Inconclusive, None));
+    assert_eq!(found.faults.unknown_variance.len(), WIDTH * WIDTH);
+    assert_eq!(judge(&a, &a).verdict, Verdict::Equivalent);
+}
+
+#[test]
+fn images_that_cannot_be_compared_are_errors() {
+    let a = grey(4, &[1.0; 16], 0.0);
+    assert!(
+        compare(&a, &grey(8, &[1.0; 16], 0.0), &Settings::default()).unwrap_err().0.contains("4×4 and 8×2")
+    );
+    let mut b = a.clone();
+    b.channels[0].name = "Z".into();
+    assert!(compare(&a, &b, &Settings::default()).is_err());
+}

@@ -1,0 +1,194 @@
+//! The comparison as a whole: levels shared out, findings put into one sentence.
+
+use serde::Serialize;
+
+use super::{
+    Errors, Faults, Image, ImageError, MeanComparison, PixelFigures, TileComparison, errors,
+    maps::comparable,
+    mean,
+    pair::{Pair, Place},
+    pixels, tiles,
+};
+use crate::{
+    report::Outcome,
+    statistics::{Verdict, multiplicity::smallest_of, sidak},
+};
+
+/// What is asked of two images.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Settings {
+    /// Probability with which two images of the same scene may be called different.
+    pub level: f64,
+    /// The ratio of the means must lie within 1 ± this.
+    pub margin: f64,
+    /// Each tile's mean must agree within this, relative to the larger of its and the image's mean. Infinity asks nothing.
+    pub tile_margin: f64,
+    /// Pixels along a tile's side.
+    pub tile_size: usize,
+    /// Noiseless pixels may differ by this, relatively.
+    pub rounding: f64,
+}
+
+impl Settings {
+    /// The default with another margin of the mean, and 8 times that for tiles: in an image of 8×8 tiles a tile's mean
+    /// has 8 times the standard error of the whole, so one sample count settles both.
+    pub fn with_margin(margin: f64) -> Self {
+        // Four units in the last place of an f32.
+        let rounding = 4.0 * 0.5 * f64::from(f32::EPSILON);
+        Self { level: 0.01, margin, tile_margin: 8.0 * margin, tile_size: 16, rounding }
+    }
+}
+
+impl Default for Settings {
+    /// Level 1 %, mean within 0.25 %, tiles of 16×16 within 2 %.
+    fn default() -> Self {
+        Self::with_margin(0.0025)
+    }
+}
+
+/// What was found in one channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct ChannelComparison {
+    pub name: String,
+    pub mean: MeanComparison,
+    pub pixels: PixelFigures,
+    pub errors: Errors,
+}
+
+/// Everything found about two images.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    pub verdict: Verdict,
+    /// One sentence: why, and where.
+    pub message: String,
+    /// Of "both are unbiased images of the same scene"; compare with the level.
+    pub p_value: f64,
+    /// How many times more samples, on both sides, would settle an inconclusive comparison nine times in ten; absent if
+    /// samples would not help.
+    pub more_samples: Option<f64>,
+    /// The compared values are the same bit for bit: one image, not two pieces of evidence.
+    pub identical: bool,
+    pub faults: Faults,
+    pub channels: Vec<ChannelComparison>,
+    pub tiles: TileComparison,
+    /// Channels that only one image has; they were not compared.
+    pub uncompared: Vec<String>,
+    pub settings: Settings,
+}
+
+/// Compares `b` with the reference `a`, on all channels they share.
+///
+/// Half of the level goes to the means (shared by channels), half to the tiles. Different if either rejects and the
+/// difference is not inside its margin, or if [`Faults`] has a failure; equivalent if all intervals lie inside
+/// their margins, or the values are identical; else inconclusive. Errors: different sizes, no common channel.
+pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, ImageError> {
+    let (pairs, uncompared) = comparable(a, b)?;
+    let faults = Faults::find(&pairs, settings.rounding);
+    let half = sidak(settings.level, 2);
+    let each = sidak(half, pairs.len());
+    let channel = |pair: &Pair| ChannelComparison {
+        name: pair.name.to_string(),
+        mean: mean::compare(pair, settings.level, each, settings.margin),
+        pixels: pixels::figures(pair, settings.tile_size.max(1)),
+        errors: errors::errors(pair),
+    };
+    let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
+    let tiles = tiles::compare(&pairs, settings.tile_size.max(1), settings.level, half, settings.tile_margin);
+    let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, f64::min);
+    let p_values = [smallest_of(means, channels.len()), smallest_of(tiles.smallest_p_value, tiles.tested)];
+    let identical = pairs.iter().all(|pair| pair.pixels().all(|(_, _, pixel)| pixel.a == pixel.b));
+    let mut comparison = Comparison {
+        verdict: Verdict::Inconclusive,
+        message: String::new(),
+        p_value: smallest_of(p_values[0].min(p_values[1]), 2),
+        more_samples: None,
+        identical,
+        faults,
+        channels,
+        tiles,
+        uncompared,
+        settings: settings.clone(),
+    };
+    (comparison.verdict, comparison.message) = comparison.conclude();
+    if comparison.verdict == Verdict::Inconclusive && comparison.faults.unknown_variance.is_empty() {
+        let means = comparison.channels.iter().filter_map(|channel| channel.mean.more_samples);
+        comparison.more_samples = means.chain(comparison.tiles.more_samples).reduce(f64::max);
+        if let Some(factor) = comparison.more_samples {
+            comparison.message.push_str(&format!("; about {factor:.0} times more samples would tell"));
+        }
+    }
+    Ok(comparison)
+}
+
+impl Comparison {
+    fn conclude(&self) -> (Verdict, String) {
+        let first = |places: &[Place], what: &str| {
+            let more =
+                if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
+            places.first().map(|place| (Verdict::Different, format!("{what} at {place}{more}")))
+        };
+        first(&self.faults.not_finite, "a value or variance is not finite")
+            .or_else(|| first(&self.faults.exact_but_different, "both are noiseless and differ"))
+            .or_else(|| self.identical.then(|| (Verdict::Equivalent, "identical bit for bit".to_string())))
+            .or_else(|| self.different())
+            .unwrap_or_else(|| self.undecided())
+    }
+
+    fn different(&self) -> Option<(Verdict, String)> {
+        let means = self.channels.iter().filter(|channel| channel.mean.verdict == Verdict::Different);
+        let mean = means.min_by(|a, b| a.mean.p_value.total_cmp(&b.mean.p_value)).map(describe_mean);
+        let tile = self.tiles.different.first().map(|worst| match self.tiles.different.len() {
+            1 => worst.to_string(),
+            count => format!("{count} tiles, the worst {worst}"),
+        });
+        let findings: Vec<String> = mean.into_iter().chain(tile).collect();
+        (!findings.is_empty()).then(|| (Verdict::Different, findings.join("; ")))
+    }
+
+    fn undecided(&self) -> (Verdict, String) {
+        if let Some(place) = self.faults.unknown_variance.first() {
+            let count = self.faults.unknown_variance.len();
+            let message = format!("{count} values differ where no variance is known, the first at {place}");
+            return (Verdict::Inconclusive, message);
+        }
+        let means = Verdict::all(self.channels.iter().map(|channel| channel.mean.verdict));
+        let open = self.channels.iter().find(|channel| channel.mean.verdict != Verdict::Equivalent);
+        let message = match (open, self.tiles.verdict) {
+            (Some(channel), _) => describe_mean(channel),
+            (None, Verdict::Equivalent) => {
+                format!(
+                    "means within {}%, all tiles within {}%",
+                    percent(self.settings.margin),
+                    percent(self.settings.tile_margin)
+                )
+            }
+            (None, _) => {
+                format!("means agree, but tiles are noisier than {}%", percent(self.settings.tile_margin))
+            }
+        };
+        (Verdict::all([means, self.tiles.verdict]), message)
+    }
+
+    /// The comparison as an [`Outcome`] of the check `images`.
+    pub fn outcome(&self) -> Outcome {
+        let mut outcome = Outcome::new("images", self.verdict, &self.message).p_value(self.p_value);
+        let detectable = self.channels.iter().map(|channel| channel.mean.detectable).fold(0.0, f64::max);
+        outcome.detectable = Some(detectable);
+        outcome.figures.extend(self.more_samples.map(|factor| ("more_samples".to_string(), factor)));
+        for channel in &self.channels {
+            outcome.figures.insert(format!("ratio.{}", channel.name), channel.mean.ratio);
+            outcome.figures.insert(format!("relative_mse.{}", channel.name), channel.errors.relative_mse);
+        }
+        outcome
+    }
+}
+
+fn percent(share: f64) -> f64 {
+    100.0 * share
+}
+
+fn describe_mean(channel: &ChannelComparison) -> String {
+    let mean = &channel.mean;
+    let (ratio, low, high) = (percent(mean.ratio), percent(mean.interval.low), percent(mean.interval.high));
+    format!("mean of channel {}: {ratio:.3} % of the reference ({low:.3} to {high:.3} %)", channel.name)
+}

@@ -1,0 +1,118 @@
+//! OpenEXR in: channels by name, variances from `variance.<channel>`.
+
+use std::{io::Cursor, path::Path};
+
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
+
+use super::{Channel, Image, ImageError};
+
+/// What the name of a variance channel starts with.
+const VARIANCE: &str = "variance.";
+
+/// Reads the EXR file at `path`. Errors name the file.
+pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
+    let path = path.as_ref();
+    let fail = |reason: String| ImageError(format!("{}: {reason}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+    from_exr(&bytes).map_err(|error| fail(error.0))
+}
+
+/// Reads an EXR file's bytes: every channel of every part, half and integer widened. Channels of a named part are called
+/// `part.channel`. A channel `variance.X` becomes the variance of channel `X`.
+pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
+    let file = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| ImageError(error.to_string()))?;
+    let mut size = None;
+    let mut channels = Vec::new();
+    for layer in &file.layer_data {
+        let layer_size = (layer.size.width(), layer.size.height());
+        if *size.get_or_insert(layer_size) != layer_size {
+            return Err(ImageError("its parts have different sizes".into()));
+        }
+        let part =
+            layer.attributes.layer_name.as_ref().map(ToString::to_string).filter(|name| !name.is_empty());
+        for channel in &layer.channel_data.list {
+            let name = channel.name.to_string();
+            let name = part.as_ref().map_or(name.clone(), |part| format!("{part}.{name}"));
+            channels.push(Channel { name, mean: widen(&channel.sample_data), variance: None });
+        }
+    }
+    let (width, height) = size.ok_or_else(|| ImageError("it has no pixels".into()))?;
+    if channels.iter().any(|channel| channel.mean.len() != width * height) {
+        return Err(ImageError("subsampled channels are not supported".into()));
+    }
+    Ok(Image { width, height, channels: pair_variances(channels) })
+}
+
+fn widen(samples: &FlatSamples) -> Vec<f64> {
+    match samples {
+        FlatSamples::U32(values) => values.iter().copied().map(f64::from).collect(),
+        _ => samples.values_as_f32().map(f64::from).collect(),
+    }
+}
+
+/// Moves each `variance.X` (or `part.variance.X`) into channel X. A variance without its channel stays a channel.
+fn pair_variances(channels: Vec<Channel>) -> Vec<Channel> {
+    let owner =
+        |name: &str| name.find(VARIANCE).map(|at| format!("{}{}", &name[..at], &name[at + VARIANCE.len()..]));
+    let names: Vec<String> = channels.iter().map(|channel| channel.name.clone()).collect();
+    let owned = |channel: &Channel| owner(&channel.name).is_some_and(|owner| names.contains(&owner));
+    let (variances, mut means): (Vec<Channel>, Vec<Channel>) = channels.into_iter().partition(owned);
+    for variance in variances {
+        let name = owner(&variance.name);
+        if let Some(mean) = means.iter_mut().find(|mean| Some(&mean.name) == name.as_ref()) {
+            mean.variance = Some(variance.mean);
+        }
+    }
+    means
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, Image as ExrImage, Layer, LayerAttributes, Vec2, WritableImage,
+        f16,
+    };
+
+    fn bytes(channels: Vec<AnyChannel<FlatSamples>>) -> Vec<u8> {
+        let list = AnyChannels::sort(channels.into());
+        let layer = Layer::new(Vec2(2, 1), LayerAttributes::default(), Encoding::UNCOMPRESSED, list);
+        let mut buffer = Cursor::new(Vec::new());
+        ExrImage::from_layer(layer).write().to_buffered(&mut buffer).unwrap();
+        buffer.into_inner()
+    }
+
+    #[test]
+    fn channels_find_their_variances() {
+        let single = |name: &str, values: [f32; 2]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
+        let half = AnyChannel::new("G", FlatSamples::F16(vec![f16::from_f32(0.5); 2]));
+        let file = bytes(vec![
+            single("R", [1.0, f32::NAN]),
+            half,
+            single("variance.R", [0.25, f32::INFINITY]),
+            single("S0.550,000nm", [3.0, 4.0]),
+            single("variance.S0.550,000nm", [0.5, 0.5]),
+        ]);
+        let image = from_exr(&file).unwrap();
+        let names: Vec<&str> = image.channels.iter().map(|channel| channel.name.as_str()).collect();
+        assert_eq!(names, ["G", "R", "S0.550,000nm"]);
+        assert_eq!(image.channels[0].mean, [0.5, 0.5]);
+        assert_eq!(image.channels[0].variance, None);
+        assert!(image.channels[1].mean[1].is_nan());
+        assert_eq!(image.channels[1].variance, Some(vec![0.25, f64::INFINITY]));
+        assert_eq!(image.channels[2].variance, Some(vec![0.5, 0.5]));
+    }
+
+    #[test]
+    fn rubbish_is_an_error_that_names_the_file() {
+        assert!(from_exr(b"not an image").is_err());
+        assert!(load("no/such.exr").unwrap_err().0.starts_with("no/such.exr: "));
+    }
+}

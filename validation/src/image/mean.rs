@@ -1,0 +1,153 @@
+//! Image level: the ratio of the two means of a channel.
+
+use serde::Serialize;
+
+use super::pair::Pair;
+use crate::statistics::{
+    Estimate, Interval, Verdict, Welch,
+    distributions::student_quantile,
+    power::{detectable_difference, more_samples},
+};
+
+/// The means of one channel over all pixels whose variance is known.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeanComparison {
+    pub mean_a: f64,
+    pub mean_b: f64,
+    /// mean_b / mean_a.
+    pub ratio: f64,
+    /// Fieller's confidence interval of the ratio; infinite ends where mean_a cannot be told from zero.
+    pub interval: Interval,
+    /// Of "the means are equal".
+    pub p_value: f64,
+    pub verdict: Verdict,
+    /// Smallest true deviation of the ratio from 1 that would be found at 90 % power.
+    pub detectable: f64,
+    /// How many times more samples would settle the question, if it is open.
+    pub more_samples: Option<f64>,
+}
+
+/// Sums over a set of pixels of means, variances and squared variances of both sides.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    pub count: f64,
+    pub a: Side,
+    pub b: Side,
+}
+
+/// One side of [`Sums`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Side {
+    pub mean: f64,
+    pub variance: f64,
+    pub squared_variance: f64,
+}
+
+impl Side {
+    fn add(&mut self, mean: f64, variance: f64) {
+        self.mean += mean;
+        self.variance += variance;
+        self.squared_variance += variance * variance;
+    }
+
+    /// The mean of `count` pixels. Each pixel's variance counts as one degree of freedom, however many samples made it,
+    /// so Welch and Satterthwaite's ν = (ΣV)²/ΣV² is the number of pixels that effectively carry the noise: hundreds
+    /// where the noise is even, few where a firefly dominates. Its n−1 degrees would hold for normal samples only;
+    /// with heavy tails the variance estimate of a single pixel is worth little, and unusual values are rightly
+    /// no longer significant.
+    pub fn estimate(&self, count: f64) -> Estimate {
+        let degrees = self.variance * self.variance / self.squared_variance;
+        let degrees = if self.squared_variance > 0.0 { degrees } else { f64::INFINITY };
+        Estimate { mean: self.mean / count, variance: self.variance / (count * count), degrees }
+    }
+}
+
+impl Sums {
+    pub fn over(pixels: impl Iterator<Item = super::pair::Pixel>) -> Self {
+        pixels.filter(|pixel| pixel.is_testable()).fold(Sums::default(), |mut sums, pixel| {
+            sums.count += 1.0;
+            sums.a.add(pixel.a, pixel.variance_a);
+            sums.b.add(pixel.b, pixel.variance_b);
+            sums
+        })
+    }
+}
+
+/// Compares the means of `pair`: equivalent if the `level` interval of the ratio lies within 1 ± `margin`, else different
+/// if equality is rejected at `corrected`, the level left after correction for the other tests of the same images.
+pub(super) fn compare(pair: &Pair, level: f64, corrected: f64, margin: f64) -> MeanComparison {
+    let sums = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
+    let (a, b) = (sums.a.estimate(sums.count), sums.b.estimate(sums.count));
+    let welch = Welch::new(a, b);
+    let quantile = student_quantile(level, welch.degrees);
+    let interval = fieller(a, b, quantile);
+    let p_value = welch.p_value();
+    let verdict = if interval.within(1.0, margin) {
+        Verdict::Equivalent
+    } else if p_value <= corrected {
+        Verdict::Different
+    } else {
+        Verdict::Inconclusive
+    };
+    let relative_error = welch.standard_error / a.mean.abs();
+    let open = verdict == Verdict::Inconclusive && relative_error.is_finite();
+    MeanComparison {
+        mean_a: a.mean,
+        mean_b: b.mean,
+        ratio: b.mean / a.mean,
+        interval,
+        p_value,
+        verdict,
+        detectable: detectable_difference(relative_error, corrected),
+        more_samples: open.then(|| more_samples(relative_error, level, margin, 1)),
+    }
+}
+
+/// All ρ with (B − ρA)² ≤ q² (V_B + ρ² V_A): the confidence set of a ratio of means (Fieller 1954). It is an interval
+/// only if A differs from 0 at the same level. Two exact zeros have the ratio 1.
+fn fieller(a: Estimate, b: Estimate, quantile: f64) -> Interval {
+    if a.mean == b.mean && a.variance == 0.0 && b.variance == 0.0 {
+        return Interval::around(1.0, 0.0);
+    }
+    let square = quantile * quantile;
+    let leading = a.mean * a.mean - square * a.variance;
+    let constant = b.mean * b.mean - square * b.variance;
+    let product = a.mean * b.mean;
+    if leading.is_nan() || leading <= 0.0 {
+        return Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    }
+    let root = (product * product - leading * constant).max(0.0).sqrt();
+    Interval { low: (product - root) / leading, high: (product + root) / leading }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::Stream;
+
+    #[test]
+    fn fieller_covers_the_true_ratio() {
+        let mut stream = Stream::named("fieller", 0);
+        let covered = (0..4000).filter(|_| {
+            let estimate = |mean: f64, stream: &mut Stream| Estimate {
+                mean: mean + 0.2 * stream.normal(),
+                variance: 0.04,
+                degrees: f64::INFINITY,
+            };
+            let (a, b) = (estimate(1.0, &mut stream), estimate(1.5, &mut stream));
+            fieller(a, b, 1.959963984540054).contains(1.5)
+        });
+        let share = covered.count() as f64 / 4000.0;
+        // Three standard errors of a share of 0.95.
+        assert!((share - 0.95).abs() < 0.0104, "{share}");
+    }
+
+    #[test]
+    fn a_ratio_to_nothing_is_unbounded() {
+        let noisy = Estimate { mean: 0.01, variance: 1.0, degrees: 10.0 };
+        assert_eq!(fieller(noisy, noisy, 2.0).high, f64::INFINITY);
+        let zero = Estimate { mean: 0.0, variance: 0.0, degrees: f64::INFINITY };
+        assert_eq!(fieller(zero, zero, 2.0), Interval::around(1.0, 0.0));
+        assert_eq!(fieller(zero, Estimate { mean: 1.0, ..zero }, 2.0).high, f64::INFINITY);
+    }
+}

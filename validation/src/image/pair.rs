@@ -1,0 +1,161 @@
+//! One channel of both images, pixel by pixel, and what can be wrong with a pixel before any statistics.
+
+use serde::Serialize;
+
+use super::{Channel, Image};
+
+/// A pixel and channel, named in every finding.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    pub x: usize,
+    pub y: usize,
+    pub channel: String,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(formatter, "pixel ({}, {}) channel {}", self.x, self.y, self.channel)
+    }
+}
+
+/// A pixel of both images with the variances of both means.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pixel {
+    pub a: f64,
+    pub b: f64,
+    pub variance_a: f64,
+    pub variance_b: f64,
+}
+
+impl Pixel {
+    pub fn difference(&self) -> f64 {
+        self.b - self.a
+    }
+
+    pub fn variance(&self) -> f64 {
+        self.variance_a + self.variance_b
+    }
+
+    /// Difference in standard errors; 0/0 is 0.
+    pub fn z(&self) -> f64 {
+        if self.difference() == 0.0 { 0.0 } else { self.difference() / self.variance().sqrt() }
+    }
+
+    /// The same pixel with each variance at least what the other side predicts, b being `ratio` times as noisy as a: an
+    /// image with few samples that missed a rare event does not know of it (see `tiles`).
+    pub fn informed(mut self, ratio: Option<f64>) -> Self {
+        if let Some(ratio) = ratio {
+            let (a, b) = (self.variance_a, self.variance_b);
+            self.variance_a = a.max(b / ratio);
+            self.variance_b = b.max(a * ratio);
+        }
+        self
+    }
+
+    /// Both values finite, both variances numbers ≥ 0 (infinite allowed: unknown).
+    fn is_sound(&self) -> bool {
+        self.a.is_finite() && self.b.is_finite() && self.variance_a >= 0.0 && self.variance_b >= 0.0
+    }
+
+    /// Sound, and both variances known.
+    pub fn is_testable(&self) -> bool {
+        self.is_sound() && self.variance().is_finite()
+    }
+}
+
+/// One channel of both images.
+pub(super) struct Pair<'a> {
+    pub name: &'a str,
+    pub width: usize,
+    pub height: usize,
+    a: &'a Channel,
+    b: &'a Channel,
+}
+
+impl<'a> Pair<'a> {
+    /// The channels both images have, by name in the order of `a`, and the names only one of them has.
+    pub fn all(a: &'a Image, b: &'a Image) -> (Vec<Pair<'a>>, Vec<String>) {
+        let find = |image: &'a Image, name: &str| image.channels.iter().find(|channel| channel.name == name);
+        let pair = |channel: &'a Channel| {
+            let other = find(b, &channel.name)?;
+            Some(Pair { name: &channel.name, width: a.width, height: a.height, a: channel, b: other })
+        };
+        let only_a = a.channels.iter().filter(|channel| find(b, &channel.name).is_none());
+        let only_b = b.channels.iter().filter(|channel| find(a, &channel.name).is_none());
+        let alone = only_a.chain(only_b).map(|channel| channel.name.clone()).collect();
+        (a.channels.iter().filter_map(pair).collect(), alone)
+    }
+
+    pub fn pixel(&self, x: usize, y: usize) -> Pixel {
+        let index = y * self.width + x;
+        let variance =
+            |channel: &Channel| channel.variance.as_ref().map_or(f64::INFINITY, |variance| variance[index]);
+        Pixel {
+            a: self.a.mean[index],
+            b: self.b.mean[index],
+            variance_a: variance(self.a),
+            variance_b: variance(self.b),
+        }
+    }
+
+    /// Every pixel with its coordinates, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = (usize, usize, Pixel)> {
+        (0..self.height).flat_map(move |y| (0..self.width).map(move |x| (x, y, self.pixel(x, y))))
+    }
+
+    pub fn place(&self, x: usize, y: usize) -> Place {
+        Place { x, y, channel: self.name.to_string() }
+    }
+}
+
+/// What needs no statistics. Each list is in reading order and holds every such pixel's place.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Faults {
+    /// A value that is not finite, or a variance that is negative or not a number. Always a failure.
+    pub not_finite: Vec<Place>,
+    /// Both variances are zero, so the values are exact, yet they differ by more than rounding. Always a failure: with
+    /// no noise there is nothing to explain the difference.
+    pub exact_but_different: Vec<Place>,
+    /// The values differ and a variance is unknown: nothing can be said, so the verdict is at best inconclusive.
+    pub unknown_variance: Vec<Place>,
+}
+
+impl Faults {
+    pub(super) fn find(pairs: &[Pair], rounding: f64) -> Self {
+        let mut faults = Faults::default();
+        for pair in pairs {
+            for (x, y, pixel) in pair.pixels() {
+                let differs = pixel.difference().abs() > rounding * pixel.a.abs().max(pixel.b.abs());
+                if !pixel.is_sound() {
+                    faults.not_finite.push(pair.place(x, y));
+                } else if differs && pixel.variance() == 0.0 {
+                    faults.exact_but_different.push(pair.place(x, y));
+                } else if differs && pixel.variance().is_infinite() {
+                    faults.unknown_variance.push(pair.place(x, y));
+                }
+            }
+        }
+        faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::synthetic::grey;
+
+    #[test]
+    fn every_kind_of_broken_pixel_is_named() {
+        let a = grey(7, &[1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0], 0.0);
+        let mut b = grey(7, &[1.0, 1.0, f64::INFINITY, 1.0 + 1e-8, 1.1, 1.1, 1.0], 0.0);
+        let variance = b.channels[0].variance.as_mut().unwrap();
+        (variance[5], variance[6]) = (f64::INFINITY, -1.0);
+        let (pairs, alone) = Pair::all(&a, &b);
+        let faults = Faults::find(&pairs, 2e-7);
+        let columns = |places: &[Place]| places.iter().map(|place| place.x).collect::<Vec<_>>();
+        assert!(alone.is_empty());
+        assert_eq!(columns(&faults.not_finite), [1, 2, 6]);
+        assert_eq!(columns(&faults.exact_but_different), [4]);
+        assert_eq!(columns(&faults.unknown_variance), [5]);
+    }
+}

@@ -1,0 +1,261 @@
+//! Tile level: *where* two images differ.
+
+use serde::Serialize;
+
+use super::{
+    mean::{Side, Sums},
+    pair::Pair,
+};
+use crate::statistics::{Interval, Verdict, Welch, power::more_samples, sidak};
+
+/// One tile of one channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct Tile {
+    pub channel: String,
+    /// Position in the grid of tiles.
+    pub column: usize,
+    pub row: usize,
+    /// First pixel and extent.
+    pub x: usize,
+    pub y: usize,
+    pub width: usize,
+    pub height: usize,
+    /// (mean_b − mean_a) relative to the larger of the tile's and the whole image's mean, so that a dark tile is not asked
+    /// for an accuracy nobody sees.
+    pub difference: f64,
+    /// Of `difference`.
+    pub standard_error: f64,
+    /// Welch's signed statistic.
+    pub z: f64,
+    pub p_value: f64,
+    pub verdict: Verdict,
+}
+
+impl std::fmt::Display for Tile {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(
+            formatter,
+            "tile ({}, {}) channel {} (pixels {}..{} × {}..{}): {:+.3} % ± {:.3} %, z = {:.1}",
+            self.column,
+            self.row,
+            self.channel,
+            self.x,
+            self.x + self.width,
+            self.y,
+            self.y + self.height,
+            100.0 * self.difference,
+            100.0 * self.standard_error,
+            self.z
+        )
+    }
+}
+
+/// All tiles of all channels.
+#[derive(Clone, Debug, Serialize)]
+pub struct TileComparison {
+    pub columns: usize,
+    pub rows: usize,
+    /// Tiles × channels with at least one pixel of known variance.
+    pub tested: usize,
+    /// The level at which each was tested, so that all together keep theirs.
+    pub level: f64,
+    pub smallest_p_value: f64,
+    pub verdict: Verdict,
+    /// The tile with the smallest p-value.
+    pub worst: Option<Tile>,
+    /// Every tile that differs, most significant first.
+    pub different: Vec<Tile>,
+    /// How many times more samples would settle the noisiest tile, if one is open.
+    pub more_samples: Option<f64>,
+}
+
+/// The tiles of one channel, untested: place and sums.
+struct Raw {
+    column: usize,
+    row: usize,
+    width: usize,
+    height: usize,
+    sums: Sums,
+}
+
+fn cut(pair: &Pair, size: usize) -> Vec<Raw> {
+    let (columns, rows) = (pair.width.div_ceil(size), pair.height.div_ceil(size));
+    let tile = |column: usize, row: usize| {
+        let (x, y) = (column * size, row * size);
+        let (width, height) = (size.min(pair.width - x), size.min(pair.height - y));
+        let pixels = (y..y + height).flat_map(|y| (x..x + width).map(move |x| pair.pixel(x, y)));
+        Raw { column, row, width, height, sums: Sums::over(pixels) }
+    };
+    (0..rows).flat_map(|row| (0..columns).map(move |column| tile(column, row))).collect()
+}
+
+/// How many times noisier b is than a in a typical tile; `None` without noise.
+pub(super) fn noise_ratio_of(pair: &Pair, size: usize) -> Option<f64> {
+    noise_ratio(&cut(pair, size))
+}
+
+/// Median over tiles of variance_b / variance_a: how much noisier b is in a typical place. `None` without noise.
+fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
+    let ratio = |tile: &Raw| tile.sums.b.variance / tile.sums.a.variance;
+    let mut ratios: Vec<f64> =
+        tiles.iter().map(ratio).filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied()
+}
+
+/// The side's variance, or what the other side's variance predicts for it if that is larger.
+///
+/// An image in which a rare event has not happened yet (no caustic hit the tile) has a mean that is too low *and* a
+/// variance that knows nothing of it; against a converged reference it would differ by many of its own standard errors
+/// although nothing is wrong. The better-informed side tells what the noise ought to be.
+fn informed(side: Side, other: Side, ratio: f64) -> Side {
+    if other.variance * ratio <= side.variance {
+        return side;
+    }
+    let squared_variance = other.squared_variance * ratio * ratio;
+    Side { mean: side.mean, variance: other.variance * ratio, squared_variance }
+}
+
+/// Tests every tile at the Šidák level of all; equivalent if each tile's `level` interval lies within ± `margin`.
+/// Equivalence of all needs no correction: it is claimed only if every single test accepts (intersection–union).
+pub(super) fn compare(
+    pairs: &[Pair],
+    size: usize,
+    level: f64,
+    corrected: f64,
+    margin: f64,
+) -> TileComparison {
+    let cuts: Vec<Vec<Raw>> = pairs.iter().map(|pair| cut(pair, size)).collect();
+    let tested = cuts.iter().flatten().filter(|tile| tile.sums.count > 0.0).count();
+    let each = sidak(corrected, tested);
+    let mut tiles = Vec::new();
+    for (pair, cut) in pairs.iter().zip(&cuts) {
+        let total = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
+        let image_mean = (total.a.mean + total.b.mean).abs() / (2.0 * total.count);
+        let ratio = noise_ratio(cut);
+        for raw in cut.iter().filter(|raw| raw.sums.count > 0.0) {
+            tiles.push(test(raw, pair.name, size, image_mean, ratio, [level, each], margin));
+        }
+    }
+    summarise(tiles, pairs, size, level, each, margin)
+}
+
+fn test(
+    raw: &Raw,
+    channel: &str,
+    size: usize,
+    image: f64,
+    ratio: Option<f64>,
+    levels: [f64; 2],
+    margin: f64,
+) -> Tile {
+    let Sums { count, a, b } = raw.sums;
+    let (a_informed, b_informed) =
+        ratio.map_or((a, b), |ratio| (informed(a, b, 1.0 / ratio), informed(b, a, ratio)));
+    let welch = Welch::new(a_informed.estimate(count), b_informed.estimate(count));
+    let scale = image.max((a.mean + b.mean).abs() / (2.0 * count));
+    let p_value = welch.p_value();
+    let room = Interval::around(welch.difference, welch.half_width(levels[0]));
+    let verdict = if room.within(0.0, margin * scale) {
+        Verdict::Equivalent
+    } else if p_value <= levels[1] {
+        Verdict::Different
+    } else {
+        Verdict::Inconclusive
+    };
+    let relative = |value: f64| if value == 0.0 { 0.0 } else { value / scale };
+    Tile {
+        channel: channel.to_string(),
+        column: raw.column,
+        row: raw.row,
+        x: raw.column * size,
+        y: raw.row * size,
+        width: raw.width,
+        height: raw.height,
+        difference: relative(welch.difference),
+        standard_error: relative(welch.standard_error),
+        z: welch.statistic(),
+        p_value,
+        verdict,
+    }
+}
+
+fn summarise(
+    tiles: Vec<Tile>,
+    pairs: &[Pair],
+    size: usize,
+    level: f64,
+    each: f64,
+    margin: f64,
+) -> TileComparison {
+    let smaller =
+        |a: &&Tile, b: &&Tile| a.p_value.total_cmp(&b.p_value).then(b.z.abs().total_cmp(&a.z.abs()));
+    let noisiest = tiles.iter().map(|tile| tile.standard_error).fold(0.0, f64::max);
+    let verdict = Verdict::all(tiles.iter().map(|tile| tile.verdict));
+    let worst = tiles.iter().min_by(smaller).cloned();
+    let open = verdict == Verdict::Inconclusive && noisiest.is_finite();
+    let tested = tiles.len();
+    let mut different: Vec<Tile> =
+        tiles.into_iter().filter(|tile| tile.verdict == Verdict::Different).collect();
+    different.sort_by(|a, b| smaller(&a, &b));
+    TileComparison {
+        columns: pairs.first().map_or(0, |pair| pair.width.div_ceil(size)),
+        rows: pairs.first().map_or(0, |pair| pair.height.div_ceil(size)),
+        tested,
+        level: each,
+        smallest_p_value: worst.as_ref().map_or(1.0, |tile| tile.p_value),
+        verdict,
+        worst,
+        different,
+        more_samples: open.then(|| more_samples(noisiest, level, margin, tested)),
+    }
+}
+
+/// Welch's z of each tile of `pair`, row by row, for drawing.
+pub(super) fn scores(pair: &Pair, size: usize) -> Vec<f64> {
+    let cut = cut(pair, size);
+    let ratio = noise_ratio(&cut);
+    cut.iter().map(|raw| test(raw, pair.name, size, 0.0, ratio, [0.01; 2], 0.0).z).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::synthetic::grey;
+
+    #[test]
+    fn a_wrong_tile_is_found_at_its_place() {
+        let (width, height) = (40, 20);
+        let a = grey(width, &vec![1.0; width * height], 1e-4);
+        let mut b = a.clone();
+        for (x, y) in (16..20).flat_map(|y| (32..40).map(move |x| (x, y))) {
+            b.channels[0].mean[y * width + x] = 1.1;
+        }
+        let (pairs, _) = Pair::all(&a, &b);
+        let found = compare(&pairs, 16, 0.01, 0.005, 0.02);
+        assert_eq!((found.columns, found.rows, found.tested), (3, 2, 6));
+        assert_eq!(found.different.len(), 1);
+        let tile = &found.different[0];
+        assert_eq!((tile.column, tile.row, tile.x, tile.y, tile.width, tile.height), (2, 1, 32, 16, 8, 4));
+        // 32 pixels of variance 1e-4 on each side: √(2·1e-4/32) = 0.0025, so 0.1 is 40 standard errors.
+        assert!((tile.z - 40.0).abs() < 1e-9, "{}", tile.z);
+    }
+
+    #[test]
+    fn a_missed_rare_event_is_no_difference() {
+        // The reference saw the caustic in the last tile (variance 0.01 each pixel); b, with 100 times fewer samples
+        // and so 100 times the variance elsewhere, did not.
+        let a = grey(64, &[vec![1.0; 64 * 15], vec![1.5; 64]].concat(), 1e-4);
+        let mut a = a;
+        let mut b = grey(64, &[1.0; 64 * 16], 1e-2);
+        for x in 48..64 {
+            a.channels[0].variance.as_mut().unwrap()[64 * 15 + x] = 0.01;
+            b.channels[0].variance.as_mut().unwrap()[64 * 15 + x] = 0.0;
+        }
+        for x in 0..48 {
+            a.channels[0].mean[64 * 15 + x] = 1.0;
+        }
+        let (pairs, _) = Pair::all(&a, &b);
+        assert!(compare(&pairs, 16, 0.01, 0.005, 0.02).different.is_empty());
+    }
+}

@@ -1,0 +1,18 @@
+//! The statistics behind every verdict, each with the derivation or the source of its formula.
+//!
+//! To add a test: compute a p-value that is uniform (or conservative) under the null hypothesis, state the smallest
+//! effect it finds nine times in ten ([`power`]), and show both on synthetic data.
+
+pub mod distributions;
+pub mod equivalence;
+pub mod multiplicity;
+pub mod power;
+pub mod seed;
+pub mod uniformity;
+pub mod welch;
+
+pub use equivalence::{Interval, Verdict};
+pub use multiplicity::{benjamini_hochberg, holm, sidak};
+pub use seed::{Stream, seed_for};
+pub use uniformity::uniformity;
+pub use welch::{Estimate, Welch};

@@ -1,0 +1,83 @@
+//! An honest model with one thing wrong.
+
+use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug)]
+pub enum Fault {
+    /// The density is 2 % too large everywhere, and weights follow it.
+    PdfScaled,
+    /// The value lacks |cos θi|, and weights follow it.
+    NoCosine,
+    /// Weights are 0.1 % too large; value and density are right.
+    WeightScaled,
+    /// Sampled directions end up below the surface.
+    HemisphereMirrored,
+    /// Sampled directions are mirrored at the yz plane.
+    AzimuthMirrored,
+    /// Sampled directions are turned by 0.02 rad around the normal.
+    Turned,
+    /// The value depends 1 % on the azimuth of wi, and weights follow it.
+    OneWay,
+    /// The value ignores η² on crossing, and weights follow it.
+    NoRadianceScaling,
+    /// The density is NaN at grazing angles below 10⁻⁸.
+    GrazingNan,
+    /// Everything is 3 % too bright, consistently.
+    TooBright,
+    /// One draw in a hundred is lost although the density promises it.
+    DrawsLost,
+    /// The value is 1 % larger than what weights follow.
+    ValueScaled,
+}
+
+pub struct Sabotaged<'a> {
+    pub honest: &'a dyn Scatterer,
+    pub fault: Fault,
+}
+
+impl Scatterer for Sabotaged<'_> {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let value = self.honest.value(wo, wi);
+        match self.fault {
+            Fault::NoCosine => value / wi.z.abs(),
+            Fault::OneWay => value * (1.0 + 0.01 * wi.x),
+            Fault::NoRadianceScaling => value * self.laws().flux_factor(wo, wi),
+            Fault::TooBright => 1.03 * value,
+            Fault::ValueScaled => 1.01 * value,
+            _ => value,
+        }
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let pdf = self.honest.pdf(wo, wi);
+        match self.fault {
+            Fault::PdfScaled => 1.02 * pdf,
+            Fault::GrazingNan if wi.z.abs() < 1e-8 => f64::NAN,
+            _ => pdf,
+        }
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        let honest = self.honest.sample(wo, u)?;
+        let mut sample = honest;
+        match self.fault {
+            Fault::HemisphereMirrored => sample.wi.z = -honest.wi.z,
+            Fault::AzimuthMirrored => sample.wi.x = -honest.wi.x,
+            Fault::Turned => sample.wi = glam::DQuat::from_rotation_z(0.02) * honest.wi,
+            Fault::WeightScaled => sample.weight *= 1.001,
+            Fault::ValueScaled => return Some(honest),
+            Fault::DrawsLost if u[2] < 0.01 => return None,
+            Fault::DrawsLost => return Some(honest),
+            _ => {
+                sample.pdf = self.pdf(wo, honest.wi);
+                sample.weight = self.value(wo, honest.wi) / sample.pdf;
+            }
+        }
+        Some(sample)
+    }
+
+    fn laws(&self) -> Laws {
+        self.honest.laws()
+    }
+}
