@@ -95,9 +95,7 @@ impl Direct {
         for i in 0..self.bsdf_samples {
             let u = sampler.block(FIRST_VERTEX + i);
             let Some(sample) = bsdf.sample(vertex.wo, u[5], DVec2::new(u[2], u[3])) else { continue };
-            let local =
-                if side.turned { DVec3::new(sample.wi.x, sample.wi.y, -sample.wi.z) } else { sample.wi };
-            let onward = Ray::leaving(point.p, frame.to_world(local), f64::INFINITY, hit.primitive);
+            let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, &onward, &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;
         }

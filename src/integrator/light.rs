@@ -29,8 +29,19 @@ impl Vertex<'_> {
     /// World direction to the local frame of the side.
     #[inline]
     pub fn to_local(&self, w: DVec3) -> DVec3 {
-        let local = self.frame.to_local(w);
-        if self.side.turned { DVec3::new(local.x, local.y, -local.z) } else { local }
+        self.turn(self.frame.to_local(w))
+    }
+
+    /// Direction in the local frame of the side to world.
+    #[inline]
+    pub fn to_world(&self, w: DVec3) -> DVec3 {
+        self.frame.to_world(self.turn(w))
+    }
+
+    /// A turned side sees the frame upside down.
+    #[inline]
+    fn turn(&self, w: DVec3) -> DVec3 {
+        if self.side.turned { DVec3::new(w.x, w.y, -w.z) } else { w }
     }
 }
 

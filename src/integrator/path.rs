@@ -158,6 +158,7 @@ impl Path {
                 }
             }
             let Some(sample) = bsdf.sample(vertex.wo, u[5], DVec2::new(u[2], u[3])) else { break };
+            let direction = vertex.to_world(sample.wi);
             throughput *= sample.weight;
             if F & Features::DISPERSION != 0 && sample.dispersed {
                 λ.collapsed = true;
@@ -165,9 +166,7 @@ impl Path {
             eta2 *= sample.eta * sample.eta;
             arrival = Arrival { pdf: sample.pdf, delta: sample.delta };
             direct_view &= sample.null;
-            let local =
-                if side.turned { DVec3::new(sample.wi.x, sample.wi.y, -sample.wi.z) } else { sample.wi };
-            ray = Ray::leaving(point.p, frame.to_world(local), f64::INFINITY, hit.primitive);
+            ray = Ray::leaving(point.p, direction, f64::INFINITY, hit.primitive);
             depth += 1;
             if throughput.is_zero() {
                 break;

@@ -59,11 +59,6 @@ pub fn ln_lanes(x: [f32; 8]) -> [f32; 8] {
     logarithms
 }
 
-/// tan of an angle given in degrees.
-pub fn tan_degrees(angle: f64) -> f64 {
-    tan(angle.to_radians())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

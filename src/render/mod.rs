@@ -125,6 +125,11 @@ fn tiles(window: Window) -> impl Iterator<Item = Window> {
     })
 }
 
+/// Pixel `i` of a window, row by row, in coordinates of the film.
+fn pixel(window: Window, i: usize) -> (u32, u32) {
+    (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
+}
+
 fn tile(
     camera: &Camera,
     window: Window,
@@ -143,7 +148,7 @@ fn tile(
         if progress.stop.load(Ordering::Relaxed) {
             return None;
         }
-        let pixel = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
+        let pixel = pixel(window, i);
         for sample in settings.samples.clone() {
             camera.sample(pixel, sample, &mut counters, &mut values);
             let mut finite = true;
@@ -182,10 +187,7 @@ fn assemble(
         let mut accumulators = Accumulators::new(window.width, window.height, names.len());
         for tile in &tiles {
             for (i, sums) in tile.sums.chunks_exact(names.len()).enumerate() {
-                let (x, y) = (
-                    tile.window.x + i as u32 % tile.window.width,
-                    tile.window.y + i as u32 / tile.window.width,
-                );
+                let (x, y) = pixel(tile.window, i);
                 accumulators.pixel_mut(x - window.x, y - window.y).copy_from_slice(sums);
             }
         }
@@ -196,8 +198,7 @@ fn assemble(
         names.into_iter().map(|name| Channel { name, mean: empty(), variance: Some(empty()) }).collect();
     for tile in &tiles {
         for (i, moments) in tile.moments.chunks_exact(channels.len()).enumerate() {
-            let (x, y) =
-                (tile.window.x + i as u32 % tile.window.width, tile.window.y + i as u32 / tile.window.width);
+            let (x, y) = pixel(tile.window, i);
             let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
             for (channel, (mean, variance)) in channels.iter_mut().zip(moments) {
                 channel.mean[at] = *mean;
