@@ -5,6 +5,7 @@
 pub mod blackbody;
 mod fit;
 pub mod function;
+pub mod importance;
 pub mod lanes;
 pub mod materials;
 pub mod observer;

@@ -1,8 +1,7 @@
 //! Which wavelengths a path carries, and how its lanes become colour.
 
-use super::observer::{self, WAVELENGTH_MAX, WAVELENGTH_MIN};
 use super::{ColorMode, LANES, Spectrum};
-use crate::math::function::ln_lanes;
+use super::{importance, observer};
 
 /// The wavelengths of one camera sample.
 #[derive(Clone, Copy, Debug)]
@@ -22,38 +21,9 @@ pub struct Wavelengths {
     pub collapsed: bool,
 }
 
-/// The density is proportional to sech²(0.0072(λ − 538)), as in Mitsuba and pbrt (Radziszewski et al. 2009).
-const STEEPNESS: f32 = 0.0072;
-const CENTRE: f32 = 538.0;
-
 impl Wavelengths {
-    /// Eight wavelengths, evenly rotated in the cumulative distribution about the one that u in [0, 1) picks.
-    ///
-    /// The cumulative distribution is F(λ) ∝ tanh(a(λ − c)) between its values at the ends of the range, so
-    /// λ = c + artanh(x)/a with x linear in u, and the density is a(1 − x²)/(x₁ − x₀) without a further function.
-    #[inline]
-    pub fn sample_visible(u: f64) -> Self {
-        // tanh(a(360 − c)) and tanh(a(830 − c))
-        const X0: f32 = -0.856_910_6;
-        const X1: f32 = 0.970_591_4;
-        let x: [f32; LANES] = std::array::from_fn(|i| {
-            let v = u + i as f64 / LANES as f64;
-            let v = if v >= 1.0 { v - 1.0 } else { v };
-            X0 + (X1 - X0) * v as f32
-        });
-        let logarithm = ln_lanes(x.map(|x| (1.0 + x) / (1.0 - x)));
-        let nm = logarithm.map(|l| (CENTRE + 0.5 / STEEPNESS * l).clamp(WAVELENGTH_MIN, WAVELENGTH_MAX));
-        Self::new(nm, x.map(|x| STEEPNESS / (X1 - X0) * (1.0 - x * x)))
-    }
-
-    #[inline(never)]
-    fn new(nm: [f32; LANES], pdf: [f32; LANES]) -> Self {
-        const SCALE: f32 = (1.0 / (LANES as f64 * observer::Y_INTEGRAL)) as f32;
-        let [r, g, b, d65] = observer::responses(&nm);
-        let scale = pdf.map(|p| SCALE / p);
-        let response = [r, g, b].map(|c| std::array::from_fn(|i| c[i] * scale[i]));
-        Self { nm, pdf, d65, response, mean_factor: 1.0 / LANES as f32, collapsed: false }
-    }
+    /// 1 over the number of lanes and ∫ȳ: what turns a sum over lanes of response over density into a colour.
+    pub const RESPONSE_SCALE: f32 = (1.0 / (LANES as f64 * observer::Y_INTEGRAL)) as f32;
 
     /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum.
     pub fn sample_uniform(u: f64, min: f32, max: f32) -> Self {
@@ -61,7 +31,16 @@ impl Wavelengths {
             let v = u + i as f64 / LANES as f64;
             min + (max - min) * (if v >= 1.0 { v - 1.0 } else { v }) as f32
         });
-        Self::new(nm, [1.0 / (max - min); LANES])
+        let pdf = 1.0 / (max - min);
+        let [r, g, b, d65] = observer::responses(&nm);
+        let response = [r, g, b].map(|c| c.map(|c| c * (Self::RESPONSE_SCALE / pdf)));
+        Self { nm, pdf: [pdf; LANES], d65, response, mean_factor: 1.0 / LANES as f32, collapsed: false }
+    }
+
+    /// Eight wavelengths drawn where the eye is sensitive; see [`super::importance`].
+    #[inline]
+    pub fn sample_visible(u: f64) -> Self {
+        importance::sample_visible(u)
     }
 
     /// The three channels of RGB mode.
@@ -100,42 +79,5 @@ impl Wavelengths {
             let pairs: [f64; 4] = std::array::from_fn(|i| product[i] + product[i + 4]);
             (pairs[0] + pairs[2]) + (pairs[1] + pairs[3])
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn density_is_the_derivative_of_the_sampling() {
-        for i in 0..1000 {
-            let u = (i as f64 + 0.5) / 1000.0 / 8.0;
-            let (a, b) = (Wavelengths::sample_visible(u), Wavelengths::sample_visible(u + 1e-3));
-            for lane in 0..LANES {
-                let step = b.nm[lane] - a.nm[lane];
-                let pdf = 0.5 * (a.pdf[lane] + b.pdf[lane]);
-                if step > 0.0 {
-                    assert!((step * pdf / 1e-3 - 1.0).abs() < 5e-3, "{} nm", a.nm[lane]);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn equal_energy_light_has_luminance_one() {
-        let n = 4096;
-        let mut sum = [0.0; 3];
-        for i in 0..n {
-            let λ = Wavelengths::sample_visible((i as f64 + 0.5) / n as f64);
-            let rgb = λ.to_rgb(Spectrum::ONE);
-            for c in 0..3 {
-                sum[c] += rgb[c] / n as f64;
-            }
-        }
-        // What Mitsuba 3.9.1 makes of <spectrum value="1"/>.
-        for (got, expected) in sum.iter().zip([1.2048, 0.9484, 0.9087]) {
-            assert!((got - expected).abs() < 2e-3, "{sum:?}");
-        }
     }
 }
