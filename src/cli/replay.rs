@@ -2,7 +2,7 @@
 
 use super::size::parse_pixel;
 use super::{Outcome, SceneArguments};
-use etalon::integrator::{Counters, kernel_for};
+use etalon::integrator::{CameraPath, Counters, kernel_for};
 use etalon::render::sample::Camera;
 use std::process::ExitCode;
 
@@ -28,7 +28,8 @@ impl Arguments {
         }
         let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features));
         let mut counters = Counters { log: Some(vec![]), ..Counters::default() };
-        let (ray, λ, radiance, weight) = camera.replay(self.pixel, self.sample, &mut counters);
+        let (path, weight) = camera.replay(self.pixel, self.sample, &mut counters);
+        let CameraPath { ray, λ, radiance, .. } = path;
         println!("pixel {x},{y} sample {}", self.sample);
         println!("wavelengths {:?} nm", λ.nm);
         println!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());

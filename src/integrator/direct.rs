@@ -4,7 +4,7 @@ use super::light::{self, Vertex, power_heuristic};
 use super::path::{Arrival, environment, side_towards};
 use super::{AnyIntegrator, Counters};
 use crate::bsdf::Bsdf;
-use crate::math::{DVec2, DVec3, Ray};
+use crate::math::{DVec3, Ray};
 use crate::sampler::{FIRST_VERTEX, Sampler};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -88,13 +88,17 @@ impl Direct {
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
-                let u_light = DVec2::new(u[0], u[1]);
-                radiance += light::sample_emitter(scene, &vertex, u[4], u_light, counts, λ, counters);
+                let light = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ);
+                let Some(light) = light else { continue };
+                counters.rays += 1;
+                if !scene.accel.occluded(&light.ray) {
+                    radiance += light.radiance;
+                }
             }
         }
         for i in 0..self.bsdf_samples {
             let u = sampler.block(FIRST_VERTEX + i);
-            let Some(sample) = bsdf.sample(vertex.wo, u[5], DVec2::new(u[2], u[3])) else { continue };
+            let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, &onward, &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;

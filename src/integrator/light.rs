@@ -1,6 +1,5 @@
 //! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
 
-use super::Counters;
 use crate::bsdf::{AnyBsdf, Bsdf};
 use crate::math::{DVec2, DVec3, Frame, Ray};
 use crate::scene::{Scene, Side};
@@ -45,8 +44,17 @@ impl Vertex<'_> {
     }
 }
 
+/// Light that arrives if nothing is in the way.
+#[derive(Clone, Copy, Debug)]
+pub struct Proposal {
+    /// From the vertex to just before the light.
+    pub ray: Ray,
+    /// What it adds to the radiance that leaves the vertex.
+    pub radiance: Spectrum,
+}
+
 /// One emitter sample out of `count`, weighted against `rivals` BSDF samples: an estimate of the direct light that
-/// this technique has to contribute.
+/// this technique has to contribute, up to visibility.
 ///
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
 /// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n.
@@ -58,22 +66,20 @@ pub fn sample_emitter(
     u: DVec2,
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
-    counters: &mut Counters,
-) -> Spectrum {
-    let Some((entry, probability, _)) = scene.emitters.sample(choice) else { return Spectrum::ZERO };
+) -> Option<Proposal> {
+    let (entry, probability, _) = scene.emitters.sample(choice)?;
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let Some(light) = entry.emitter.sample(shape, vertex.point.p, u, λ) else { return Spectrum::ZERO };
+    let light = entry.emitter.sample(shape, vertex.point.p, u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
     if scattered.value.is_zero() || light.radiance.is_zero() {
-        return Spectrum::ZERO;
-    }
-    counters.rays += 1;
-    if scene.accel.occluded(&Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive)) {
-        return Spectrum::ZERO;
+        return None;
     }
     let pdf = light.pdf * probability;
     let weight = if light.delta { 1.0 } else { power_heuristic(count * pdf, rivals * scattered.pdf) };
-    scattered.value * light.radiance * (weight / (pdf * count)) as f32
+    Some(Proposal {
+        ray: Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive),
+        radiance: scattered.value * light.radiance * (weight / (pdf * count)) as f32,
+    })
 }
 
 #[cfg(test)]

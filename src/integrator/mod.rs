@@ -71,8 +71,22 @@ pub struct Event {
     pub nm: f32,
 }
 
-/// Estimates the radiance along one ray.
-pub type Kernel = fn(&Scene, &AnyIntegrator, Ray, &mut Wavelengths, &Sampler, &mut Counters) -> Spectrum;
+/// A camera ray, and what is found along it.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraPath {
+    pub ray: Ray,
+    /// Comes back collapsed where a dispersive refraction has left one wavelength alone.
+    pub λ: Wavelengths,
+    pub sampler: Sampler,
+    pub radiance: Spectrum,
+}
+
+/// How many camera paths are best traced together: enough to fill vector registers most of the time, few enough
+/// for the nearest cache.
+pub const STREAM: usize = 64;
+
+/// Estimates the radiance along camera rays. How they are grouped does not change what is found.
+pub type Kernel = fn(&Scene, &AnyIntegrator, &mut [CameraPath], &mut Counters);
 
 /// A compiled kernel and what it can do.
 #[derive(Debug)]
@@ -109,19 +123,23 @@ pub fn kernel_for(features: Features) -> &'static KernelEntry {
 fn radiance<const F: u32>(
     scene: &Scene,
     integrator: &AnyIntegrator,
-    ray: Ray,
-    λ: &mut Wavelengths,
-    sampler: &Sampler,
+    paths: &mut [CameraPath],
     counters: &mut Counters,
-) -> Spectrum {
+) {
     match integrator {
-        AnyIntegrator::Path(path) => path.radiance::<F>(scene, ray, λ, sampler, counters),
-        AnyIntegrator::Direct(direct) => direct.radiance::<F>(scene, ray, λ, sampler, counters),
-        AnyIntegrator::Depth(_) => Spectrum::ZERO,
-        AnyIntegrator::Aov(aov) => match &aov.nested {
-            Some(nested) => radiance::<F>(scene, nested, ray, λ, sampler, counters),
-            None => Spectrum::ZERO,
-        },
+        AnyIntegrator::Path(path) => path.trace::<F>(scene, paths, counters),
+        AnyIntegrator::Direct(direct) => {
+            for path in paths {
+                let CameraPath { ray, λ, sampler, radiance } = path;
+                *radiance = direct.radiance::<F>(scene, *ray, λ, sampler, counters);
+            }
+        }
+        AnyIntegrator::Depth(_) => {}
+        AnyIntegrator::Aov(aov) => {
+            if let Some(nested) = &aov.nested {
+                radiance::<F>(scene, nested, paths, counters);
+            }
+        }
     }
 }
 

@@ -1,13 +1,14 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
 use super::light::{self, Vertex, power_heuristic};
-use super::{AnyIntegrator, Counters, Event};
+use super::{AnyIntegrator, CameraPath, Counters, Event, STREAM};
 use crate::bsdf::{AnyBsdf, Bsdf};
-use crate::math::{DVec2, DVec3, Ray};
-use crate::sampler::{FIRST_VERTEX, FURTHER_EMITTER_SAMPLES, Sampler};
+use crate::math::{DVec3, Ray};
+use crate::sampler::{FIRST_VERTEX, FURTHER_EMITTER_SAMPLES, Numbers, Sampler};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::{Features, Scene, Shape, Side};
+use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 pub const NAME: &str = "path";
@@ -62,130 +63,210 @@ pub struct Arrival {
     pub delta: bool,
 }
 
-impl Path {
-    /// Estimates the radiance along a camera ray. `λ` may come back collapsed to its first lane.
-    pub fn radiance<const F: u32>(
-        &self,
-        scene: &Scene,
-        mut ray: Ray,
-        λ: &mut Wavelengths,
-        sampler: &Sampler,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        let mut radiance = Spectrum::ZERO;
-        if self.max_depth == 0 {
-            return radiance;
-        }
-        let mut throughput = Spectrum::ONE;
-        // The square of the relative index the path is in: radiance inside glass is larger by it, and roulette
-        // must not take that for importance.
-        let mut eta2 = 1.0;
-        let mut arrival = Arrival { pdf: 1.0, delta: true };
-        // Whether the ray still goes straight from the camera.
-        let mut direct_view = true;
-        let mut depth = 0;
-        loop {
-            counters.rays += 1;
-            let Some(hit) = scene.accel.closest(&ray) else {
-                if F & Features::ENVIRONMENT != 0 && !(self.hide_emitters && direct_view) {
-                    radiance += throughput * environment(scene, &ray, arrival, self.emitter_samples, λ);
-                }
-                break;
-            };
-            let (shape, point) = if F & Features::TEXTURES != 0 {
-                scene.surface::<true>(&ray, &hit)
-            } else {
-                scene.surface::<false>(&ray, &hit)
-            };
-            if let Some(index) = shape.emitter {
-                if self.hide_emitters && depth == 0 {
-                    ray = Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive);
-                    continue;
-                }
-                let entry = &scene.emitters.list[index as usize];
-                let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
-                if !emitted.is_zero() {
-                    let weight = if arrival.delta {
-                        1.0
-                    } else {
-                        let pdf = entry.emitter.surface_pdf(&shape.geometry, &ray, hit.t, &point);
-                        let rival =
-                            scene.emitters.probability(index as usize) * pdf * self.emitter_samples as f64;
-                        power_heuristic(arrival.pdf, rival)
-                    };
-                    radiance += throughput * emitted * weight as f32;
-                }
-            }
-            if let Some(log) = &mut counters.log {
-                log.push(Event { hit, p: point.p, throughput, radiance, nm: λ.nm[0] });
-            }
-            if depth + 1 >= self.max_depth {
-                break;
-            }
-            let towards = point.ns.dot(-ray.direction);
-            let side = side_towards(shape, towards);
-            let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
-            let bsdf: AnyBsdf = scene.materials[side.material as usize].at(&point, λ);
-            let mut vertex = Vertex {
-                point: &point,
-                primitive: hit.primitive,
-                frame: &frame,
-                bsdf: &bsdf,
-                wo: DVec3::ZERO,
-                side,
-            };
-            vertex.wo = vertex.to_local(-ray.direction);
+/// A path on its way.
+#[derive(Clone, Copy)]
+struct State {
+    throughput: Spectrum,
+    /// The square of the relative index the path is in: radiance inside glass is larger by it, and roulette
+    /// must not take that for importance.
+    eta2: f64,
+    arrival: Arrival,
+    /// Edges behind it.
+    depth: u32,
+    /// Whether the ray still goes straight from the camera.
+    direct_view: bool,
+}
 
-            let u = sampler.block(FIRST_VERTEX + depth);
-            if side.traits.smooth {
-                let count = self.emitter_samples as f64;
-                let direct = light::sample_emitter(
+impl State {
+    const START: Self = Self {
+        throughput: Spectrum::ONE,
+        eta2: 1.0,
+        arrival: Arrival { pdf: 1.0, delta: true },
+        depth: 0,
+        direct_view: true,
+    };
+}
+
+/// Light that waits to be tested for visibility, and the path it belongs to.
+#[derive(Default)]
+struct Shadows {
+    rays: Vec<Ray>,
+    light: Vec<(usize, Spectrum)>,
+    occluded: Vec<bool>,
+}
+
+impl Shadows {
+    /// More than this need not wait.
+    const MANY: usize = 4 * STREAM;
+
+    fn push(&mut self, path: usize, ray: Ray, light: Spectrum) {
+        self.rays.push(ray);
+        self.light.push((path, light));
+    }
+
+    /// Adds what arrives, in the order in which it was pushed.
+    fn resolve(&mut self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
+        counters.rays += self.rays.len() as u64;
+        self.occluded.resize(self.rays.len(), false);
+        scene.accel.occluded_all(&self.rays, &mut self.occluded);
+        for ((path, light), occluded) in self.light.drain(..).zip(&self.occluded) {
+            if !occluded {
+                paths[path].radiance += light;
+            }
+        }
+        self.rays.clear();
+    }
+}
+
+impl Path {
+    /// Estimates the radiance along camera rays.
+    ///
+    /// All paths take a step together: their rays are traced, then their vertices are looked at one after another,
+    /// then the light that the vertices ask for is tested for visibility. Rays that lie side by side can share
+    /// vector registers, and the steps of neighbours overlap in the processor; no path knows of the others.
+    pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
+        if self.max_depth == 0 {
+            return;
+        }
+        let mut states = vec![State::START; paths.len()];
+        let mut alive: Vec<usize> = (0..paths.len()).collect();
+        let mut rays: Vec<Ray> = paths.iter().map(|p| p.ray).collect();
+        let mut hits = vec![None; paths.len()];
+        let mut numbers = vec![Numbers::default(); paths.len()];
+        let mut shadows = Shadows::default();
+        while !alive.is_empty() {
+            let count = alive.len();
+            counters.rays += count as u64;
+            scene.accel.closest_all(&rays, &mut hits);
+            Sampler::blocks(&mut numbers[..count], |i| {
+                (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth)
+            });
+            let mut kept = 0;
+            for i in 0..count {
+                let index = alive[i];
+                let (path, state) = (&mut paths[index], &mut states[index]);
+                let onward = self.step::<F>(
                     scene,
-                    &vertex,
-                    u[4],
-                    DVec2::new(u[0], u[1]),
-                    (count, 1.0),
-                    λ,
+                    (index, path, state),
+                    (&rays[i], hits[i]),
+                    &numbers[i],
+                    &mut shadows,
                     counters,
                 );
-                radiance += throughput * direct;
-                for further in 1..self.emitter_samples {
-                    let u = sampler.block(FURTHER_EMITTER_SAMPLES + depth * 1024 + further);
-                    let u_light = DVec2::new(u[0], u[1]);
-                    let direct =
-                        light::sample_emitter(scene, &vertex, u[4], u_light, (count, 1.0), λ, counters);
-                    radiance += throughput * direct;
+                if let Some(ray) = onward {
+                    (alive[kept], rays[kept]) = (index, ray);
+                    kept += 1;
+                }
+                if shadows.rays.len() > Shadows::MANY {
+                    shadows.resolve(scene, paths, counters);
                 }
             }
-            let Some(sample) = bsdf.sample(vertex.wo, u[5], DVec2::new(u[2], u[3])) else { break };
-            let direction = vertex.to_world(sample.wi);
-            throughput *= sample.weight;
-            if F & Features::DISPERSION != 0 && sample.dispersed {
-                λ.collapsed = true;
+            alive.truncate(kept);
+            rays.truncate(kept);
+            shadows.resolve(scene, paths, counters);
+        }
+    }
+
+    /// What happens where a ray has arrived; the ray with which the path goes on.
+    #[inline(always)]
+    fn step<const F: u32>(
+        &self,
+        scene: &Scene,
+        (index, path, state): (usize, &mut CameraPath, &mut State),
+        (ray, hit): (&Ray, Option<Hit>),
+        u: &Numbers,
+        shadows: &mut Shadows,
+        counters: &mut Counters,
+    ) -> Option<Ray> {
+        let λ = &mut path.λ;
+        let Some(hit) = hit else {
+            if F & Features::ENVIRONMENT != 0 && !(self.hide_emitters && state.direct_view) {
+                let light = environment(scene, ray, state.arrival, self.emitter_samples, λ);
+                path.radiance += state.throughput * light;
             }
-            eta2 *= sample.eta * sample.eta;
-            arrival = Arrival { pdf: sample.pdf, delta: sample.delta };
-            direct_view &= sample.null;
-            ray = Ray::leaving(point.p, direction, f64::INFINITY, hit.primitive);
-            depth += 1;
-            if throughput.is_zero() {
-                break;
+            return None;
+        };
+        let (shape, point) = if F & Features::TEXTURES != 0 {
+            scene.surface::<true>(ray, &hit)
+        } else {
+            scene.surface::<false>(ray, &hit)
+        };
+        if let Some(emitter) = shape.emitter {
+            if self.hide_emitters && state.depth == 0 {
+                return Some(Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive));
             }
-            if depth >= self.rr_depth {
-                let survival = λ.mean(throughput) as f64 * eta2;
-                if survival < 1.0 {
-                    if u[6] >= survival {
-                        break;
-                    }
-                    throughput *= (1.0 / survival) as f32;
-                }
-            }
-            if depth >= MAX_VERTICES {
-                counters.cut += 1;
-                break;
+            let entry = &scene.emitters.list[emitter as usize];
+            let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
+            if !emitted.is_zero() {
+                let weight = if state.arrival.delta {
+                    1.0
+                } else {
+                    let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
+                    let chosen = scene.emitters.probability(emitter as usize);
+                    power_heuristic(state.arrival.pdf, chosen * pdf * self.emitter_samples as f64)
+                };
+                path.radiance += state.throughput * emitted * weight as f32;
             }
         }
-        radiance
+        if let Some(log) = &mut counters.log {
+            let (throughput, radiance) = (state.throughput, path.radiance);
+            log.push(Event { hit, p: point.p, throughput, radiance, nm: λ.nm[0] });
+        }
+        if state.depth + 1 >= self.max_depth {
+            return None;
+        }
+        let towards = point.ns.dot(-ray.direction);
+        let side = side_towards(shape, towards);
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let bsdf: AnyBsdf = scene.materials[side.material as usize].at(&point, λ);
+        let mut vertex = Vertex {
+            point: &point,
+            primitive: hit.primitive,
+            frame: &frame,
+            bsdf: &bsdf,
+            wo: DVec3::ZERO,
+            side,
+        };
+        vertex.wo = vertex.to_local(-ray.direction);
+        if side.traits.smooth {
+            let counts = (self.emitter_samples as f64, 1.0);
+            if let Some(light) = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ) {
+                shadows.push(index, light.ray, state.throughput * light.radiance);
+            }
+            for further in 1..self.emitter_samples {
+                let u = path.sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further);
+                if let Some(light) = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ) {
+                    shadows.push(index, light.ray, state.throughput * light.radiance);
+                }
+            }
+        }
+        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
+        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
+        state.throughput *= sample.weight;
+        if F & Features::DISPERSION != 0 && sample.dispersed {
+            λ.collapsed = true;
+        }
+        state.eta2 *= sample.eta * sample.eta;
+        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta };
+        state.direct_view &= sample.null;
+        state.depth += 1;
+        if state.throughput.is_zero() {
+            return None;
+        }
+        if state.depth >= self.rr_depth {
+            let survival = λ.mean(state.throughput) as f64 * state.eta2;
+            if survival < 1.0 {
+                if u.one(6) >= survival {
+                    return None;
+                }
+                state.throughput *= (1.0 / survival) as f32;
+            }
+        }
+        if state.depth >= MAX_VERTICES {
+            counters.cut += 1;
+            return None;
+        }
+        Some(onward)
     }
 }
 

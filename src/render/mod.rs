@@ -5,7 +5,7 @@ pub mod sample;
 
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::{Channel, Image, Provenance, Window};
-use crate::integrator::{Counters, KernelEntry, kernel_for};
+use crate::integrator::{Counters, KernelEntry, STREAM, kernel_for};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use sample::Camera;
@@ -142,17 +142,22 @@ fn tile(
     let mut kept = vec![];
     let mut moments = vec![];
     let mut counters = Counters::default();
-    let mut values = vec![0.0; channels];
     let (mut non_finite, mut first_non_finite) = (0, vec![]);
-    for i in 0..window.pixels() {
+    let total = window.pixels() as u64 * count;
+    let mut values = vec![0.0; channels * STREAM];
+    for first in (0..total).step_by(STREAM) {
         if progress.stop.load(Ordering::Relaxed) {
             return None;
         }
-        let pixel = pixel(window, i);
-        for sample in settings.samples.clone() {
-            camera.sample(pixel, sample, &mut counters, &mut values);
+        // Pixel by pixel, and each pixel's samples in order.
+        let which: Vec<_> = (first..total.min(first + STREAM as u64))
+            .map(|i| (pixel(window, (i / count) as usize), settings.samples.start + i % count))
+            .collect();
+        let values = &mut values[..channels * which.len()];
+        camera.samples(&which, &mut counters, values);
+        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact(channels)) {
             let mut finite = true;
-            for (sum, value) in sums.iter_mut().zip(&values) {
+            for (sum, value) in sums.iter_mut().zip(values) {
                 sum.add(sample, *value);
                 finite &= value.is_finite();
             }
@@ -162,14 +167,16 @@ fn tile(
                     first_non_finite.push(NonFinite { pixel, sample });
                 }
             }
+            if sample + 1 == settings.samples.end {
+                if settings.shard {
+                    kept.extend_from_slice(&sums);
+                } else {
+                    moments.extend(sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)));
+                }
+                sums.fill(ChannelAccumulator::default());
+            }
         }
-        if settings.shard {
-            kept.extend_from_slice(&sums);
-        } else {
-            moments.extend(sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)));
-        }
-        sums.fill(ChannelAccumulator::default());
-        progress.done.fetch_add(count, Ordering::Relaxed);
+        progress.done.fetch_add(which.len() as u64, Ordering::Relaxed);
     }
     Some(Tile { window, sums: kept, moments, counters, non_finite, first_non_finite })
 }

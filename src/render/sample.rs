@@ -1,8 +1,8 @@
-//! One camera sample: from (seed, pixel, sample number) to the values of all channels.
+//! Camera samples: from (seed, pixel, sample number) to the values of all channels.
 
-use crate::integrator::{Counters, KernelEntry};
-use crate::math::{DVec2, Ray};
-use crate::sampler::{CAMERA, Sampler};
+use crate::integrator::{CameraPath, Counters, KernelEntry};
+use crate::math::DVec2;
+use crate::sampler::{CAMERA, Numbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
@@ -41,54 +41,79 @@ impl<'a> Camera<'a> {
         names
     }
 
-    /// The values of a sample, weighted by the reconstruction filter.
-    #[inline]
-    pub fn sample(&self, pixel: (u32, u32), sample: u64, counters: &mut Counters, values: &mut [f64]) {
-        let (ray, weight, mut λ, sampler) = self.generate(pixel, sample);
-        let (colors, extra) = values.split_at_mut(values.len() - self.extra);
+    /// The values of camera samples, given by pixel and number: for each all channels, weighted by the
+    /// reconstruction filter.
+    pub fn samples(&self, which: &[((u32, u32), u64)], counters: &mut Counters, values: &mut [f64]) {
+        let (mut paths, weights) = self.generate(which);
+        let channels = values.len() / which.len();
+        let colors = channels - self.extra;
         if self.extra > 0 {
-            self.scene.integrator.extra_values(self.scene, &ray, counters, extra);
-            extra.iter_mut().for_each(|v| *v *= weight);
+            for ((path, weight), values) in paths.iter().zip(&weights).zip(values.chunks_mut(channels)) {
+                let values = &mut values[colors..];
+                self.scene.integrator.extra_values(self.scene, &path.ray, counters, values);
+                values.iter_mut().for_each(|v| *v *= weight);
+            }
         }
         if self.radiance {
-            let radiance =
-                (self.kernel.run)(self.scene, &self.scene.integrator, ray, &mut λ, &sampler, counters);
-            let (rgb, bands) = colors.split_at_mut(3);
-            for (value, c) in rgb.iter_mut().zip(λ.to_rgb(radiance)) {
-                *value = c * weight;
-            }
-            for (value, band) in bands.iter_mut().zip(&self.scene.sensor.film.bands) {
-                let responded =
-                    |i: usize| radiance.0[i] as f64 * band.response.eval(λ.nm[i]) as f64 / λ.pdf[i] as f64;
-                *value = weight * (0..LANES).map(responded).sum::<f64>() / LANES as f64;
+            (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
+            for ((path, weight), values) in paths.iter().zip(&weights).zip(values.chunks_mut(channels)) {
+                self.colors(path, *weight, &mut values[..colors]);
             }
         }
     }
 
-    /// The radiance of a sample before the filter's weight, its wavelengths, and the camera ray.
-    pub fn replay(
-        &self,
-        pixel: (u32, u32),
-        sample: u64,
-        counters: &mut Counters,
-    ) -> (Ray, Wavelengths, Spectrum, f64) {
-        let (ray, weight, mut λ, sampler) = self.generate(pixel, sample);
-        let radiance = (self.kernel.run)(self.scene, &self.scene.integrator, ray, &mut λ, &sampler, counters);
-        (ray, λ, radiance, weight)
+    /// R, G, B and the bands.
+    #[inline]
+    fn colors(&self, path: &CameraPath, weight: f64, values: &mut [f64]) {
+        let (λ, radiance) = (&path.λ, path.radiance);
+        let (rgb, bands) = values.split_at_mut(3);
+        for (value, c) in rgb.iter_mut().zip(λ.to_rgb(radiance)) {
+            *value = c * weight;
+        }
+        for (value, band) in bands.iter_mut().zip(&self.scene.sensor.film.bands) {
+            let responded =
+                |i: usize| radiance.0[i] as f64 * band.response.eval(λ.nm[i]) as f64 / λ.pdf[i] as f64;
+            *value = weight * (0..LANES).map(responded).sum::<f64>() / LANES as f64;
+        }
+    }
+
+    /// A camera path as it was rendered, and the filter's weight of it, which its radiance does not include.
+    pub fn replay(&self, pixel: (u32, u32), sample: u64, counters: &mut Counters) -> (CameraPath, f64) {
+        let (mut paths, weights) = self.generate(&[(pixel, sample)]);
+        (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
+        (paths[0], weights[0])
+    }
+
+    fn generate(&self, which: &[((u32, u32), u64)]) -> (Vec<CameraPath>, Vec<f64>) {
+        let mut last = None;
+        let samplers: Vec<Sampler> = which
+            .iter()
+            .map(|&(pixel, sample)| {
+                let of_pixel = match last {
+                    Some((known, sampler)) if known == pixel => sampler,
+                    _ => Sampler::new(self.scene.sensor.sampler.kind, self.seed, pixel, 0),
+                };
+                last = Some((pixel, of_pixel));
+                of_pixel.at(sample as u32)
+            })
+            .collect();
+        let mut numbers = vec![Numbers::default(); which.len()];
+        Sampler::blocks(&mut numbers, |i| (&samplers[i], CAMERA));
+        let made = which.iter().zip(&samplers).zip(&numbers);
+        made.map(|((&(pixel, _), sampler), u)| self.path(pixel, *sampler, u)).unzip()
     }
 
     #[inline]
-    fn generate(&self, (x, y): (u32, u32), sample: u64) -> (Ray, f64, Wavelengths, Sampler) {
+    fn path(&self, pixel: (u32, u32), sampler: Sampler, u: &Numbers) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;
-        let sampler = Sampler::new(self.scene.sensor.sampler.kind, self.seed, (x, y), sample as u32);
-        let u = sampler.block(CAMERA);
-        let (place, weight) = film.place((x, y), DVec2::new(u[0], u[1]));
+        let (place, weight) = film.place(pixel, u.pair(0));
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
         let λ = match (self.scene.mode, self.band_range) {
             (ColorMode::Rgb, _) => Wavelengths::rgb(),
-            (ColorMode::Spectral, None) => Wavelengths::sample_visible(u[4]),
-            (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u[4], lo, hi),
+            (ColorMode::Spectral, None) => Wavelengths::sample_visible(u.one(4)),
+            (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u.one(4), lo, hi),
         };
-        (self.scene.sensor.camera.ray(place, DVec2::new(u[2], u[3])), weight, λ, sampler)
+        let ray = self.scene.sensor.camera.ray(place, u.pair(1));
+        (CameraPath { ray, λ, sampler, radiance: Spectrum::ZERO }, weight)
     }
 }

@@ -3,12 +3,14 @@
 //! Numbers come in blocks of eight: block 0 belongs to the camera, one further block to every vertex of a path.
 //! Within a block the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a sampler may stratify together.
 //!
-//! *How to add one*: write `sampler/<name>.rs` with a function that makes a block; add a variant of [`Kind`] and its
+//! *How to add one*: write `sampler/<name>.rs` with a function that makes blocks; add a variant of [`Kind`] and its
 //! rows in [`SAMPLERS`].
 
 mod independent;
 mod sobol;
 
+use crate::math::DVec2;
+use crate::math::simd::U32x8;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
@@ -78,31 +80,80 @@ pub const FIRST_VERTEX: u32 = 1;
 /// The blocks of further emitter samples begin here, beyond any vertex.
 pub const FURTHER_EMITTER_SAMPLES: u32 = 1 << 30;
 
-impl Sampler {
-    pub fn new(kind: Kind, seed: u32, pixel: (u32, u32), sample: u32) -> Self {
-        let key = mix(pixel.0 ^ mix(pixel.1 ^ mix(seed ^ 0x9e37_79b9)));
-        Self { kind, key, sample }
+/// The eight numbers of a block, as parts of 2³².
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Numbers([u32; 8]);
+
+impl Numbers {
+    /// The number of a dimension, in [0, 1).
+    #[inline(always)]
+    pub fn one(&self, dimension: usize) -> f64 {
+        f64::from(self.0[dimension]) * (1.0 / 4294967296.0)
     }
 
-    /// Eight numbers in [0, 1).
+    /// The numbers of dimensions 2·`pair` and 2·`pair` + 1.
+    #[inline(always)]
+    pub fn pair(&self, pair: usize) -> DVec2 {
+        DVec2::new(self.one(2 * pair), self.one(2 * pair + 1))
+    }
+}
+
+impl Sampler {
+    pub fn new(kind: Kind, seed: u32, pixel: (u32, u32), sample: u32) -> Self {
+        let word = U32x8::splat;
+        let key = mix(word(pixel.0) ^ mix(word(pixel.1) ^ mix(word(seed ^ 0x9e37_79b9))));
+        Self { kind, key: key.to_array()[0], sample }
+    }
+
+    /// The numbers of another sample of the same pixel.
     #[inline]
-    pub fn block(&self, block: u32) -> [f64; 8] {
-        let bits = match self.kind {
-            Kind::Independent => independent::block(self.key, self.sample, block),
-            Kind::Sobol => sobol::block(self.key, self.sample, block),
-        };
-        bits.map(|b| b as f64 * (1.0 / 4294967296.0))
+    pub fn at(self, sample: u32) -> Self {
+        Self { sample, ..self }
+    }
+
+    /// The numbers of one block.
+    #[inline]
+    pub fn block(&self, block: u32) -> Numbers {
+        let mut numbers = [Numbers::default()];
+        Self::blocks(&mut numbers, |_| (self, block));
+        numbers[0]
+    }
+
+    /// Fills each of `numbers` from the sampler and the block that `of` names for it, all samplers of one kind: eight
+    /// at a time cost little more than one.
+    #[inline]
+    pub fn blocks<'a>(numbers: &mut [Numbers], of: impl Fn(usize) -> (&'a Sampler, u32)) {
+        for (group, numbers) in numbers.chunks_mut(8).enumerate() {
+            let (mut keys, mut samples, mut blocks) = ([0; 8], [0; 8], [0; 8]);
+            let mut kind = Kind::Sobol;
+            for i in 0..numbers.len() {
+                let (sampler, block) = of(8 * group + i);
+                (keys[i], samples[i], blocks[i]) = (sampler.key, sampler.sample, block);
+                kind = sampler.kind;
+            }
+            let words = [keys, samples, blocks].map(U32x8::new);
+            let dimensions = match kind {
+                Kind::Independent => independent::blocks(words[0], words[1], words[2]),
+                Kind::Sobol => sobol::blocks(words[0], words[1], words[2]),
+            };
+            let dimensions = dimensions.map(U32x8::to_array);
+            for (i, numbers) in numbers.iter_mut().enumerate() {
+                for (number, lanes) in numbers.0.iter_mut().zip(&dimensions) {
+                    *number = lanes[i];
+                }
+            }
+        }
     }
 }
 
 /// A hash of 32 bits whose every output bit depends on every input bit (Wellons' lowbias32).
-#[inline]
-pub fn mix(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
+#[inline(always)]
+fn mix(mut x: U32x8) -> U32x8 {
+    x = x ^ x.right::<16>();
+    x = x * U32x8::splat(0x7feb_352d);
+    x = x ^ x.right::<15>();
+    x = x * U32x8::splat(0x846c_a68b);
+    x ^ x.right::<16>()
 }
 
 #[cfg(test)]
@@ -125,7 +176,7 @@ mod tests {
         for kind in [Kind::Independent, Kind::Sobol] {
             for dimension in 0..8 {
                 for block in [0, 1, 7] {
-                    let value = |pixel, sample| Sampler::new(kind, 1, pixel, sample).block(block)[dimension];
+                    let value = |pixel, sample| Sampler::new(kind, 1, pixel, sample).block(block).one(dimension);
                     // Exceeded once in 10⁷.
                     assert!(
                         distance((0..4096).map(|s| value((3, 5), s)).collect()) < 2.9,
@@ -146,9 +197,8 @@ mod tests {
             let mut seen = std::collections::BTreeSet::new();
             for (seed, x, y, sample) in [(0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
             {
-                for v in Sampler::new(kind, seed, (x, y), sample).block(3) {
-                    seen.insert(v.to_bits());
-                }
+                let block = Sampler::new(kind, seed, (x, y), sample).block(3);
+                seen.extend(block.0);
             }
             seen.len()
         };

@@ -5,49 +5,51 @@
 //! start at a multiple of 2ᵏ are a net.
 
 use super::mix;
+use crate::math::simd::U32x8;
 
-/// Eight numbers of 32 bits: four pairs.
+/// Eight numbers of 32 bits, four pairs, for each of eight samples.
 #[inline]
-pub fn block(key: u32, sample: u32, block: u32) -> [u32; 8] {
-    let key = mix(key ^ block.wrapping_mul(0x9e37_79b9));
-    let seeds: [u32; 12] =
-        std::array::from_fn(|i| mix(key.wrapping_add((i as u32).wrapping_mul(0x85eb_ca6b))));
-    let reversed_index = sample.reverse_bits();
-    let mut first = [0u32; 4];
-    let mut second = [0u32; 4];
+pub fn blocks(keys: U32x8, samples: U32x8, blocks: U32x8) -> [U32x8; 8] {
+    let key = mix(keys ^ blocks * U32x8::splat(0x9e37_79b9));
+    let seed = |i: u32| mix(key + U32x8::splat(i.wrapping_mul(0x85eb_ca6b)));
+    let reversed_index = samples.reverse_bits();
+    let mut numbers = [key; 8];
     for pair in 0..4 {
         // The index with its order shuffled, bits reversed: already the first Sobol coordinate.
-        let x = scramble(reversed_index, seeds[pair]);
-        first[pair] = scramble(x.reverse_bits(), seeds[4 + pair]).reverse_bits();
-        second[pair] = scramble(second_dimension(x).reverse_bits(), seeds[8 + pair]).reverse_bits();
+        let x = scramble(reversed_index, seed(pair));
+        let (first, second) = (x.reverse_bits(), second_dimension(x).reverse_bits());
+        let at = 2 * pair as usize;
+        numbers[at] = scramble(first, seed(4 + pair)).reverse_bits();
+        numbers[at + 1] = scramble(second, seed(8 + pair)).reverse_bits();
     }
-    std::array::from_fn(|i| if i % 2 == 0 { first[i / 2] } else { second[i / 2] })
+    numbers
 }
 
 /// The second Sobol coordinate from the bit-reversed index: the Pascal matrix modulo 2, as five shifts.
-#[inline]
-fn second_dimension(mut x: u32) -> u32 {
-    x ^= (x & 0x5555_5555) << 1;
-    x ^= (x & 0x3333_3333) << 2;
-    x ^= (x & 0x0f0f_0f0f) << 4;
-    x ^= (x & 0x00ff_00ff) << 8;
-    x ^ ((x & 0x0000_ffff) << 16)
+#[inline(always)]
+fn second_dimension(mut x: U32x8) -> U32x8 {
+    x = x ^ (x & U32x8::splat(0x5555_5555)).left::<1>();
+    x = x ^ (x & U32x8::splat(0x3333_3333)).left::<2>();
+    x = x ^ (x & U32x8::splat(0x0f0f_0f0f)).left::<4>();
+    x = x ^ (x & U32x8::splat(0x00ff_00ff)).left::<8>();
+    x ^ x.left::<16>()
 }
 
-/// Owen scrambling of a number whose bits are reversed: each bit flips by a hash of the bits below it
+/// Owen scrambling of numbers whose bits are reversed: each bit flips by a hash of the bits below it
 /// (Laine & Karras 2011, with the constants of pbrt-v4).
-#[inline]
-fn scramble(mut x: u32, seed: u32) -> u32 {
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(seed);
-    x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^ x.wrapping_mul(0x53a2_2864)
+#[inline(always)]
+fn scramble(mut x: U32x8, seed: U32x8) -> U32x8 {
+    x = x ^ x * U32x8::splat(0x3d20_adea);
+    x = x + seed;
+    x = x * (seed.right::<16>() | U32x8::splat(1));
+    x = x ^ x * U32x8::splat(0x0552_6c56);
+    x ^ x * U32x8::splat(0x53a2_2864)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::block;
+    use super::blocks;
+    use crate::math::simd::U32x8;
 
     #[test]
     fn every_pair_of_every_aligned_block_of_samples_is_a_net() {
@@ -56,8 +58,8 @@ mod tests {
                 for (start, log) in [(0u32, 4), (16, 4), (64, 6), (1 << 20, 8)] {
                     let points: Vec<(u32, u32)> = (start..start + (1 << log))
                         .map(|s| {
-                            let b = block(key, s, 3);
-                            (b[2 * pair], b[2 * pair + 1])
+                            let b = blocks(U32x8::splat(key), U32x8::splat(s), U32x8::splat(3));
+                            (b[2 * pair].to_array()[0], b[2 * pair + 1].to_array()[0])
                         })
                         .collect();
                     for split in 0..=log {

@@ -9,6 +9,7 @@
 
 mod build;
 mod node;
+mod packet;
 mod patches;
 mod space;
 mod spheres;
@@ -18,6 +19,7 @@ use super::{Cylinder, Hit};
 use crate::math::Ray;
 use crate::math::simd::F64x4;
 use node::{Node, NodeRef, Target};
+use packet::Packet;
 use patches::Patches;
 use space::Space;
 use spheres::Spheres;
@@ -107,9 +109,52 @@ impl Accel {
     /// Whether anything lies between the ray's start and end.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
+        self.any(ray).is_some()
+    }
+
+    #[inline]
+    fn any(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::new(ray);
         self.search::<true>(&mut search);
-        search.found()
+        search.found().then_some(search.best)
+    }
+
+    /// The first primitive along each ray; bit for bit what [`Accel::closest`] finds.
+    pub fn closest_all(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.search_all::<false>(rays, |i, best| hits[i] = best);
+    }
+
+    /// Whether anything lies between the start and end of each ray.
+    pub fn occluded_all(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.search_all::<true>(rays, |i, best| occluded[i] = best.is_some());
+    }
+
+    #[inline(always)]
+    fn search_all<const ANY: bool>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
+        let in_packets = self.nodes.is_empty() && !(self.patches.is_empty() && self.spheres.is_empty());
+        if !in_packets {
+            for (i, ray) in rays.iter().enumerate() {
+                report(i, if ANY { self.any(ray) } else { self.closest(ray) });
+            }
+            return;
+        }
+        for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
+            let last = rays.len() - 1;
+            let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
+            for block in &self.patches {
+                block.intersect_packet(&mut packet);
+            }
+            if !(ANY && packet.all_found()) {
+                for block in &self.spheres {
+                    block.intersect_packet(&mut packet);
+                }
+            }
+            for (i, (ray, best)) in rays.iter().zip(packet.hits()).enumerate() {
+                let mut search = Search { ray, best };
+                self.try_rest::<ANY>(&mut search);
+                report(group * Packet::WIDTH + i, search.found().then_some(search.best));
+            }
+        }
     }
 
     /// How many primitives there are.
@@ -155,6 +200,15 @@ impl Accel {
             if ANY && search.found() {
                 return;
             }
+        }
+        self.try_rest::<ANY>(search);
+    }
+
+    /// Tries what is not tried in packets.
+    #[inline(always)]
+    fn try_rest<const ANY: bool>(&self, search: &mut Search) {
+        if ANY && search.found() {
+            return;
         }
         for cylinder in &self.cylinders {
             intersect_cylinder(cylinder, search);

@@ -75,14 +75,15 @@ impl Triangles {
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
         let zero = F64x4::splat(0.0);
-        let mut inside = zero.at_most(u.min(v).min(w)) | u.max(v).max(w).at_most(zero);
+        let mut inside = (zero.at_most(u.min(v).min(w)) | u.max(v).max(w).at_most(zero)).bits();
         if inside == 0 {
             return;
         }
         let determinant = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear[2] / determinant;
         // No area makes a NaN or an infinity, and neither comes before the best.
-        inside &= F64x4::splat(search.ray.start).below(t) & t.at_most(F64x4::splat(search.best.t));
+        let ahead = F64x4::splat(search.ray.start).below(t) & t.at_most(F64x4::splat(search.best.t));
+        inside &= ahead.bits();
         if inside == 0 {
             return;
         }

@@ -1,0 +1,70 @@
+//! Four rays that are tried together against one primitive after another, where there are few.
+
+use super::Search;
+use crate::math::Ray;
+use crate::math::simd::{F64x4, Mask};
+use crate::shape::Hit;
+
+/// Four rays and the best hit of each so far.
+pub struct Packet {
+    pub origin: [F64x4; 3],
+    pub direction: [F64x4; 3],
+    pub start: F64x4,
+    pub from: F64x4,
+    t: F64x4,
+    u: F64x4,
+    v: F64x4,
+    /// The primitive of the best hit; [`NOTHING`] where there is none.
+    primitive: F64x4,
+}
+
+/// Comes before every primitive: a hit at the very end of a ray does not win the tie against it.
+const NOTHING: f64 = -1.0;
+
+impl Packet {
+    pub const WIDTH: usize = 4;
+
+    #[inline(always)]
+    pub fn new(rays: [&Ray; Self::WIDTH]) -> Self {
+        let lanes = |f: &dyn Fn(&Ray) -> f64| F64x4::new(rays.map(f));
+        let zero = F64x4::splat(0.0);
+        Self {
+            origin: [lanes(&|r| r.origin.x), lanes(&|r| r.origin.y), lanes(&|r| r.origin.z)],
+            direction: [lanes(&|r| r.direction.x), lanes(&|r| r.direction.y), lanes(&|r| r.direction.z)],
+            start: lanes(&|r| r.start),
+            from: lanes(&|r| f64::from(r.from)),
+            t: lanes(&|r| r.end),
+            u: zero,
+            v: zero,
+            primitive: F64x4::splat(NOTHING),
+        }
+    }
+
+    /// Takes the hits that come before the best: by distance, then by primitive.
+    #[inline(always)]
+    pub fn offer(&mut self, t: F64x4, u: F64x4, v: F64x4, primitive: F64x4, valid: Mask) {
+        let tie = t.equals(self.t) & primitive.below(self.primitive);
+        let better = valid & self.start.below(t) & (t.below(self.t) | tie);
+        self.t = better.select(t, self.t);
+        self.u = better.select(u, self.u);
+        self.v = better.select(v, self.v);
+        self.primitive = better.select(primitive, self.primitive);
+    }
+
+    /// Whether every ray met something.
+    #[inline(always)]
+    pub fn all_found(&self) -> bool {
+        F64x4::splat(NOTHING).below(self.primitive).bits() == 0b1111
+    }
+
+    /// The best hit of each ray; where there is none it lies at the ray's end.
+    #[inline(always)]
+    pub fn hits(&self) -> [Hit; Self::WIDTH] {
+        let (t, u, v) = (self.t.to_array(), self.u.to_array(), self.v.to_array());
+        let primitive = self.primitive.to_array();
+        std::array::from_fn(|i| {
+            let primitive = if primitive[i] == NOTHING { Search::NONE } else { primitive[i] as u32 };
+            Hit { t: t[i], u: u[i], v: v[i], primitive }
+        })
+    }
+}
