@@ -147,6 +147,14 @@ impl Sample {
     }
 }
 
+/// Something to be done with a material whatever its type: one `match`, and everything behind it is compiled for
+/// each material by itself.
+pub trait Visitor {
+    type Output;
+
+    fn visit<M: Material>(self, material: &M) -> Self::Output;
+}
+
 /// Scattering at a point, in the local frame whose z axis is the shading normal.
 ///
 /// ωo points to where the light goes (the camera's side of a path), ωi to where it comes from.
@@ -170,6 +178,11 @@ macro_rules! materials {
             #[inline]
             pub fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> AnyBsdf<'a> {
                 match self { $(Self::$Model(material) => AnyBsdf::$Model(material.at(point, λ))),* }
+            }
+
+            #[inline(always)]
+            pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+                match self { $(Self::$Model(material) => visitor.visit(material)),* }
             }
 
             pub fn traits(&self) -> Traits {

@@ -1,6 +1,6 @@
 //! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
 
-use crate::bsdf::{AnyBsdf, Bsdf};
+use crate::bsdf::Bsdf;
 use crate::math::{DVec2, DVec3, Frame, Ray};
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
@@ -15,16 +15,16 @@ pub fn power_heuristic(a: f64, b: f64) -> f64 {
 }
 
 /// A surface point where light is gathered.
-pub struct Vertex<'a> {
+pub struct Vertex<'a, B> {
     pub point: &'a SurfacePoint,
     pub primitive: u32,
     pub frame: &'a Frame,
-    pub bsdf: &'a AnyBsdf<'a>,
+    pub bsdf: &'a B,
     pub wo: DVec3,
     pub side: Side,
 }
 
-impl Vertex<'_> {
+impl<B> Vertex<'_, B> {
     /// World direction to the local frame of the side.
     #[inline]
     pub fn to_local(&self, w: DVec3) -> DVec3 {
@@ -59,9 +59,9 @@ pub struct Proposal {
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
 /// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n.
 #[inline]
-pub fn sample_emitter(
+pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
-    vertex: &Vertex,
+    vertex: &Vertex<B>,
     choice: f64,
     u: DVec2,
     (count, rivals): (f64, f64),

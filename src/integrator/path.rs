@@ -2,13 +2,13 @@
 
 use super::light::{self, Vertex, power_heuristic};
 use super::{AnyIntegrator, CameraPath, Counters, Event, STREAM};
-use crate::bsdf::{AnyBsdf, Bsdf};
+use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FIRST_VERTEX, FURTHER_EMITTER_SAMPLES, Numbers, Sampler};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::{Features, Scene, Shape, Side};
-use crate::shape::Hit;
+use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 pub const NAME: &str = "path";
@@ -215,37 +215,70 @@ impl Path {
         if state.depth + 1 >= self.max_depth {
             return None;
         }
-        let towards = point.ns.dot(-ray.direction);
-        let side = side_towards(shape, towards);
-        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
-        let bsdf: AnyBsdf = scene.materials[side.material as usize].at(&point, λ);
-        let mut vertex = Vertex {
-            point: &point,
+        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        let onward = scene.materials[side.material as usize].visit(Scatter::<F> {
+            settings: self,
+            scene,
+            index,
+            path,
+            state,
+            wo: -ray.direction,
             primitive: hit.primitive,
-            frame: &frame,
-            bsdf: &bsdf,
-            wo: DVec3::ZERO,
+            point: &point,
             side,
-        };
-        vertex.wo = vertex.to_local(-ray.direction);
+            u,
+            shadows,
+        })?;
+        if state.depth >= MAX_VERTICES {
+            counters.cut += 1;
+            return None;
+        }
+        Some(onward)
+    }
+}
+
+/// Scattering at a vertex, for a material still to be named.
+struct Scatter<'a, const F: u32> {
+    settings: &'a Path,
+    scene: &'a Scene,
+    index: usize,
+    path: &'a mut CameraPath,
+    state: &'a mut State,
+    /// World, towards where the path came from.
+    wo: DVec3,
+    primitive: u32,
+    point: &'a SurfacePoint,
+    side: Side,
+    u: &'a Numbers,
+    shadows: &'a mut Shadows,
+}
+
+impl<const F: u32> Visitor for Scatter<'_, F> {
+    type Output = Option<Ray>;
+
+    /// Asks for direct light and finds the ray with which the path goes on.
+    #[inline]
+    fn visit<M: Material>(self, material: &M) -> Option<Ray> {
+        let Self { settings, scene, index, path, state, wo, primitive, point, side, u, shadows } = self;
+        let (λ, sampler) = (&mut path.λ, &path.sampler);
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let bsdf = material.at(point, λ);
+        let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
+        vertex.wo = vertex.to_local(wo);
         if side.traits.smooth {
-            let counts = (self.emitter_samples as f64, 1.0);
+            let counts = (settings.emitter_samples as f64, 1.0);
             if let Some(light) = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ) {
                 shadows.push(index, light.ray, state.throughput * light.radiance);
             }
-            for further in 1..self.emitter_samples {
-                let u = path.sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further);
+            for further in 1..settings.emitter_samples {
+                let u = sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further);
                 if let Some(light) = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ) {
                     shadows.push(index, light.ray, state.throughput * light.radiance);
                 }
             }
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
-        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
         state.throughput *= sample.weight;
-        if F & Features::DISPERSION != 0 && sample.dispersed {
-            λ.collapsed = true;
-        }
         state.eta2 *= sample.eta * sample.eta;
         state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta };
         state.direct_view &= sample.null;
@@ -253,7 +286,12 @@ impl Path {
         if state.throughput.is_zero() {
             return None;
         }
-        if state.depth >= self.rr_depth {
+        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, primitive);
+        drop(bsdf);
+        if F & Features::DISPERSION != 0 && sample.dispersed {
+            λ.collapsed = true;
+        }
+        if state.depth >= settings.rr_depth {
             let survival = λ.mean(state.throughput) as f64 * state.eta2;
             if survival < 1.0 {
                 if u.one(6) >= survival {
@@ -261,10 +299,6 @@ impl Path {
                 }
                 state.throughput *= (1.0 / survival) as f32;
             }
-        }
-        if state.depth >= MAX_VERTICES {
-            counters.cut += 1;
-            return None;
         }
         Some(onward)
     }

@@ -1,5 +1,6 @@
 //! From a document to a [`Scene`].
 
+use super::owners::Owners;
 use super::error::{SceneError, known};
 use super::loader::Loader;
 use super::params::{Params, Usage};
@@ -120,7 +121,8 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let Builder { shapes, materials, emitters, .. } = &mut builder;
     let emitters = Emitters::new(std::mem::take(emitters), radius, |i| &shapes[i as usize].geometry);
     let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));
-    Ok(Scene { shapes, materials, emitters, accel, sensor, integrator, mode, features, hash })
+    let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
+    Ok(Scene { shapes, owners, materials, emitters, accel, sensor, integrator, mode, features, hash })
 }
 
 impl<'a, 'd> Builder<'a, 'd> {

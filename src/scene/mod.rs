@@ -8,6 +8,7 @@ pub mod catalogue;
 pub mod error;
 pub mod loader;
 mod overrides;
+mod owners;
 pub mod params;
 pub mod registry;
 pub mod transform;
@@ -23,6 +24,7 @@ use crate::shape::{Geometry, Hit, SurfacePoint};
 use crate::spectrum::ColorMode;
 pub use build::load;
 pub use build::load_text;
+use owners::Owners;
 
 /// A surface: its geometry, what it is made of and what it emits.
 pub struct Shape {
@@ -62,6 +64,7 @@ pub struct Overrides {
 /// Everything that a render needs.
 pub struct Scene {
     pub shapes: Vec<Shape>,
+    owners: Owners,
     pub materials: Vec<AnyMaterial>,
     pub emitters: Emitters,
     pub accel: Accel,
@@ -105,8 +108,7 @@ impl Scene {
     /// The shape that a primitive belongs to, and its number there.
     #[inline]
     pub fn shape_of(&self, primitive: u32) -> (&Shape, u32) {
-        let after = self.shapes.partition_point(|s| s.first_primitive <= primitive);
-        let shape = &self.shapes[after - 1];
+        let shape = &self.shapes[self.owners.of(primitive)];
         (shape, primitive - shape.first_primitive)
     }
 
