@@ -4,7 +4,7 @@
 //! counts.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use etalon::math::{DVec2, Ray, Transform, warp};
+use etalon::math::{Ray, Transform, warp};
 use etalon::render::{Progress, Settings, render};
 use etalon::sampler::{Kind, Sampler};
 use etalon::scene::{self, Overrides};
@@ -19,8 +19,8 @@ use std::path::Path;
 fn rays() -> Vec<Ray> {
     let ray = |i: u32| {
         let u = Sampler::new(Kind::Independent, 7, (i, 0), 0).block(0);
-        let origin = warp::sphere(DVec2::new(u[0], u[1])) * 2.0;
-        let target = warp::sphere(DVec2::new(u[2], u[3])) * (0.6 * u[4]);
+        let origin = warp::sphere(u.pair(0)) * 2.0;
+        let target = warp::sphere(u.pair(1)) * (0.6 * u.one(4));
         Ray::free(origin, etalon::math::frame::unit(target - origin))
     };
     (0..4096).map(ray).collect()

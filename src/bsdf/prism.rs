@@ -1,7 +1,7 @@
 //! A ray through a prism of the scene files, by the scene's own search, surfaces and material, against Snell's law.
 
 use super::Bsdf;
-use crate::math::{DVec2, DVec3, Ray};
+use crate::math::{DVec2, DVec3, Ray, length};
 use crate::scene::{Scene, load_text};
 use crate::spectrum::materials::Dispersion;
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -68,7 +68,7 @@ fn every_wavelength_leaves_a_prism_as_snell_says() {
             let outside = refracted(&scene, &inside, &mut λ);
             // The cross product keeps small angles exact, where the arc cosine would not.
             let angle =
-                libm::atan2(direction.cross(outside.direction).length(), direction.dot(outside.direction));
+                libm::atan2(length(direction.cross(outside.direction)), direction.dot(outside.direction));
             let expected = deviation(sf11.eta(nm), incidence);
             assert!((angle - expected).abs() < 1e-6, "{nm} nm, {incidence}: {angle} {expected}");
             assert!(scene.accel.closest(&outside).is_none());

@@ -76,8 +76,9 @@ pub fn sample_emitter<B: Bsdf>(
     }
     let pdf = light.pdf * probability;
     let weight = if light.delta { 1.0 } else { power_heuristic(count * pdf, rivals * scattered.pdf) };
+    let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     Some(Proposal {
-        ray: Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive),
+        ray: Ray { inner: entry.shape.is_some(), ..ray },
         radiance: scattered.value * light.radiance * (weight / (pdf * count)) as f32,
     })
 }

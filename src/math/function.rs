@@ -4,7 +4,13 @@
 //! the functions of the `libm` crate; the one that every path needs several times, [`sin_cos_turn`], is a pair of
 //! polynomials.
 
-pub use libm::{acos, asin, atan, atan2, cos, cosh, exp, log as ln, pow, sin, sincos, sinh, tan, tanh};
+pub use libm::{asin, atan, atan2, cos, cosh, exp, log as ln, pow, sin, sincos, sinh, tan, tanh};
+
+/// The arc cosine, as twice the angle whose tangent is √((1 − x)/(1 + x)). `libm`'s own holds an SSE root, at which the
+/// processor waits for its AVX registers; see [`length`](super::length).
+pub fn acos(x: f64) -> f64 {
+    2.0 * atan2((1.0 - x).sqrt(), (1.0 + x).sqrt())
+}
 
 /// sin(2πu) and cos(2πu) for u in [0, 1], to 2e-15.
 ///
@@ -41,6 +47,14 @@ pub fn sin_cos_turn(u: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn acos_meets_libm() {
+        for i in -4096..=4096 {
+            let x = i as f64 / 4096.0;
+            assert!((acos(x) - libm::acos(x)).abs() < 1e-15, "{x}");
+        }
+    }
 
     #[test]
     fn sin_cos_turn_meets_libm_everywhere() {

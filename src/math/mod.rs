@@ -13,7 +13,7 @@ pub mod transform;
 pub mod warp;
 
 pub use discrete::Discrete;
-pub use frame::Frame;
+pub use frame::{Frame, length};
 pub use glam::{DVec2, DVec3};
 pub use ray::Ray;
 pub use transform::Transform;

@@ -18,6 +18,8 @@ pub struct Ray {
     pub end: f64,
     /// The primitive that `origin` lies on, or [`Ray::FREE`].
     pub from: u32,
+    /// Both ends lie on surfaces of the scene: what the whole scene lies on one side of cannot be between them.
+    pub inner: bool,
 }
 
 impl Ray {
@@ -26,13 +28,13 @@ impl Ray {
 
     /// A ray from a point in free space.
     pub fn free(origin: DVec3, direction: DVec3) -> Self {
-        Self { origin, direction, start: 0.0, end: f64::INFINITY, from: Self::FREE }
+        Self { origin, direction, start: 0.0, end: f64::INFINITY, from: Self::FREE, inner: false }
     }
 
     /// A ray that leaves primitive `from` at `origin`, to distance `end`.
     #[inline]
     pub fn leaving(origin: DVec3, direction: DVec3, end: f64, from: u32) -> Self {
-        Self { origin, direction, start: position_error(origin), end, from }
+        Self { origin, direction, start: position_error(origin), end, from, inner: false }
     }
 
     /// The point at distance `t`.

@@ -98,6 +98,7 @@ pub fn half_width(degrees: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::length;
 
     #[test]
     fn inverses_undo() {
@@ -106,7 +107,7 @@ mod tests {
             .and_then(|t| Some(t.after(&Transform::scale(DVec3::new(2.0, -3.0, 0.5))?)))
             .unwrap();
         let p = DVec3::new(0.3, -0.7, 5.0);
-        assert!((t.inverted().point(t.point(p)) - p).length() < 1e-13);
+        assert!(length(t.inverted().point(t.point(p)) - p) < 1e-13);
         assert!(t.mirrors());
     }
 

@@ -10,7 +10,7 @@ use super::{Features, Overrides, Scene, Shape, Side, overrides};
 use crate::bsdf::AnyMaterial;
 use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
-use crate::math::DVec3;
+use crate::math::{DVec3, length};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
 use crate::shape::{Geometry, SHAPES};
@@ -117,7 +117,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         .fold((DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)), |(lo, hi), (a, b)| {
             (lo.min(a), hi.max(b))
         });
-    let radius = if geometries.is_empty() { 1.0 } else { 0.5 * (hi - lo).length() };
+    let radius = if geometries.is_empty() { 1.0 } else { 0.5 * length(hi - lo) };
     let Builder { shapes, materials, emitters, .. } = &mut builder;
     let emitters = Emitters::new(std::mem::take(emitters), radius, |i| &shapes[i as usize].geometry);
     let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));

@@ -1,7 +1,7 @@
 //! The pinhole camera.
 
 use super::{AnySensor, Sensor, common, half_width, require_rigid};
-use crate::math::frame::unit;
+use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -43,7 +43,7 @@ impl Perspective {
     pub fn ray(&self, film: DVec2) -> Ray {
         let p = (DVec2::ONE - 2.0 * (film + self.principal_offset)) * self.half;
         let d = DVec3::new(p.x, p.y, 1.0);
-        let per_depth = d.length();
+        let per_depth = length(d);
         let direction = unit(self.to_world.vector(d));
         let origin = self.to_world.point(DVec3::ZERO) + direction * (self.near * per_depth);
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }

@@ -1,7 +1,7 @@
 //! A camera with a lens.
 
 use super::{AnySensor, Sensor, common, half_width, require_rigid};
-use crate::math::frame::unit;
+use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -58,7 +58,7 @@ impl ThinLens {
         let on_lens = (warp::disk_concentric(lens) * self.aperture_radius).extend(0.0);
         // Divided by the focal distance, so that a focus at infinity gives parallel rays and no overflow.
         let d = DVec3::new(p.x, p.y, 1.0) - on_lens / self.focus_distance;
-        let per_depth = d.length();
+        let per_depth = length(d);
         let direction = unit(self.to_world.vector(d));
         let origin = self.to_world.point(on_lens) + direction * (self.near * per_depth);
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
@@ -84,7 +84,7 @@ mod tests {
         for i in 0..100 {
             let ray = camera.ray(film, DVec2::new(i as f64 / 100.0, (i * 37 % 100) as f64 / 100.0));
             let p = ray.at((7.0 - ray.origin.z) / ray.direction.z);
-            assert!((p - expected).length() < 1e-12, "{p}");
+            assert!(length(p - expected) < 1e-12, "{p}");
         }
     }
 }

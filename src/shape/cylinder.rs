@@ -2,7 +2,7 @@
 
 use super::patch::on_circle;
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
-use crate::math::frame::unit;
+use crate::math::frame::{length, unit};
 use crate::math::function::atan2;
 use crate::math::{DVec2, DVec3, Frame, INV_PI, Ray, Transform};
 use crate::scene::error::SceneError;
@@ -55,8 +55,8 @@ impl Cylinder {
             axis: unit(along),
             x: unit(x),
             y: unit(to_world.vector(frame.t)),
-            length: along.length(),
-            radius: radius * x.length(),
+            length: length(along),
+            radius: radius * length(x),
             inward,
         }
     }
@@ -89,7 +89,7 @@ impl Cylinder {
             return None;
         }
         let root = discriminant.sqrt();
-        let distance = o_across.length();
+        let distance = length(o_across);
         let c = (distance - self.radius) * (distance + self.radius);
         let q = if b < 0.0 { -b + root } else { -b - root };
         let (near, far) = if b < 0.0 { (c / q, q / a) } else { (q / a, c / q) };

@@ -2,7 +2,7 @@
 
 use super::mesh_data::MeshData;
 use super::{AreaSample, SurfacePoint};
-use crate::math::frame::unit;
+use crate::math::frame::{length, unit};
 use crate::math::function::acos;
 use crate::math::{DVec2, DVec3, Discrete, Transform, warp};
 
@@ -93,7 +93,7 @@ impl Mesh {
 
     fn triangle_area(&self, triangle: u32) -> f64 {
         let [p0, p1, p2] = self.corners(triangle);
-        0.5 * (p1 - p0).cross(p2 - p0).length()
+        0.5 * length((p1 - p0).cross(p2 - p0))
     }
 
     pub fn area(&self) -> f64 {
@@ -146,7 +146,7 @@ fn smooth_normals(
         let n = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
         for i in 0..3 {
             let (a, b) = (p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]);
-            let cos = a.dot(b) / (a.length() * b.length());
+            let cos = a.dot(b) / (length(a) * length(b));
             if n != DVec3::ZERO && cos.is_finite() {
                 sums[point_of(triangle[i])] += n * acos(cos.clamp(-1.0, 1.0));
             }

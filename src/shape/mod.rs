@@ -17,10 +17,11 @@ mod rectangle;
 mod serialized;
 mod sphere;
 
-use crate::math::{DVec2, DVec3, Frame, Ray, Transform};
+use crate::math::{DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
+use glam::BVec3;
 pub use cylinder::Cylinder;
 pub use mesh::Mesh;
 pub use patch::Patch;
@@ -139,6 +140,21 @@ impl Geometry {
         }
     }
 
+    /// Points whose convex hull holds the shape.
+    pub fn hull(&self) -> Vec<DVec3> {
+        match self {
+            Self::Mesh(mesh) => {
+                mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect()
+            }
+            Self::Patch(patch) => patch.corners().to_vec(),
+            Self::Sphere(_) | Self::Cylinder(_) => {
+                let (lo, hi) = self.bounds();
+                let corner = |i: u32| DVec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), hi, lo);
+                (0..8).map(corner).collect()
+            }
+        }
+    }
+
     /// The corners of the world-space bounding box.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match self {
@@ -160,7 +176,7 @@ fn placement(params: &mut Params) -> Result<(Transform, bool), SceneError> {
 fn require_orthogonal(params: &Params, axes: [DVec3; 3], equal: &[(usize, usize)]) -> Result<(), SceneError> {
     /// Rotations written with a few decimals are meant as rotations; Mitsuba accepts the same.
     const TOLERANCE: f64 = 1e-4;
-    let lengths = axes.map(DVec3::length);
+    let lengths = axes.map(length);
     let sheared = (0..3).any(|i| {
         let j = (i + 1) % 3;
         axes[i].dot(axes[j]).abs() > TOLERANCE * lengths[i] * lengths[j]

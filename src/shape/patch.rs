@@ -1,7 +1,7 @@
 //! Flat pieces of a plane: parallelograms and ellipses, in one representation that is tested four at a time.
 
 use super::{AreaSample, SurfacePoint};
-use crate::math::frame::unit;
+use crate::math::frame::{length, unit};
 use crate::math::function::{atan2, sin_cos_turn};
 use crate::math::{DVec2, DVec3, INV_PI, Transform, warp};
 
@@ -39,7 +39,7 @@ impl Patch {
             e2,
             n: if flip { -n } else { n },
             outline,
-            area: unit_area * e1.cross(e2).length(),
+            area: unit_area * length(e1.cross(e2)),
         }
     }
 
@@ -84,6 +84,12 @@ impl Patch {
         };
         let p = self.centre + self.e1 * xy.x + self.e2 * xy.y;
         AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area }
+    }
+
+    /// The corners of the parallelogram, or of the one about the ellipse.
+    pub fn corners(&self) -> [DVec3; 4] {
+        [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)]
+            .map(|(x, y)| self.centre + self.e1 * x + self.e2 * y)
     }
 
     pub fn bounds(&self) -> (DVec3, DVec3) {

@@ -1,7 +1,7 @@
 //! Spheres.
 
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
-use crate::math::frame::unit;
+use crate::math::frame::{length, unit};
 use crate::math::function::{acos, atan2};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, Transform, warp};
 use crate::scene::error::SceneError;
@@ -40,7 +40,7 @@ impl Sphere {
     pub fn new(to_world: &Transform, centre: DVec3, radius: f64, flip: bool) -> Self {
         Self {
             centre: to_world.point(centre),
-            radius: radius * to_world.vector(DVec3::X).length(),
+            radius: radius * length(to_world.vector(DVec3::X)),
             inward: flip != to_world.mirrors(),
             axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| unit(to_world.vector(axis))),
         }
@@ -86,7 +86,7 @@ impl Sphere {
     #[inline]
     pub fn sample_cone<const UV: bool>(&self, p: DVec3, u: DVec2, one_minus_cos: f64) -> (SurfacePoint, f64) {
         let towards = self.centre - p;
-        let distance = towards.length();
+        let distance = length(towards);
         let local = warp::cone(u, one_minus_cos);
         let direction = Frame::about(towards / distance).to_world(local);
         // The chord: t = d cosθ − √(r² − d² sin²θ).

@@ -10,7 +10,8 @@ use super::spheres::Spheres;
 use super::triangles::Triangles;
 use super::{Accel, Mixed};
 use crate::math::DVec3;
-use crate::shape::Geometry;
+use crate::math::ray::position_error;
+use crate::shape::{Geometry, Patch};
 use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -50,6 +51,7 @@ impl Accel {
             nodes: vec![],
             triangles: vec![],
             patches: vec![],
+            inner_patches: 0,
             spheres: vec![],
             cylinders: vec![],
             mixed: vec![],
@@ -64,11 +66,14 @@ impl Accel {
         };
         let of_kind = |k: i32| items.iter().filter(|i| kind(i) == k).copied().collect::<Vec<Item>>();
         if items.len() <= 4 * FEW {
-            let kinds = [0, 1, 2, 3].map(of_kind);
+            let [triangles, patches, spheres, cylinders] = [0, 1, 2, 3].map(of_kind);
+            let (outer, inner) = patches.iter().partition(|patch| is_outer(shapes, patch.shape as usize));
+            let kinds: [Vec<Item>; 5] = [inner, outer, triangles, spheres, cylinders];
             if kinds.iter().map(|items| items.len().div_ceil(4)).sum::<usize>() <= FEW {
                 for block in kinds.iter().flat_map(|items| items.chunks(4)) {
                     accel.add(shapes, block);
                 }
+                accel.inner_patches = kinds[0].len().div_ceil(4);
                 return accel;
             }
         }
@@ -166,6 +171,20 @@ impl Accel {
         self.mixed.push(mixed);
         NodeRef::mixed(self.mixed.len() - 1)
     }
+}
+
+/// Whether everything lies on one side of the plane of a patch, as all that is in a room does of its walls.
+fn is_outer(shapes: &[&Geometry], patch: usize) -> bool {
+    let Geometry::Patch(Patch { centre, n, .. }) = shapes[patch] else { return false };
+    let (mut before, mut behind) = (false, false);
+    for corner in shapes.iter().flat_map(|shape| shape.hull()) {
+        let height = n.dot(corner - *centre);
+        // What lies nearer than rounding errors lies on the plane.
+        let error = 4.0 * (position_error(corner) + position_error(*centre));
+        before |= height > error;
+        behind |= height < -error;
+    }
+    !(before && behind)
 }
 
 /// The children of a binary node; a tree that is one leaf is its own child.

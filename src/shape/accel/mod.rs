@@ -41,6 +41,8 @@ pub struct Accel {
     nodes: Vec<Node>,
     triangles: Vec<Triangles>,
     patches: Vec<Patches>,
+    /// The first so many blocks of patches have the scene on both sides. Known only where there is no tree.
+    inner_patches: usize,
     spheres: Vec<Spheres>,
     cylinders: Vec<(Cylinder, u32)>,
     mixed: Vec<Mixed>,
@@ -141,7 +143,8 @@ impl Accel {
         for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
             let last = rays.len() - 1;
             let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
-            for block in &self.patches {
+            let inner = ANY && rays.iter().all(|ray| ray.inner);
+            for block in if inner { &self.patches[..self.inner_patches] } else { &self.patches } {
                 block.intersect_packet(&mut packet);
             }
             if !(ANY && packet.all_found()) {
@@ -189,7 +192,8 @@ impl Accel {
     #[inline(always)]
     fn try_all<const ANY: bool>(&self, search: &mut Search) {
         let rays = Rays::new(search.ray);
-        for block in &self.patches {
+        let inner = ANY && search.ray.inner;
+        for block in if inner { &self.patches[..self.inner_patches] } else { &self.patches } {
             block.intersect(&rays, search);
             if ANY && search.found() {
                 return;
