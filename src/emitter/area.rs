@@ -34,7 +34,7 @@ impl Area {
     }
 
     /// Spheres are sampled within the cone they fill, all else uniformly in area.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, shape: &Geometry, p: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
         if let Geometry::Sphere(sphere) = shape
             && let Some(one_minus_cos) = sphere.cone(p)
@@ -52,7 +52,7 @@ impl Area {
     }
 
     /// Light from a chosen point; dω = cosθ dA / d².
-    #[inline]
+    #[inline(always)]
     fn arriving(&self, p: DVec3, chosen: &AreaSample, λ: &Wavelengths) -> Option<DirectSample> {
         let towards = chosen.p - p;
         let d2 = towards.length_squared();

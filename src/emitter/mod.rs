@@ -64,7 +64,7 @@ pub struct DirectSample {
 
 impl AnyEmitter {
     /// A direction from which this emitter may light the point `p`.
-    #[inline]
+    #[inline(always)]
     pub fn sample(
         &self,
         shape: Option<&Geometry>,

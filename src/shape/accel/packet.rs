@@ -40,6 +40,12 @@ impl Packet {
         }
     }
 
+    /// Which rays would look as far as `t`.
+    #[inline(always)]
+    pub fn ahead(&self, t: F64x4) -> Mask {
+        self.start.below(t) & t.at_most(self.t)
+    }
+
     /// Takes the hits that come before the best: by distance, then by primitive.
     #[inline(always)]
     pub fn offer(&mut self, t: F64x4, u: F64x4, v: F64x4, primitive: F64x4, valid: Mask) {

@@ -94,6 +94,9 @@ impl Patches {
             let dual = [spread(&self.dual[0]), spread(&self.dual[1])];
             let plane = (spread(&self.centre), spread(&self.normal), dual, self.round.spread(lane));
             let Crossing { t, x, y, within } = cross(plane, &packet.origin, &packet.direction);
+            if packet.ahead(t).bits() == 0 {
+                continue;
+            }
             let primitive = F64x4::splat(f64::from(self.primitives[lane]));
             let elsewhere = within.without(packet.from.equals(primitive));
             packet.offer(t, x, y, primitive, elsewhere);
