@@ -81,10 +81,6 @@ pub struct CameraPath {
     pub radiance: Spectrum,
 }
 
-/// How many camera paths are best traced together: enough to fill vector registers most of the time, few enough
-/// for the nearest cache.
-pub const STREAM: usize = 64;
-
 /// Estimates the radiance along camera rays. How they are grouped does not change what is found.
 pub type Kernel = fn(&Scene, &AnyIntegrator, &mut [CameraPath], &mut Counters);
 

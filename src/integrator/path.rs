@@ -1,10 +1,10 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
 use super::light::{self, Vertex, power_heuristic};
-use super::{AnyIntegrator, CameraPath, Counters, Event, STREAM};
+use super::{AnyIntegrator, CameraPath, Counters, Event};
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::math::{DVec3, Ray};
-use crate::sampler::{FIRST_VERTEX, FURTHER_EMITTER_SAMPLES, Numbers, Sampler};
+use crate::sampler::{FIRST_VERTEX, FURTHER_EMITTER_SAMPLES, ManyNumbers, Numbers};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::{Features, Scene, Shape, Side};
@@ -63,6 +63,10 @@ pub struct Arrival {
     pub delta: bool,
 }
 
+/// How many camera paths are traced together: enough to fill vector registers most of the time, few enough for the
+/// nearest cache.
+const STREAM: usize = 64;
+
 /// A path on its way.
 #[derive(Clone, Copy)]
 struct State {
@@ -118,29 +122,53 @@ impl Shadows {
     }
 }
 
+/// What a stream of paths needs on its way, kept for the next.
+#[derive(Default)]
+struct Stream {
+    states: Vec<State>,
+    /// The paths that still go on, with their rays side by side.
+    alive: Vec<usize>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    numbers: ManyNumbers<STREAM>,
+    shadows: Shadows,
+}
+
 impl Path {
     /// Estimates the radiance along camera rays.
     ///
-    /// All paths take a step together: their rays are traced, then their vertices are looked at one after another,
+    /// In streams of [`STREAM`], all paths take a step together: their rays are traced, then their vertices are looked at one after another,
     /// then the light that the vertices ask for is tested for visibility. Rays that lie side by side can share
     /// vector registers, and the steps of neighbours overlap in the processor; no path knows of the others.
     pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
         if self.max_depth == 0 {
             return;
         }
-        let mut states = vec![State::START; paths.len()];
-        let mut alive: Vec<usize> = (0..paths.len()).collect();
-        let mut rays: Vec<Ray> = paths.iter().map(|p| p.ray).collect();
-        let mut hits = vec![None; paths.len()];
-        let mut numbers = vec![Numbers::default(); paths.len()];
-        let mut shadows = Shadows::default();
+        let mut stream = Stream::default();
+        for paths in paths.chunks_mut(STREAM) {
+            self.trace_stream::<F>(scene, paths, &mut stream, counters);
+        }
+    }
+
+    fn trace_stream<const F: u32>(
+        &self,
+        scene: &Scene,
+        paths: &mut [CameraPath],
+        Stream { states, alive, rays, hits, numbers, shadows }: &mut Stream,
+        counters: &mut Counters,
+    ) {
+        states.clear();
+        states.resize(paths.len(), State::START);
+        alive.clear();
+        alive.extend(0..paths.len());
+        rays.clear();
+        rays.extend(paths.iter().map(|path| path.ray));
+        hits.resize(paths.len(), None);
         while !alive.is_empty() {
             let count = alive.len();
             counters.rays += count as u64;
-            scene.accel.closest_all(&rays, &mut hits);
-            Sampler::blocks(&mut numbers[..count], |i| {
-                (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth)
-            });
+            scene.accel.closest_all(rays, hits);
+            numbers.fill(count, |i| (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth));
             let mut kept = 0;
             for i in 0..count {
                 let index = alive[i];
@@ -149,8 +177,8 @@ impl Path {
                     scene,
                     (index, path, state),
                     (&rays[i], hits[i]),
-                    &numbers[i],
-                    &mut shadows,
+                    numbers.of(i),
+                    shadows,
                     counters,
                 );
                 if let Some(ray) = onward {
@@ -174,7 +202,7 @@ impl Path {
         scene: &Scene,
         (index, path, state): (usize, &mut CameraPath, &mut State),
         (ray, hit): (&Ray, Option<Hit>),
-        u: &Numbers,
+        u: Numbers,
         shadows: &mut Shadows,
         counters: &mut Counters,
     ) -> Option<Ray> {
@@ -249,7 +277,7 @@ struct Scatter<'a, const F: u32> {
     primitive: u32,
     point: &'a SurfacePoint,
     side: Side,
-    u: &'a Numbers,
+    u: Numbers,
     shadows: &'a mut Shadows,
 }
 

@@ -12,14 +12,10 @@ pub fn acos(x: f64) -> f64 {
     2.0 * atan2((1.0 - x).sqrt(), (1.0 + x).sqrt())
 }
 
-/// sin(2πu) and cos(2πu) for u in [0, 1], to 2e-15.
-///
-/// The argument is folded to an eighth of a turn, where the Taylor polynomials in (2πu)² have converged;
-/// working in turns makes the folding exact.
+/// sin(2πu) and cos(2πu) for |u| ≤ 1/8, where the Taylor polynomials in (2πu)² have converged.
 #[inline(always)]
-pub fn sin_cos_turn(u: f64) -> (f64, f64) {
-    let quarter = (4.0 * u + 0.5).floor();
-    let x = (u - 0.25 * quarter) * std::f64::consts::TAU;
+pub fn sin_cos_eighth(u: f64) -> (f64, f64) {
+    let x = u * std::f64::consts::TAU;
     let x2 = x * x;
     let sin = x
         * (1.0
@@ -36,6 +32,16 @@ pub fn sin_cos_turn(u: f64) -> (f64, f64) {
                     + x2 * (1.0 / 40320.0
                         + x2 * (-1.0 / 3628800.0
                             + x2 * (1.0 / 479001600.0 + x2 * (-1.0 / 87178291200.0)))))));
+    (sin, cos)
+}
+
+/// sin(2πu) and cos(2πu) for u in [0, 1], to 2e-15.
+///
+/// The argument is folded to an eighth of a turn; working in turns makes the folding exact.
+#[inline(always)]
+pub fn sin_cos_turn(u: f64) -> (f64, f64) {
+    let quarter = (4.0 * u + 0.5).floor();
+    let (sin, cos) = sin_cos_eighth(u - 0.25 * quarter);
     match quarter as i32 & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),

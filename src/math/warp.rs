@@ -1,19 +1,21 @@
 //! Maps from the unit square to the domains that are sampled, each with its density.
 
-use super::function::sin_cos_turn;
+use super::function::{sin_cos_eighth, sin_cos_turn};
 use super::{DVec2, DVec3, INV_PI};
 
 /// Square to unit disk, area-preserving and continuous (Shirley & Chiu 1997). Density 1/π.
 #[inline(always)]
 pub fn disk_concentric(u: DVec2) -> DVec2 {
     let (x, y) = (2.0 * u.x - 1.0, 2.0 * u.y - 1.0);
-    if x == 0.0 && y == 0.0 {
+    let steep = y.abs() >= x.abs();
+    let (large, small) = if steep { (y, x) } else { (x, y) };
+    if large == 0.0 {
         return DVec2::ZERO;
     }
-    // The angle is an eighth of a turn times the ratio of the smaller to the larger coordinate.
-    let (r, turn) = if x.abs() > y.abs() { (x, y / x / 8.0) } else { (y, 0.25 - x / y / 8.0) };
-    let (sin, cos) = sin_cos_turn(if turn < 0.0 { turn + 1.0 } else { turn });
-    DVec2::new(r * cos, r * sin)
+    // The angle from the nearer axis is an eighth of a turn times the ratio of the coordinates.
+    let (sin, cos) = sin_cos_eighth(small / large / 8.0);
+    let (along, across) = (large * cos, large * sin);
+    if steep { DVec2::new(across, along) } else { DVec2::new(along, across) }
 }
 
 /// Square to upper hemisphere with density cosθ/π.

@@ -5,7 +5,7 @@ pub mod sample;
 
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::{Channel, Image, Provenance, Window};
-use crate::integrator::{Counters, KernelEntry, STREAM, kernel_for};
+use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use sample::Camera;
@@ -15,6 +15,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
+
+/// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
+const BATCH: usize = 512;
 
 /// What to render of a scene.
 #[derive(Clone, Debug)]
@@ -144,13 +147,13 @@ fn tile(
     let mut counters = Counters::default();
     let (mut non_finite, mut first_non_finite) = (0, vec![]);
     let total = window.pixels() as u64 * count;
-    let mut values = vec![0.0; channels * STREAM];
-    for first in (0..total).step_by(STREAM) {
+    let mut values = vec![0.0; channels * BATCH];
+    for first in (0..total).step_by(BATCH) {
         if progress.stop.load(Ordering::Relaxed) {
             return None;
         }
         // Pixel by pixel, and each pixel's samples in order.
-        let which: Vec<_> = (first..total.min(first + STREAM as u64))
+        let which: Vec<_> = (first..total.min(first + BATCH as u64))
             .map(|i| (pixel(window, (i / count) as usize), settings.samples.start + i % count))
             .collect();
         let values = &mut values[..channels * which.len()];

@@ -2,7 +2,7 @@
 
 use crate::integrator::{CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
-use crate::sampler::{CAMERA, Numbers, Sampler};
+use crate::sampler::{CAMERA, ManyNumbers, Numbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
@@ -97,14 +97,21 @@ impl<'a> Camera<'a> {
                 of_pixel.at(sample as u32)
             })
             .collect();
-        let mut numbers = vec![Numbers::default(); which.len()];
-        Sampler::blocks(&mut numbers, |i| (&samplers[i], CAMERA));
-        let made = which.iter().zip(&samplers).zip(&numbers);
-        made.map(|((&(pixel, _), sampler), u)| self.path(pixel, *sampler, u)).unzip()
+        let (mut paths, mut weights) = (Vec::with_capacity(which.len()), Vec::with_capacity(which.len()));
+        let mut numbers = ManyNumbers::<8>::default();
+        for (which, samplers) in which.chunks(8).zip(samplers.chunks(8)) {
+            numbers.fill(which.len(), |i| (&samplers[i], CAMERA));
+            for (i, (&(pixel, _), sampler)) in which.iter().zip(samplers).enumerate() {
+                let (path, weight) = self.path(pixel, *sampler, numbers.of(i));
+                paths.push(path);
+                weights.push(weight);
+            }
+        }
+        (paths, weights)
     }
 
     #[inline]
-    fn path(&self, pixel: (u32, u32), sampler: Sampler, u: &Numbers) -> (CameraPath, f64) {
+    fn path(&self, pixel: (u32, u32), sampler: Sampler, u: Numbers) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;
         let (place, weight) = film.place(pixel, u.pair(0));
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);

@@ -114,20 +114,32 @@ impl Sampler {
     /// The numbers of one block.
     #[inline]
     pub fn block(&self, block: u32) -> Numbers {
-        let mut numbers = [Numbers::default()];
-        Self::blocks(&mut numbers, |_| (self, block));
-        numbers[0]
+        let mut many = ManyNumbers::<8>::default();
+        many.fill(1, |_| (self, block));
+        many.of(0)
     }
+}
 
-    /// Fills each of `numbers` from the sampler and the block that `of` names for it, all samplers of one kind: eight
-    /// at a time cost little more than one.
+/// The numbers of a block for each of up to `N` samples, `N` a multiple of eight.
+#[derive(Clone, Debug)]
+pub struct ManyNumbers<const N: usize>([[u32; N]; 8]);
+
+impl<const N: usize> Default for ManyNumbers<N> {
+    fn default() -> Self {
+        Self([[0; N]; 8])
+    }
+}
+
+impl<const N: usize> ManyNumbers<N> {
+    /// Fills the first `count` from the sampler and the block that `of` names for each, all samplers of one kind:
+    /// eight at a time cost little more than one.
     #[inline]
-    pub fn blocks<'a>(numbers: &mut [Numbers], of: impl Fn(usize) -> (&'a Sampler, u32)) {
-        for (group, numbers) in numbers.chunks_mut(8).enumerate() {
+    pub fn fill<'a>(&mut self, count: usize, of: impl Fn(usize) -> (&'a Sampler, u32)) {
+        for first in (0..count).step_by(8) {
             let (mut keys, mut samples, mut blocks) = ([0; 8], [0; 8], [0; 8]);
             let mut kind = Kind::Sobol;
-            for i in 0..numbers.len() {
-                let (sampler, block) = of(8 * group + i);
+            for i in 0..8.min(count - first) {
+                let (sampler, block) = of(first + i);
                 (keys[i], samples[i], blocks[i]) = (sampler.key, sampler.sample, block);
                 kind = sampler.kind;
             }
@@ -136,13 +148,16 @@ impl Sampler {
                 Kind::Independent => independent::blocks(words[0], words[1], words[2]),
                 Kind::Sobol => sobol::blocks(words[0], words[1], words[2]),
             };
-            let dimensions = dimensions.map(U32x8::to_array);
-            for (i, numbers) in numbers.iter_mut().enumerate() {
-                for (number, lanes) in numbers.0.iter_mut().zip(&dimensions) {
-                    *number = lanes[i];
-                }
+            for (row, words) in self.0.iter_mut().zip(dimensions) {
+                row[first..first + 8].copy_from_slice(&words.to_array());
             }
         }
+    }
+
+    /// The numbers of sample `i`.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> Numbers {
+        Numbers(std::array::from_fn(|dimension| self.0[dimension][i]))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Which wavelengths a path carries, and how its lanes become colour.
 
 use super::{ColorMode, LANES, Spectrum};
+use crate::math::simd::F64x4;
 use super::{importance, observer};
 
 /// The wavelengths of one camera sample.
@@ -74,9 +75,14 @@ impl Wavelengths {
     /// Spectral: Σᵢ L(λᵢ) rgb̄(λᵢ) / (8 p(λᵢ) ∫ȳ), rgb̄ being the colour matching functions taken to sRGB.
     #[inline(always)]
     pub fn to_rgb(&self, radiance: Spectrum) -> [f64; 3] {
-        self.response.map(|weights| {
-            let product: [f64; LANES] = std::array::from_fn(|i| radiance.0[i] as f64 * weights[i] as f64);
-            let pairs: [f64; 4] = std::array::from_fn(|i| product[i] + product[i + 4]);
+        let halves = |lanes: &[f32; LANES]| {
+            let [a, b, c, d, e, f, g, h] = *lanes;
+            [F64x4::widen(&[a, b, c, d]), F64x4::widen(&[e, f, g, h])]
+        };
+        let [low, high] = halves(&radiance.0);
+        [0, 1, 2].map(|c| {
+            let weights = halves(&self.response[c]);
+            let pairs = (low * weights[0] + high * weights[1]).to_array();
             (pairs[0] + pairs[2]) + (pairs[1] + pairs[3])
         })
     }
