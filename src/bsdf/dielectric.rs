@@ -77,7 +77,7 @@ impl Material for Dielectric {
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Pane {
         let (eta, lanes) = match &self.index {
             Index::Constant(eta) => (*eta, None),
-            Index::Dispersive(law, outside) if λ.collapsed => (law.eta(λ.nm[0]) / outside, None),
+            Index::Dispersive(law, outside) if λ.is_collapsed() => (law.eta(λ.nm[0]) / outside, None),
             Index::Dispersive(law, outside) => {
                 let lanes = λ.nm.map(|nm| law.eta(nm) / outside);
                 (lanes[0], Some(lanes))
@@ -235,7 +235,8 @@ mod tests {
 
     #[test]
     fn a_lane_alone_loses_nothing() {
-        let λ = Wavelengths { collapsed: true, ..Wavelengths::sample_visible(0.2) };
+        let mut λ = Wavelengths::sample_visible(0.2);
+        λ.collapse();
         for s in samples(&pane(&λ), DVec3::new(0.6, 0.0, 0.8)) {
             assert!(!s.dispersed && (s.weight.0[0] as f64 * s.eta * s.eta - 1.0).abs() < 1e-6, "{s:?}");
         }

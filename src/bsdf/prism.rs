@@ -35,8 +35,10 @@ fn refracted(scene: &Scene, ray: &Ray, λ: &mut Wavelengths) -> Ray {
     // The greatest number below 1 chooses the last lobe, which is refraction.
     let lobe = 1.0 - f64::EPSILON / 2.0;
     let sample = bsdf.sample(frame.to_local(-ray.direction), lobe, DVec2::ZERO).expect("a direction");
-    assert_eq!(sample.dispersed, !λ.collapsed);
-    λ.collapsed |= sample.dispersed;
+    assert_eq!(sample.dispersed, !λ.is_collapsed());
+    if sample.dispersed {
+        λ.collapse();
+    }
     Ray::leaving(point.p, frame.to_world(sample.wi), f64::INFINITY, hit.primitive)
 }
 

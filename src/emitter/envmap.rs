@@ -1,6 +1,7 @@
 //! Light from an image that surrounds the scene.
 
 use super::{AnyEmitter, DirectSample};
+use crate::math::frame::unit;
 use crate::math::function::{acos, atan2, cos, sin_cos_turn};
 use crate::math::{DVec2, DVec3, Discrete, INV_PI, Transform};
 use crate::scene::error::SceneError;
@@ -95,7 +96,7 @@ impl EnvironmentMap {
         let z = top - v * strip(row, self.height);
         let (sin, cos) = sin_cos_turn(turn.min(1.0));
         let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let wi = self.to_world.vector(DVec3::new(r * sin, z, -r * cos)).normalize();
+        let wi = unit(self.to_world.vector(DVec3::new(r * sin, z, -r * cos)));
         let pdf = row_probability * column_probability * self.cells_per_steradian(row);
         let place = DVec2::new(turn, INV_PI * acos(z.clamp(-1.0, 1.0)));
         (pdf > 0.0).then(|| DirectSample {
@@ -113,7 +114,7 @@ impl EnvironmentMap {
 
     /// Radiance seen in direction ω (unit, world), and the density with which it is sampled.
     pub fn radiance(&self, w: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
-        let w = self.to_local.vector(w).normalize();
+        let w = unit(self.to_local.vector(w));
         let turn = 0.5 * INV_PI * atan2(w.x, -w.z);
         let turn = if turn < 0.0 { turn + 1.0 } else { turn };
         let place = DVec2::new(turn, INV_PI * acos(w.y.clamp(-1.0, 1.0)));

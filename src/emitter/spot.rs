@@ -1,6 +1,7 @@
 //! Spot lights.
 
 use super::{AnyEmitter, DirectSample, point};
+use crate::math::frame::unit;
 use crate::math::function::{acos, cos, tan};
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
@@ -47,7 +48,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 impl Spot {
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, falloff) = point::arriving(p, self.to_world.point(DVec3::ZERO))?;
-        let local = self.to_world.inverted().vector(-wi).normalize();
+        let local = unit(self.to_world.inverted().vector(-wi));
         let angle = acos(local.z.clamp(-1.0, 1.0));
         if angle >= self.cutoff {
             return None;

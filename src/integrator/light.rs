@@ -1,6 +1,7 @@
 //! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
 
 use crate::bsdf::Bsdf;
+use crate::math::ray::Ends;
 use crate::math::{DVec2, DVec3, Frame, Ray};
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
@@ -78,7 +79,7 @@ pub fn sample_emitter<B: Bsdf>(
     let weight = if light.delta { 1.0 } else { power_heuristic(count * pdf, rivals * scattered.pdf) };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     Some(Proposal {
-        ray: Ray { inner: entry.shape.is_some(), ..ray },
+        ray: if entry.shape.is_some() { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
         radiance: scattered.value * light.radiance * (weight / (pdf * count)) as f32,
     })
 }

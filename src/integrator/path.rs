@@ -317,7 +317,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, primitive);
         drop(bsdf);
         if F & Features::DISPERSION != 0 && sample.dispersed {
-            λ.collapsed = true;
+            λ.collapse();
         }
         if state.depth >= settings.rr_depth {
             let survival = λ.mean(state.throughput) as f64 * state.eta2;

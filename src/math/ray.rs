@@ -18,8 +18,17 @@ pub struct Ray {
     pub end: f64,
     /// The primitive that `origin` lies on, or [`Ray::FREE`].
     pub from: u32,
-    /// Both ends lie on surfaces of the scene: what the whole scene lies on one side of cannot be between them.
-    pub inner: bool,
+    pub ends: Ends,
+}
+
+/// What is known of the two ends of a ray.
+// As large as the field before it: a ray is copied all the time, and bytes of padding would be copied one by one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Ends {
+    Anywhere,
+    /// Both lie on surfaces of the scene: what the whole scene lies on one side of cannot be between them.
+    OnSurfaces,
 }
 
 impl Ray {
@@ -28,13 +37,13 @@ impl Ray {
 
     /// A ray from a point in free space.
     pub fn free(origin: DVec3, direction: DVec3) -> Self {
-        Self { origin, direction, start: 0.0, end: f64::INFINITY, from: Self::FREE, inner: false }
+        Self { origin, direction, start: 0.0, end: f64::INFINITY, from: Self::FREE, ends: Ends::Anywhere }
     }
 
     /// A ray that leaves primitive `from` at `origin`, to distance `end`.
     #[inline]
     pub fn leaving(origin: DVec3, direction: DVec3, end: f64, from: u32) -> Self {
-        Self { origin, direction, start: position_error(origin), end, from, inner: false }
+        Self { origin, direction, start: position_error(origin), end, from, ends: Ends::Anywhere }
     }
 
     /// The point at distance `t`.

@@ -31,6 +31,7 @@ impl Default for SamplerSettings {
 
 /// How numbers are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Kind {
     Independent,
     Sobol,
@@ -191,7 +192,8 @@ mod tests {
         for kind in [Kind::Independent, Kind::Sobol] {
             for dimension in 0..8 {
                 for block in [0, 1, 7] {
-                    let value = |pixel, sample| Sampler::new(kind, 1, pixel, sample).block(block).one(dimension);
+                    let value =
+                        |pixel, sample| Sampler::new(kind, 1, pixel, sample).block(block).one(dimension);
                     // Exceeded once in 10⁷.
                     assert!(
                         distance((0..4096).map(|s| value((3, 5), s)).collect()) < 2.9,

@@ -10,7 +10,7 @@ use crate::math::simd::U32x8;
 /// Eight numbers of 32 bits, four pairs, for each of eight samples.
 #[inline]
 pub fn blocks(keys: U32x8, samples: U32x8, blocks: U32x8) -> [U32x8; 8] {
-    let key = mix(keys ^ blocks * U32x8::splat(0x9e37_79b9));
+    let key = mix(keys ^ (blocks * U32x8::splat(0x9e37_79b9)));
     let seed = |i: u32| mix(key + U32x8::splat(i.wrapping_mul(0x85eb_ca6b)));
     let reversed_index = samples.reverse_bits();
     let mut numbers = [key; 8];
@@ -39,11 +39,11 @@ fn second_dimension(mut x: U32x8) -> U32x8 {
 /// (Laine & Karras 2011, with the constants of pbrt-v4).
 #[inline(always)]
 fn scramble(mut x: U32x8, seed: U32x8) -> U32x8 {
-    x = x ^ x * U32x8::splat(0x3d20_adea);
+    x = x ^ (x * U32x8::splat(0x3d20_adea));
     x = x + seed;
     x = x * (seed.right::<16>() | U32x8::splat(1));
-    x = x ^ x * U32x8::splat(0x0552_6c56);
-    x ^ x * U32x8::splat(0x53a2_2864)
+    x = x ^ (x * U32x8::splat(0x0552_6c56));
+    x ^ (x * U32x8::splat(0x53a2_2864))
 }
 
 #[cfg(test)]

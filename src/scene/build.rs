@@ -1,8 +1,8 @@
 //! From a document to a [`Scene`].
 
-use super::owners::Owners;
 use super::error::{SceneError, known};
 use super::loader::Loader;
+use super::owners::Owners;
 use super::params::{Params, Usage};
 use super::registry::construct;
 use super::xml::{self, Document, Element};

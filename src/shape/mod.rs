@@ -21,8 +21,8 @@ use crate::math::{DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
-use glam::BVec3;
 pub use cylinder::Cylinder;
+use glam::BVec3;
 pub use mesh::Mesh;
 pub use patch::Patch;
 pub use sphere::Sphere;
@@ -130,7 +130,7 @@ impl Geometry {
     }
 
     /// A point uniform in area. Meshes that emit know their triangles' areas; see [`Mesh::prepare_sampling`].
-    #[inline]
+    #[inline(always)]
     pub fn sample_area(&self, u: DVec2) -> AreaSample {
         match self {
             Self::Mesh(mesh) => mesh.sample_area(u),
@@ -143,9 +143,7 @@ impl Geometry {
     /// Points whose convex hull holds the shape.
     pub fn hull(&self) -> Vec<DVec3> {
         match self {
-            Self::Mesh(mesh) => {
-                mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect()
-            }
+            Self::Mesh(mesh) => mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
             Self::Patch(patch) => patch.corners().to_vec(),
             Self::Sphere(_) | Self::Cylinder(_) => {
                 let (lo, hi) = self.bounds();

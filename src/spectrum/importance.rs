@@ -104,7 +104,7 @@ pub fn sample_visible(u: f64) -> Wavelengths {
         d65: row.d65.at(first, t),
         response: [0, 1, 2].map(|c| row.response[c].at(first, t)),
         mean_factor: 1.0 / LANES as f32,
-        collapsed: false,
+        collapsed: 0,
     }
 }
 

@@ -1,12 +1,11 @@
 //! Which wavelengths a path carries, and how its lanes become colour.
 
 use super::{ColorMode, LANES, Spectrum};
-use crate::math::simd::F64x4;
 use super::{importance, observer};
+use crate::math::simd::F64x4;
 
 /// The wavelengths of one camera sample.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(32))]
 pub struct Wavelengths {
     /// Wavelength of each lane in nm; in RGB mode unused.
     pub nm: [f32; LANES],
@@ -18,8 +17,9 @@ pub struct Wavelengths {
     pub response: [[f32; LANES]; 3],
     /// 1 / (number of lanes that count in a mean): 8 wavelengths or 3 colours.
     pub mean_factor: f32,
-    /// Only lane 0 is alive: a dispersive refraction has sent the other wavelengths elsewhere.
-    pub collapsed: bool,
+    /// 1 where only lane 0 is alive, else 0. A number, and not a bool: this struct is copied for every path, and
+    /// bytes of padding at its end would be copied one by one.
+    pub(super) collapsed: u32,
 }
 
 impl Wavelengths {
@@ -35,7 +35,7 @@ impl Wavelengths {
         let pdf = 1.0 / (max - min);
         let [r, g, b, d65] = observer::responses(&nm);
         let response = [r, g, b].map(|c| c.map(|c| c * (Self::RESPONSE_SCALE / pdf)));
-        Self { nm, pdf: [pdf; LANES], d65, response, mean_factor: 1.0 / LANES as f32, collapsed: false }
+        Self { nm, pdf: [pdf; LANES], d65, response, mean_factor: 1.0 / LANES as f32, collapsed: 0 }
     }
 
     /// Eight wavelengths drawn where the eye is sensitive; see [`super::importance`].
@@ -55,8 +55,20 @@ impl Wavelengths {
             d65: [1.0; LANES],
             response,
             mean_factor: 1.0 / 3.0,
-            collapsed: false,
+            collapsed: 0,
         }
+    }
+
+    /// Leaves only lane 0 alive: a dispersive refraction has sent the other wavelengths elsewhere.
+    #[inline]
+    pub fn collapse(&mut self) {
+        self.collapsed = 1;
+    }
+
+    /// Whether only lane 0 is alive.
+    #[inline]
+    pub fn is_collapsed(&self) -> bool {
+        self.collapsed != 0
     }
 
     pub fn mode(&self) -> ColorMode {

@@ -130,9 +130,8 @@ mod tests {
         for shift in 0..8 {
             let other: [u32; 8] = std::array::from_fn(|i| samples[(i + shift) % 8]);
             let (x, y) = (U32x8::new(samples), U32x8::new(other));
-            let each = |f: fn(u32, u32) -> u32| -> [u32; 8] {
-                std::array::from_fn(|i| f(samples[i], other[i]))
-            };
+            let each =
+                |f: fn(u32, u32) -> u32| -> [u32; 8] { std::array::from_fn(|i| f(samples[i], other[i])) };
             assert_eq!((x + y).to_array(), each(u32::wrapping_add));
             assert_eq!((x * y).to_array(), each(u32::wrapping_mul));
             assert_eq!((x & y).to_array(), each(|a, b| a & b));

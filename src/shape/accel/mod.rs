@@ -17,6 +17,7 @@ mod triangles;
 
 use super::{Cylinder, Hit};
 use crate::math::Ray;
+use crate::math::ray::Ends;
 use crate::math::simd::F64x4;
 use node::{Node, NodeRef, Target};
 use packet::Packet;
@@ -143,7 +144,7 @@ impl Accel {
         for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
             let last = rays.len() - 1;
             let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
-            let inner = ANY && rays.iter().all(|ray| ray.inner);
+            let inner = ANY && rays.iter().all(|ray| ray.ends == Ends::OnSurfaces);
             for block in if inner { &self.patches[..self.inner_patches] } else { &self.patches } {
                 block.intersect_packet(&mut packet);
             }
@@ -192,7 +193,7 @@ impl Accel {
     #[inline(always)]
     fn try_all<const ANY: bool>(&self, search: &mut Search) {
         let rays = Rays::new(search.ray);
-        let inner = ANY && search.ray.inner;
+        let inner = ANY && search.ray.ends == Ends::OnSurfaces;
         for block in if inner { &self.patches[..self.inner_patches] } else { &self.patches } {
             block.intersect(&rays, search);
             if ANY && search.found() {

@@ -65,8 +65,7 @@ impl Spheres {
 
     #[inline(always)]
     pub fn intersect(&self, rays: &Rays, search: &mut Search) {
-        let is_from =
-            self.primitives.map(|p| f64::from(u8::from(p == search.ray.from && p != Search::NONE)));
+        let is_from = self.primitives.map(|p| f64::from(u8::from(p == search.ray.from && p != Search::NONE)));
         let from = F64x4::splat(0.0).below(F64x4::new(is_from));
         let spheres = (self.centre, self.radius, self.radius2);
         let Some((t, met)) = cross(spheres, &rays.origin, &rays.direction, rays.start, from) else { return };

@@ -1,7 +1,7 @@
 //! The tree against trying everything, and rays aimed where trees leak.
 
 use super::*;
-use crate::math::{DVec3, Transform, warp};
+use crate::math::{DVec3, Transform, length, warp};
 use crate::shape::mesh_data::MeshData;
 use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
 use glam::DVec2;
@@ -116,4 +116,81 @@ fn scaling_by_a_power_of_two_scales_every_hit_exactly() {
             assert_eq!(scaled.closest(&Ray::free(o * factor, d)), expected);
         }
     }
+}
+
+/// A room: six walls, a table top, two spheres and a column.
+fn room() -> Vec<Geometry> {
+    let wall = |axis: DVec3, angle: f64, at: DVec3| {
+        let turn = Transform::rotate(axis, angle).unwrap();
+        Geometry::Patch(Patch::new(&Transform::translate(at).after(&turn), false, Outline::Square))
+    };
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let small = Transform::scale(DVec3::splat(0.3)).unwrap();
+    vec![
+        wall(x, 90.0, -y),
+        wall(x, -90.0, y),
+        wall(y, 90.0, -x),
+        Geometry::Sphere(Sphere::new(&small, DVec3::new(1.0, 1.2, -0.4), 1.0, false)),
+        wall(y, -90.0, x),
+        wall(y, 180.0, z),
+        wall(y, 0.0, -z),
+        Geometry::Patch(Patch::new(&Transform::translate(y * 0.1).after(&small), false, Outline::Circle)),
+        Geometry::Sphere(Sphere::new(&small, DVec3::new(-2.0, 1.0, 0.5), 0.7, true)),
+        Geometry::Cylinder(Cylinder::new(&small, DVec3::new(1.0, -1.0, 1.0), DVec3::Z, 0.3, false)),
+    ]
+}
+
+#[test]
+fn rays_together_meet_what_they_meet_alone() {
+    let mut rng = Pcg32::new(5, 5);
+    let (room, zoo) = (room(), zoo());
+    for shapes in [&room[..], &room[..9], &zoo[..]] {
+        let shapes: Vec<&Geometry> = shapes.iter().collect();
+        let accel = Accel::new(&shapes);
+        let mut ray = || {
+            let origin = direction(&mut rng) * 0.9;
+            let end = if uniform(&mut rng) < 0.5 { f64::INFINITY } else { uniform(&mut rng) };
+            let from = (uniform(&mut rng) * 20.0) as u32;
+            Ray::leaving(origin, direction(&mut rng), end, from)
+        };
+        for count in 0..200 {
+            let rays: Vec<Ray> = (0..count % 13).map(|_| ray()).collect();
+            let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+            accel.closest_all(&rays, &mut hits);
+            accel.occluded_all(&rays, &mut occluded);
+            for ((ray, hit), occluded) in rays.iter().zip(&hits).zip(&occluded) {
+                assert_eq!(accel.closest(ray), *hit);
+                assert_eq!(accel.occluded(ray), *occluded);
+                assert_eq!(hit.is_some(), *occluded);
+            }
+        }
+    }
+}
+
+#[test]
+fn walls_stand_in_nobodys_way_inside() {
+    let room = room();
+    let shapes: Vec<&Geometry> = room.iter().collect();
+    let accel = Accel::new(&shapes);
+    assert_eq!((accel.inner_patches, accel.patches.len()), (1, 3), "one table top, six walls");
+    let mut rng = Pcg32::new(6, 6);
+    let mut seen = [0; 2];
+    for _ in 0..20_000 {
+        let mut point = || {
+            let shape = (uniform(&mut rng) * shapes.len() as f64) as usize;
+            (shape as u32, shapes[shape].sample_area(DVec2::new(uniform(&mut rng), uniform(&mut rng))).p)
+        };
+        let ((from, a), (to, b)) = (point(), point());
+        let distance = length(b - a);
+        // Along a wall that it ends on, a ray meets the wall early by its rounding over a small cosine.
+        let end = distance * (1.0 - 1e-9);
+        let ray = Ray::leaving(a, (b - a) / distance, end, from);
+        if from == to {
+            continue;
+        }
+        let inside = accel.occluded(&Ray { ends: Ends::OnSurfaces, ..ray });
+        assert_eq!(inside, accel.occluded(&ray), "from {from} at {a} to {to} at {b}");
+        seen[usize::from(inside)] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 1000), "{seen:?}");
 }

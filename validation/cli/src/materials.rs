@@ -31,7 +31,7 @@ impl Subject {
         let material = AnyMaterial::parse(&document.root.children[0], &loader).map_err(|e| e.to_string())?;
         // Alone in its path, so that dispersion does not make it stand for the lanes that go elsewhere.
         let mut λ = Wavelengths::sample_visible(0.4);
-        λ.collapsed = true;
+        λ.collapse();
         let mut subject = Self { laws: Laws::default(), material, point: SurfacePoint::flat(), λ };
         let reciprocal = subject.material.laws().reciprocal;
         subject.laws = Laws { reciprocal, eta: subject.index(), ..Laws::default() };
