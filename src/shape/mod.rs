@@ -72,13 +72,20 @@ pub struct SurfacePoint {
     pub uv: DVec2,
     /// ∂p/∂u, the preferred direction of anisotropic materials.
     pub dp_du: DVec3,
+    /// ∂p/∂v.
+    pub dp_dv: DVec3,
 }
 
 impl SurfacePoint {
+    /// A point whose texture coordinates are not asked for.
+    pub fn plain(p: DVec3, ng: DVec3, ns: DVec3) -> Self {
+        Self { p, ng, ns, uv: DVec2::ZERO, dp_du: DVec3::ZERO, dp_dv: DVec3::ZERO }
+    }
+
     /// A point in the plane z = 0 with its normal along +z, for a look at a material alone.
     pub fn flat() -> Self {
         let n = DVec3::Z;
-        Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X }
+        Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X, dp_dv: DVec3::Y }
     }
 
     /// The local frame in which materials work.
@@ -108,7 +115,7 @@ impl Geometry {
         }
     }
 
-    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the tangent
+    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the tangents
     /// along them are left out: on quadrics they cost more than all the rest.
     #[inline(always)]
     pub fn point<const UV: bool>(&self, ray: &Ray, hit: &Hit, local: u32) -> SurfacePoint {
