@@ -69,7 +69,7 @@ impl Material for BumpMap {
 mod tests {
     use super::*;
     use crate::bsdf::{AnyMaterial, Bsdf};
-    use crate::math::frame::unit;
+    use crate::math::frame::{length, unit};
     use crate::scene::loader::Loader;
     use crate::scene::xml;
     use crate::spectrum::ColorMode;
@@ -102,7 +102,7 @@ mod tests {
                 // Local coordinates: x along the tangent.
                 let local = point.frame(true).to_local(n);
                 if let Some(sample) = material.at(&point, &λ).sample(DVec3::Z, 0.5, DVec2::splat(0.5)) {
-                    assert!((sample.wi - (local * (2.0 * local.z) - DVec3::Z)).length() < 1e-14, "{uv}");
+                    assert!(length(sample.wi - (local * (2.0 * local.z) - DVec3::Z)) < 1e-14, "{uv}");
                 } else {
                     assert!(local.z * local.z < 0.5, "{uv}");
                 }

@@ -7,6 +7,7 @@ pub mod accel;
 mod cube;
 mod cylinder;
 mod disk;
+mod instance;
 pub mod mesh;
 pub mod mesh_data;
 mod mesh_file;
@@ -15,6 +16,7 @@ mod patch;
 mod ply;
 mod rectangle;
 mod serialized;
+mod shapegroup;
 mod sphere;
 
 use crate::math::{DVec2, DVec3, Frame, Ray, Transform, length};
@@ -27,18 +29,40 @@ pub use mesh::Mesh;
 pub use patch::Patch;
 pub use sphere::Sphere;
 
+/// What a `<shape>` in a scene file may declare.
+#[derive(Debug)]
+pub enum Declared {
+    /// A surface.
+    Geometry(Geometry),
+    /// Surfaces, nested in the element, that are seen only through instances.
+    Group,
+    /// Another look of the group nested in the element, placed in the world.
+    Instance(Transform),
+}
+
 macro_rules! shapes {
-    ($($module:ident),* $(,)?) => {
+    ($($module:ident => $declared:expr),* $(,)?) => {
         /// Every shape.
-        pub static SHAPES: &[Entry<Geometry>] = &[$(Entry {
+        pub static SHAPES: &[Entry<Declared>] = &[$(Entry {
             name: $module::NAME,
             about: $module::ABOUT,
             examples: $module::EXAMPLES,
-            parse: $module::parse,
+            parse: |params| $module::parse(params).map($declared),
         }),*];
     };
 }
-shapes!(rectangle, sphere, disk, cube, cylinder, obj, ply, serialized);
+shapes! {
+    rectangle => Declared::Geometry,
+    sphere => Declared::Geometry,
+    disk => Declared::Geometry,
+    cube => Declared::Geometry,
+    cylinder => Declared::Geometry,
+    obj => Declared::Geometry,
+    ply => Declared::Geometry,
+    serialized => Declared::Geometry,
+    shapegroup => |()| Declared::Group,
+    instance => Declared::Instance,
+}
 
 /// The surface of a shape in world space.
 #[derive(Debug)]
