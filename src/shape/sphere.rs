@@ -53,14 +53,22 @@ impl Sphere {
         let n = if self.inward { -outward } else { outward };
         let p = self.centre + outward * self.radius;
         if !UV {
-            return SurfacePoint { p, ng: n, ns: n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+            return SurfacePoint::plain(p, n, n);
         }
         let local = DVec3::from(self.axes.map(|axis| axis.dot(outward)));
         let turn = 0.5 * INV_PI * atan2(local.y, local.x);
         let uv =
             DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, INV_PI * acos(local.z.clamp(-1.0, 1.0)));
         let dp_du = (self.axes[1] * local.x - self.axes[0] * local.y) * (2.0 * PI * self.radius);
-        SurfacePoint { p, ng: n, ns: n, uv, dp_du }
+        // With ρ the distance from the axis: ∂p/∂θ = (z cos φ, z sin φ, −ρ), and v = θ/π.
+        let rho = (local.x * local.x + local.y * local.y).sqrt();
+        let around = if rho > 0.0 {
+            self.axes[0] * (local.x / rho) + self.axes[1] * (local.y / rho)
+        } else {
+            self.axes[0]
+        };
+        let dp_dv = (around * local.z - self.axes[2] * rho) * (PI * self.radius);
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv }
     }
 
     pub fn area(&self) -> f64 {

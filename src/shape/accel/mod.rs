@@ -8,6 +8,7 @@
 //! A handful of primitives needs no tree at all.
 
 mod build;
+mod instances;
 mod node;
 mod packet;
 mod patches;
@@ -16,9 +17,10 @@ mod spheres;
 mod triangles;
 
 use super::{Cylinder, Hit};
-use crate::math::Ray;
 use crate::math::ray::Ends;
 use crate::math::simd::F64x4;
+use crate::math::{DVec3, Ray};
+pub use instances::Instance;
 use node::{Node, NodeRef, Target};
 use packet::Packet;
 use patches::Patches;
@@ -33,6 +35,7 @@ struct Mixed {
     patches: Option<u32>,
     spheres: Option<u32>,
     cylinders: std::ops::Range<u32>,
+    instances: Vec<u32>,
 }
 
 /// All primitives of a scene, ready to be met by rays.
@@ -47,7 +50,11 @@ pub struct Accel {
     spheres: Vec<Spheres>,
     cylinders: Vec<(Cylinder, u32)>,
     mixed: Vec<Mixed>,
+    /// Where there are any, there is a tree.
+    instances: Vec<Instance>,
     primitives: u32,
+    /// The corners of a box around all.
+    bounds: (DVec3, DVec3),
 }
 
 /// The best hit so far, and the primitive that cannot be met again.
@@ -166,7 +173,12 @@ impl Accel {
         self.primitives
     }
 
-    /// Bytes that nodes and blocks take.
+    /// The corners of a box around all primitives; of nothing where there are none.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds
+    }
+
+    /// Bytes that nodes and blocks take, without those of instanced groups.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.nodes)
             + size_of_val(&*self.triangles)
@@ -261,7 +273,7 @@ impl Accel {
                     }
                 }
                 Target::Triangles(index) => self.triangles[index].intersect(&sheared, search),
-                Target::Mixed(index) => self.intersect_mixed(&self.mixed[index], &sheared, search),
+                Target::Mixed(index) => self.intersect_mixed::<ANY>(&self.mixed[index], &sheared, search),
             }
             if search.found() {
                 if ANY {
@@ -282,7 +294,7 @@ impl Accel {
         }
     }
 
-    fn intersect_mixed(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
+    fn intersect_mixed<const ANY: bool>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
         }
@@ -295,6 +307,9 @@ impl Accel {
         }
         for cylinder in &self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize] {
             intersect_cylinder(cylinder, search);
+        }
+        for &instance in &mixed.instances {
+            self.instances[instance as usize].intersect::<ANY>(search);
         }
     }
 }
