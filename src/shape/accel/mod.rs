@@ -14,6 +14,7 @@ mod packet;
 mod patches;
 mod space;
 mod spheres;
+mod stack;
 mod triangles;
 
 use super::{Cylinder, Hit};
@@ -24,8 +25,9 @@ pub use instances::Instance;
 use node::{Node, NodeRef, Target};
 use packet::Packet;
 use patches::Patches;
-use space::Space;
+use space::{LocalRay, Space};
 use spheres::Spheres;
+use stack::Stack;
 use triangles::{Sheared, Triangles};
 
 /// The leaf of a tree whose primitives are not all triangles.
@@ -103,9 +105,6 @@ impl Rays {
         }
     }
 }
-
-/// Nodes that wait: the deepest tree pushes seven siblings a level.
-const STACK: usize = 512;
 
 impl Accel {
     /// The first primitive along the ray, between its start and end.
@@ -247,31 +246,11 @@ impl Accel {
     fn traverse<const ANY: bool>(&self, search: &mut Search) {
         let Some(mut local) = self.space.enter(search.ray) else { return };
         let sheared = Sheared::new(search.ray);
-        let mut stack = [(NodeRef::EMPTY, 0.0f32); STACK];
-        let mut depth = 0;
-        let mut next = NodeRef::ROOT;
-        loop {
-            match next.target() {
-                Target::Node(index) => {
-                    let (mut hits, entry) = self.nodes[index].intersect(&local);
-                    if hits != 0 {
-                        let first_pushed = depth;
-                        while hits != 0 {
-                            let lane = hits.trailing_zeros() as usize;
-                            hits &= hits - 1;
-                            stack[depth] = (self.nodes[index].children[lane], entry[lane]);
-                            depth += 1;
-                            if !ANY {
-                                // Farthest first, so that the nearest comes off the stack first.
-                                let mut at = depth - 1;
-                                while at > first_pushed && stack[at - 1].1 < stack[at].1 {
-                                    stack.swap(at - 1, at);
-                                    at -= 1;
-                                }
-                            }
-                        }
-                    }
-                }
+        let mut stack = Stack::new();
+        let mut next = Some(NodeRef::ROOT);
+        while let Some(node) = next {
+            match node.target() {
+                Target::Node(index) => self.push_children::<ANY>(&self.nodes[index], &local, &mut stack),
                 Target::Triangles(index) => self.triangles[index].intersect(&sheared, search),
                 Target::Mixed(index) => self.intersect_mixed::<ANY>(&self.mixed[index], &sheared, search),
             }
@@ -281,16 +260,30 @@ impl Accel {
                 }
                 local.shorten(&self.space, search.best.t);
             }
-            loop {
-                if depth == 0 {
-                    return;
-                }
-                depth -= 1;
-                if stack[depth].1 <= local.limit {
-                    next = stack[depth].0;
-                    break;
-                }
+            next = stack.pop(local.limit);
+        }
+    }
+
+    /// Lets the children that the ray enters wait, the nearest last.
+    #[inline(always)]
+    fn push_children<const ANY: bool>(&self, node: &Node, local: &LocalRay, stack: &mut Stack) {
+        let (mut hits, entry) = node.intersect(local);
+        let mut entered = [(NodeRef::EMPTY, 0.0); 8];
+        let mut count = 0;
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize;
+            hits &= hits - 1;
+            let child = (node.children[lane], entry[lane]);
+            let mut at = count;
+            while !ANY && at > 0 && entered[at - 1].1 < child.1 {
+                entered[at] = entered[at - 1];
+                at -= 1;
             }
+            entered[at] = child;
+            count += 1;
+        }
+        for (child, entry) in &entered[..count] {
+            stack.push(*child, *entry);
         }
     }
 
