@@ -32,7 +32,7 @@ fn printed(scene: &Scene, settings: &Settings) -> Quality {
 fn the_error_asked_for_is_attained() {
     let scene = scene(LIT);
     // With a chance of 95 % each, fewer than 50 of 60 come once in 3000 times.
-    let (runs, target) = (60, 0.004);
+    let (runs, target) = (60, 0.001);
     let mut counts = vec![];
     let attained = (0..runs).filter(|&seed| {
         let settings = settings(&scene, seed);
