@@ -1,11 +1,14 @@
 //! Spectra seen by the CIE observer, by quadrature of its tables.
 
-use super::{ClosedForm, mean};
+use super::{ClosedForm, Measure, mean};
 use crate::stage::*;
 use std::sync::LazyLock;
 
 /// What images are normalised by (Mitsuba 3.9's constant; see the renderer's `observer`).
 const Y_INTEGRAL: f64 = 106.750_259_399_414_06;
+
+/// A function of wavelength in nm.
+type Spectrum = fn(f64) -> f64;
 
 /// Rows of a CSV table of 5 nm steps from 360 nm.
 type Table = Vec<Vec<f64>>;
@@ -15,8 +18,10 @@ fn read(csv: &str) -> Table {
     rows.map(|line| line.split(',').filter_map(|word| word.trim().parse().ok()).collect()).collect()
 }
 
-static OBSERVER: LazyLock<Table> = LazyLock::new(|| read(include_str!("../../../../src/spectrum/data/cie1931.csv")));
-static DAYLIGHT: LazyLock<Table> = LazyLock::new(|| read(include_str!("../../../../src/spectrum/data/d65.csv")));
+static OBSERVER: LazyLock<Table> =
+    LazyLock::new(|| read(include_str!("../../../../src/spectrum/data/cie1931.csv")));
+static DAYLIGHT: LazyLock<Table> =
+    LazyLock::new(|| read(include_str!("../../../../src/spectrum/data/d65.csv")));
 
 /// Linear between the rows, 0 outside.
 fn look_up(table: &Table, column: usize, nm: f64) -> f64 {
@@ -40,7 +45,7 @@ fn integral(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// X, Y, Z of a radiance.
-pub fn color(radiance: fn(f64) -> f64) -> [f64; 3] {
+pub fn color(radiance: Spectrum) -> [f64; 3] {
     [1, 2, 3].map(|column| integral(|nm| radiance(nm) * look_up(&OBSERVER, column, nm)) / Y_INTEGRAL)
 }
 
@@ -62,21 +67,24 @@ pub fn cases() -> Vec<ClosedForm> {
         format!("<spectrum name=\"radiance\" type=\"blackbody\">{}</spectrum>", float("temperature", kelvin))
     };
     let daylight = "∫ D65 x̄ȳz̄ dλ = white";
-    let uniform = "<spectrum name=\"radiance\" type=\"uniform\"><float name=\"value\" value=\"1\"/></spectrum>";
-    let x = |kelvin: fn(f64) -> f64| {
-        let [x, y, z] = color(kelvin);
+    let uniform =
+        "<spectrum name=\"radiance\" type=\"uniform\"><float name=\"value\" value=\"1\"/></spectrum>";
+    let x = |light: Spectrum| {
+        let [x, y, z] = color(light);
         x / (x + y + z)
     };
-    let warm: fn(f64) -> f64 = |nm| planck(2700.0, nm);
-    let cool: fn(f64) -> f64 = |nm| planck(6500.0, nm);
+    let warm: Spectrum = |nm| planck(2700.0, nm);
+    let cool: Spectrum = |nm| planck(6500.0, nm);
     let narrow = "<spectrum name=\"reflectance\" type=\"irregular\"><string name=\"wavelengths\" value=\"550, 560, 570\"/>\
                   <string name=\"values\" value=\"0, 1, 0\"/></spectrum>";
     let orange = "<rgb name=\"reflectance\" value=\"0.6, 0.3, 0.1\"/>";
     let mut cases = vec![
         ClosedForm::new("blackbody_2700", planck_source, wall(&body(2700.0)), color(warm)[1]),
         ClosedForm::new("blackbody_6500", planck_source, wall(&body(6500.0)), color(cool)[1]),
-        ClosedForm::new("blackbody_2700_x", "chromaticity X/(X + Y + Z)", wall(&body(2700.0)), x(warm)).measure(chromaticity),
-        ClosedForm::new("blackbody_6500_x", "chromaticity X/(X + Y + Z)", wall(&body(6500.0)), x(cool)).measure(chromaticity),
+        ClosedForm::new("blackbody_2700_x", "chromaticity X/(X + Y + Z)", wall(&body(2700.0)), x(warm))
+            .measure(chromaticity),
+        ClosedForm::new("blackbody_6500_x", "chromaticity X/(X + Y + Z)", wall(&body(6500.0)), x(cool))
+            .measure(chromaticity),
         ClosedForm::new("equal_energy", "∫ ȳ dλ", wall(uniform), color(|_| 1.0)[1]),
         ClosedForm::new("white_red", daylight, wall(&grey("radiance", 1.0)), 1.0).measure(|i| mean(i, "R")),
         ClosedForm::new("white_green", daylight, wall(&grey("radiance", 1.0)), 1.0).measure(|i| mean(i, "G")),
@@ -88,16 +96,13 @@ pub fn cases() -> Vec<ClosedForm> {
             .samples(1 << 14),
     ];
     let upsampled = "the reflectance fitted to a colour has that colour under D65 (Jakob & Hanika 2019)";
-    let channels: [(&str, f64, fn(&validation::image::Image) -> f64); 3] = [
-        ("red", 0.6, |i| mean(i, "R")),
-        ("green", 0.3, |i| mean(i, "G")),
-        ("blue", 0.1, |i| mean(i, "B")),
-    ];
+    let channels: [(&str, f64, Measure); 3] =
+        [("red", 0.6, |i| mean(i, "R")), ("green", 0.3, |i| mean(i, "G")), ("blue", 0.1, |i| mean(i, "B"))];
     for (name, expected, measure) in channels {
         let case = ClosedForm::new(format!("upsampled_{name}"), upsampled, card(orange), expected);
         cases.push(case.measure(measure).margin(0.0025).samples(1 << 14));
     }
-    let bands: [(&str, fn(f64) -> f64, fn(&validation::image::Image) -> f64); 2] = [
+    let bands: [(&str, Spectrum, Measure); 2] = [
         ("band_triangle", |nm| (1.0 - (nm - 450.0).abs() / 50.0).max(0.0), |i| mean(i, "triangle")),
         ("band_box", |nm| if (600.0..=700.0).contains(&nm) { 0.5 } else { 0.0 }, |i| mean(i, "box")),
     ];

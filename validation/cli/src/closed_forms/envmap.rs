@@ -44,7 +44,7 @@ fn irradiance(to_map: fn(DVec3) -> DVec3) -> f64 {
         for j in 0..2 * STEPS {
             let (s, c) = libm::sincos(PI * (j as f64 + 0.5) / STEPS as f64);
             let w = to_map(DVec3::new(sin * c, sin * s, cos));
-            // The middle of the image lies towards −z, and columns go on towards +x … as seen from inside.
+            // The middle of the image lies towards −z, and columns go on towards +x.
             let turn = libm::atan2(w.x, -w.z) / (2.0 * PI) + 1.0;
             let x = turn * width as f64 + width as f64 - 0.5;
             let y = libm::acos(w.y.clamp(-1.0, 1.0)) / PI * (height - 1) as f64;

@@ -11,7 +11,9 @@ pub fn cases() -> Vec<ClosedForm> {
         ClosedForm::new("furnace_2_of_5", glow, room("sphere", 2.0, 0.6, -1), 5.0)
             .margin(0.0025)
             .samples(1 << 16),
-        ClosedForm::new("glowing_cube", glow, room("cube", 1.0, 0.5, -1), 2.0).margin(0.0025).samples(1 << 16),
+        ClosedForm::new("glowing_cube", glow, room("cube", 1.0, 0.5, -1), 2.0)
+            .margin(0.0025)
+            .samples(1 << 16),
         ClosedForm::new("lamp_with_roulette", lamp, lit_sphere(0.8, -1), 0.8 / PI / 4.0 / 0.2)
             .margin(0.0025)
             .samples(1 << 16),
@@ -26,7 +28,8 @@ pub fn cases() -> Vec<ClosedForm> {
         let source = "two glowing mirrors, seen head-on: L = (1 − Rᵐ)/(1 − R) after m edges";
         let expected = (1.0 - libm::pow(0.9, f64::from(depth))) / (1.0 - 0.9);
         let scene = facing_mirrors(i64::from(depth));
-        cases.push(ClosedForm::new(format!("mirrors_depth_{depth}"), source, scene, expected).samples(1 << 6));
+        cases
+            .push(ClosedForm::new(format!("mirrors_depth_{depth}"), source, scene, expected).samples(1 << 6));
     }
     let source = "two glowing mirrors, seen head-on: L = 1/(1 − R)";
     cases.push(
@@ -73,7 +76,8 @@ fn corridor(bounces: i32) -> String {
     let below = shape("rectangle", &[wide.clone(), translate([0.0, 0.0, -0.5])], &mirror);
     let above = shape("rectangle", &[wide, rotate('x', 180.0), translate([0.0, 0.0, 0.5])], &mirror);
     // From the middle of the corridor: reflections at x = ½, 1½, …
-    let light = shape("rectangle", &[rotate('y', -90.0), translate([f64::from(bounces), 0.0, 0.0])], &area(1.0));
+    let light =
+        shape("rectangle", &[rotate('y', -90.0), translate([f64::from(bounces), 0.0, 0.0])], &area(1.0));
     let camera = pointed([0.0; 3], [1.0, 0.0, 1.0]);
     scene(&[&path(i64::from(bounces) + 1), &camera, &below, &above, &light])
 }

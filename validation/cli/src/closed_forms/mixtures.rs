@@ -26,7 +26,7 @@ pub fn cases() -> Vec<ClosedForm> {
         .into_iter()
         .map(|(name, source, degrees, wears, expected)| {
             let sheet = shape("rectangle", &[], wears);
-            ClosedForm::new(name, source, stage(degrees, &constant(1.0), &sheet), expected)
+            ClosedForm::new(name, source, stage(degrees, &constant(1.0), &sheet), expected).samples(1 << 14)
         })
         .collect()
 }

@@ -53,7 +53,7 @@ pub struct ClosedForm {
     pub scene: String,
     pub mode: ColorMode,
     /// What is compared, of an image.
-    pub measure: fn(&Image) -> f64,
+    pub measure: Measure,
     pub expected: f64,
     /// Largest relative deviation that is none.
     pub margin: f64,
@@ -61,8 +61,14 @@ pub struct ClosedForm {
     pub samples: u64,
 }
 
+/// What is compared: a number of an image.
+pub type Measure = fn(&Image) -> f64;
+
+/// A name and the cases that bear it.
+pub type Family = (&'static str, fn() -> Vec<ClosedForm>);
+
 /// All families, by name.
-pub const FAMILIES: &[(&str, fn() -> Vec<ClosedForm>)] = &[
+pub const FAMILIES: &[Family] = &[
     ("irradiance", irradiance::cases),
     ("round_lights", round_lights::cases),
     ("small_lights", small_lights::cases),
@@ -82,7 +88,7 @@ pub const FAMILIES: &[(&str, fn() -> Vec<ClosedForm>)] = &[
 
 /// All cases, named `family::case`.
 pub fn cases() -> Vec<ClosedForm> {
-    let named = |&(family, cases): &(&str, fn() -> Vec<ClosedForm>)| {
+    let named = |&(family, cases): &Family| {
         let rename = move |case: ClosedForm| ClosedForm { name: format!("{family}::{}", case.name), ..case };
         cases().into_iter().map(rename).collect::<Vec<_>>()
     };
@@ -108,7 +114,7 @@ impl ClosedForm {
         Self { mode: ColorMode::Spectral, ..self }
     }
 
-    pub fn measure(self, measure: fn(&Image) -> f64) -> Self {
+    pub fn measure(self, measure: Measure) -> Self {
         Self { measure, ..self }
     }
 
@@ -190,9 +196,8 @@ mod tests {
     #[test]
     fn undecided_is_no_pass_and_a_shift_is_seen() {
         let case = ClosedForm::new("x", "", String::new(), 1.0);
-        let verdict = |mean, error: f64| {
-            case.judge(Estimate { mean, variance: error * error, degrees: 11.0 }).verdict
-        };
+        let verdict =
+            |mean, error: f64| case.judge(Estimate { mean, variance: error * error, degrees: 11.0 }).verdict;
         assert_eq!(verdict(1.0002, 1e-4), Verdict::Equivalent);
         assert_eq!(verdict(1.0002, 1e-3), Verdict::Inconclusive);
         assert_eq!(verdict(1.002, 1e-4), Verdict::Different);

@@ -5,10 +5,13 @@ use super::interfaces::reflectance;
 use crate::stage::*;
 
 pub fn cases() -> Vec<ClosedForm> {
-    let source = "least deviation D: sin((A + D)/2) = n sin(A/2) (Born & Wolf, eq. 4.7.9), times Fresnel's (1 − R)²";
+    let source =
+        "least deviation D: sin((A + D)/2) = n sin(A/2) (Born & Wolf, eq. 4.7.9), times Fresnel's (1 − R)²";
     let case = |eta: f64, offset: f64| {
         let (scene, expected) = prism(eta, offset);
-        ClosedForm::new(format!("least_deviation_{eta}_{offset}"), source, scene, expected).samples(1 << 15)
+        ClosedForm::new(format!("least_deviation_{eta}_{offset}"), source, scene, expected)
+            .margin(0.0025)
+            .samples(1 << 17)
     };
     vec![case(1.5, 0.0), case(1.5, 0.3), case(1.7, -0.4)]
 }

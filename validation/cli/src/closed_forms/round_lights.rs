@@ -8,7 +8,8 @@ use validation::scatterer::DVec3;
 
 pub fn cases() -> Vec<ClosedForm> {
     let disk_source = "E = ½πL(1 − (h² + l² − r²)/√((h² + l² + r²)² − 4r²l²)) (Howell's catalogue, B-13)";
-    let near = |r: f64| shape("disk", &[scale([r; 3]), rotate('x', 180.0), translate([0.0, 0.0, 1.0])], &area(1.0));
+    let near =
+        |r: f64| shape("disk", &[scale([r; 3]), rotate('x', 180.0), translate([0.0, 0.0, 1.0])], &area(1.0));
     let aside = [scale([0.6; 3]), rotate('x', 180.0), translate([0.8, 0.0, 1.0])];
     let ball = |center: Point, r: f64| floor_under(&sphere(center, r, &area(1.0)));
     vec![
@@ -58,7 +59,7 @@ fn disk(r: f64, h: f64, l: f64) -> f64 {
 ///
 /// Above the horizon π cos ω sin²σ. Cut by it, with γ = asin(cos σ / sin ω):
 /// G = −2 sin ω cos σ cos γ + π/2 − γ + sin γ cos γ,
-/// H = cos ω (cos γ √(sin²σ − cos²γ) + sin²σ asin(cos γ / sin σ)); G − H, plus the whole cap if ω < π/2.
+/// H = |cos ω| (cos γ √(sin²σ − cos²γ) + sin²σ asin(cos γ / sin σ)); G − H, plus the whole cap if ω < π/2.
 fn cap([x, y, z]: Point, r: f64) -> f64 {
     let d2 = x * x + y * y + z * z;
     let (cos, sin2) = (z / d2.sqrt(), r * r / d2);
@@ -70,7 +71,8 @@ fn cap([x, y, z]: Point, r: f64) -> f64 {
     let sinγ = cosσ / sin;
     let cosγ = (1.0 - sinγ * sinγ).sqrt();
     let g = -2.0 * sin * cosσ * cosγ + FRAC_PI_2 - libm::asin(sinγ) + sinγ * cosγ;
-    let h = cos * (cosγ * (sin2 - cosγ * cosγ).max(0.0).sqrt() + sin2 * libm::asin(cosγ / sinσ));
+    let h = cos.abs() * (cosγ * (sin2 - cosγ * cosγ).max(0.0).sqrt() + sin2 * libm::asin(cosγ / sinσ));
+    // What lies above the horizon of the mirrored cap lies below that of this one, and both differ by the whole.
     if cos > 0.0 { whole + g - h } else { g - h }
 }
 

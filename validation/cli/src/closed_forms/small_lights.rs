@@ -17,7 +17,8 @@ pub fn cases() -> Vec<ClosedForm> {
         ClosedForm::new("directional", "E = E₀ cos θ", floor_under(&directional), shown(3.0 * 2.0 / 3.0)),
     ];
     for (name, target) in [("spot_beam", 0.1), ("spot_fading", 0.4)] {
-        let source = "I(θ) = I (cutoff − θ)/(cutoff − beam) between the angles (Mitsuba's definition of `spot`)";
+        let source =
+            "I(θ) = I (cutoff − θ)/(cutoff − beam) between the angles (Mitsuba's definition of `spot`)";
         cases.push(ClosedForm::new(name, source, floor_under(&spot(target)), shown(spot_answer(target))));
     }
     for degrees in [0.0, 30.0, 60.0] {

@@ -51,7 +51,6 @@ fn cut(s: f64, t: f64) -> f64 {
 /// Mean luminance of the texels; NaN if they cannot be read.
 fn texels() -> f64 {
     let file = crate::references::folder().join("scenes/textures/tiles.exr");
-    validation::image::load(&file).map_or(f64::NAN, |image| {
-        luminance(["R", "G", "B"].map(|channel| super::mean(&image, channel)))
-    })
+    validation::image::load(&file)
+        .map_or(f64::NAN, |image| luminance(["R", "G", "B"].map(|channel| super::mean(&image, channel))))
 }

@@ -8,28 +8,40 @@ use validation::image::Image;
 
 const APERTURE: f64 = 0.2;
 const FOCUS: f64 = 2.0;
-const SOURCE: &str = "circle of confusion b|1 − z/d| at depth z (similar triangles; Potmesil & Chakravarty 1981, eq. 5)";
+const SOURCE: &str =
+    "circle of confusion b|1 − z/d| at depth z (similar triangles; Potmesil & Chakravarty 1981, eq. 5)";
 
 pub fn cases() -> Vec<ClosedForm> {
     let mut cases = vec![];
     for (name, depth) in [("behind", 5.0), ("before", 1.0)] {
         let blur = blur(depth);
         // The light's outline lies within the blur: every pixel near the axis sees the same share of it.
-        let light = shape("disk", &[scale([0.4 * blur; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])], &area(1.0));
+        let light = shape(
+            "disk",
+            &[scale([0.4 * blur; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])],
+            &area(1.0),
+        );
         let scene = scene(&[&path(1), &camera(1e-3, &film(1, 1)), &light]);
-        cases.push(ClosedForm::new(format!("small_light_{name}_focus"), SOURCE, scene, 0.16).samples(1 << 14));
+        cases
+            .push(ClosedForm::new(format!("small_light_{name}_focus"), SOURCE, scene, 0.16).samples(1 << 14));
         for offset in [-0.5, 0.0, 0.3] {
             // A half-plane of light whose edge lies `offset` blur radii from the axis.
-            let edge = [scale([100.0; 3]), rotate('x', 180.0), translate([100.0 + offset * blur, 0.0, depth])];
-            let scene = self::scene(&[&path(1), &camera(1e-4, &film(1, 1)), &shape("rectangle", &edge, &area(1.0))]);
+            let edge =
+                [scale([100.0; 3]), rotate('x', 180.0), translate([100.0 + offset * blur, 0.0, depth])];
+            let scene =
+                self::scene(&[&path(1), &camera(1e-4, &film(1, 1)), &shape("rectangle", &edge, &area(1.0))]);
             let source = "segment of the circle of confusion: (acos t − t√(1 − t²))/π";
             let expected = (libm::acos(offset) - offset * (1.0 - offset * offset).sqrt()) / PI;
-            cases.push(ClosedForm::new(format!("edge_{name}_focus_{offset}"), source, scene, expected).samples(1 << 14));
+            cases.push(
+                ClosedForm::new(format!("edge_{name}_focus_{offset}"), source, scene, expected)
+                    .samples(1 << 14),
+            );
         }
         // A light of half the blur's radius in a wide film: its image is the two disks' convolution, whose mean square
         // radius is (a² + c²)/2.
         let a = 0.5 * blur;
-        let light = shape("disk", &[scale([a; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])], &area(1.0));
+        let light =
+            shape("disk", &[scale([a; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])], &area(1.0));
         let degrees = 2.0 * libm::atan(2.0 * blur / depth).to_degrees();
         let scene = self::scene(&[&path(1), &camera(degrees, &film(64, 64)), &light]);
         // In pixels of the film 4 blur radii wide, plus 1/12 for each axis that grouping into pixels adds (Sheppard's correction).
@@ -39,7 +51,8 @@ pub fn cases() -> Vec<ClosedForm> {
         cases.push(
             ClosedForm::new(format!("radius_{name}_focus"), source, scene, expected)
                 .measure(mean_square_radius)
-                .samples(1 << 6),
+                .margin(0.0025)
+                .samples(1 << 8),
         );
     }
     cases

@@ -24,7 +24,9 @@ pub fn relations() -> Vec<Relation> {
     let shards = &[0.3, 0.5, 0.8];
     all.push(Relation::bits("sample_ranges", plain(), Term { shards, ..plain() }).samples(128));
     let sobol = |term: Term| Term { scene: term.scene.replace(INDEPENDENT, ""), ..term };
-    all.push(Relation::bits("sample_ranges_sobol", sobol(plain()), sobol(Term { shards, ..plain() })).samples(128));
+    all.push(
+        Relation::bits("sample_ranges_sobol", sobol(plain()), sobol(Term { shards, ..plain() })).samples(128),
+    );
     let mut objects = objects(&[]);
     objects.reverse();
     let swapped = scene(&[&path(4), &lamp(8.0), &objects.concat(), &camera()]);

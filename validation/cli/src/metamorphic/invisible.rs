@@ -7,13 +7,15 @@ use crate::stage::*;
 pub fn relations() -> Vec<Relation> {
     // No limit of the path's length: what is invisible lengthens it.
     let plain = || vec![Term::new(endless(""))];
-    let besides = |name: &str, more: &str| Relation::expectation(name, plain(), vec![Term::new(endless(more))]);
+    let besides =
+        |name: &str, more: &str| Relation::expectation(name, plain(), vec![Term::new(endless(more))]);
     let ball = |wears: &str| sphere([0.0, -1.5, 1.0], 0.6, wears);
     let pane = |wears: &str| shape("rectangle", &[rotate('x', 90.0), translate([0.0, -2.0, 1.0])], wears);
     let one = float("int_ior", 1.0) + &float("ext_ior", 1.0);
     let (matte, metal) = (diffuse(0.7), rough_metal());
     let dressed = |wears: &str| vec![Term::new(with("").replace(&matte, wears))];
-    let same = |name: &str, wears: &str| Relation::expectation(name, vec![Term::new(with(""))], dressed(wears));
+    let same =
+        |name: &str, wears: &str| Relation::expectation(name, vec![Term::new(with(""))], dressed(wears));
     let blend = |weight: f64, first: &str, second: &str| {
         bsdf("blendbsdf", &(float("weight", weight) + first + second))
     };
@@ -33,7 +35,10 @@ pub fn relations() -> Vec<Relation> {
         same("twosided", &twosided),
         same("twosided_twice", &bsdf("twosided", &(matte.clone() + &matte))),
         same("blend_of_greys", &blend(0.25, &diffuse(0.6), &diffuse(1.0))),
-        same("texture_of_one_colour", &matte.replace("<rgb name=\"reflectance\" value=\"0.7\"/>", ONE_COLOUR)),
+        same(
+            "texture_of_one_colour",
+            &matte.replace("<rgb name=\"reflectance\" value=\"0.7\"/>", ONE_COLOUR),
+        ),
     ]
 }
 

@@ -20,23 +20,27 @@ pub fn relations() -> Vec<Relation> {
             "<integrator type=\"path\">{settings}<integer name=\"rr_depth\" value=\"{depth}\"/></integrator>"
         ))
     };
-    let four = path(4).replace("</integrator>", "<integer name=\"emitter_samples\" value=\"4\"/></integrator>");
+    let four =
+        path(4).replace("</integrator>", "<integer name=\"emitter_samples\" value=\"4\"/></integrator>");
     let sampler = |kind: &str| {
         let text = with("").replace(INDEPENDENT, &format!("<sampler type=\"{kind}\"/>"));
         vec![Term::new(text)]
     };
     let spectral = Term { mode: ColorMode::Spectral, ..Term::new(with("")) };
     vec![
-        Relation::expectation("roulette_from_1", plain(), roulette(1)).samples(1024),
-        Relation::expectation("roulette_from_3", plain(), roulette(3)).samples(1024),
+        Relation::expectation("roulette_from_1", plain(), roulette(1)),
+        Relation::expectation("roulette_from_3", plain(), roulette(3)),
         Relation::expectation("four_emitter_samples", plain(), by(&four)),
         Relation::expectation("direct_is_path_of_2_edges", short(), direct(1, 1)),
         Relation::expectation("emitter_samples_only", short(), direct(1, 0)),
-        Relation::expectation("bsdf_samples_only", short(), direct(0, 1)).samples(4096),
+        Relation::expectation("bsdf_samples_only", short(), direct(0, 1)).samples(8192),
         Relation::expectation("direct_4_and_2", short(), direct(4, 2)),
         Relation::expectation("sobol", plain(), sampler("sobol")),
         Relation::expectation("stratified", plain(), sampler("stratified")),
-        Relation { alike: Alike::Bits, ..Relation::expectation("stratified_is_sobol", sampler("stratified"), sampler("sobol")) },
-        Relation::expectation("grey_is_grey_in_spectra", plain(), vec![spectral]).samples(1024),
+        Relation {
+            alike: Alike::Bits,
+            ..Relation::expectation("stratified_is_sobol", sampler("stratified"), sampler("sobol"))
+        },
+        Relation::expectation("grey_is_grey_in_spectra", plain(), vec![spectral]),
     ]
 }

@@ -34,7 +34,11 @@ pub fn objects(more: &[String]) -> Vec<String> {
     let placed = |kind: &str, steps: &[String], wears: &str| shape(kind, &[steps, more].concat(), wears);
     vec![
         placed("rectangle", &[scale([3.0, 3.0, 1.0])], &diffuse(0.6)),
-        placed("rectangle", &[scale([3.0, 3.0, 1.0]), rotate('x', 90.0), translate([0.0, 1.5, 1.0])], &diffuse(0.4)),
+        placed(
+            "rectangle",
+            &[scale([3.0, 3.0, 1.0]), rotate('x', 90.0), translate([0.0, 1.5, 1.0])],
+            &diffuse(0.4),
+        ),
         placed("sphere", &[scale([0.5; 3]), translate([-0.8, 0.0, 0.5])], &diffuse(0.7)),
         placed("sphere", &[scale([0.4; 3]), translate([0.3, -0.6, 0.4])], &rough_metal()),
         placed("cube", &[scale([0.35; 3]), rotate('z', 25.0), translate([1.0, 0.2, 0.35])], &diffuse(0.3)),

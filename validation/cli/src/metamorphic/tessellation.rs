@@ -14,7 +14,11 @@ pub fn relations() -> Vec<Relation> {
         let side = 3.0 / f64::from(n);
         let place = |i: i32| side * f64::from(2 * i + 1 - n);
         let tile = |i: i32, j: i32| {
-            shape("rectangle", &[scale([side, side, 1.0]), translate([place(i), place(j), 0.0])], &diffuse(0.6))
+            shape(
+                "rectangle",
+                &[scale([side, side, 1.0]), translate([place(i), place(j), 0.0])],
+                &diffuse(0.6),
+            )
         };
         (0..n * n).map(|k| tile(k % n, k / n)).collect()
     };
@@ -38,10 +42,22 @@ pub fn relations() -> Vec<Relation> {
             vec![Term::new(with_light(&ball([0.0, -1.0, 2.0], 0.3)))],
             vec![Term::new(with_light(&scaled))],
         ),
-        Relation::expectation("floor_of_2_triangles", plain(), swap(floor, &mesh(floor, "ply", "square.ply"))),
-        Relation::expectation("wall_of_32_triangles", plain(), swap(wall, &mesh(wall, "ply", "square-fine.ply"))),
+        Relation::expectation(
+            "floor_of_2_triangles",
+            plain(),
+            swap(floor, &mesh(floor, "ply", "square.ply")),
+        ),
+        Relation::expectation(
+            "wall_of_32_triangles",
+            plain(),
+            swap(wall, &mesh(wall, "ply", "square-fine.ply")),
+        ),
         Relation::expectation("lamp_of_2_triangles", plain(), swap(&lamp, &mesh(&lamp, "ply", "square.ply"))),
-        Relation::expectation("lamp_of_32_triangles", plain(), swap(&lamp, &mesh(&lamp, "ply", "square-fine.ply"))),
+        Relation::expectation(
+            "lamp_of_32_triangles",
+            plain(),
+            swap(&lamp, &mesh(&lamp, "ply", "square-fine.ply")),
+        ),
         Relation::expectation("cube_of_obj", plain(), swap(cube, &mesh(cube, "obj", "cube.obj"))),
     ]
 }
