@@ -80,14 +80,15 @@ impl Sphere {
         AreaSample { p: surface.p, n: surface.ng, uv: surface.uv, pdf: 1.0 / self.area() }
     }
 
-    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside.
+    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose outside is its
+    /// back: points of its own wall are inside, although rounding puts half of them outside.
     ///
     /// With s = r/d: 1 − √(1 − s²) = s²/(1 + √(1 − s²)).
     #[inline]
     pub fn cone(&self, p: DVec3) -> Option<f64> {
         let d2 = (p - self.centre).length_squared();
         let s2 = self.radius * self.radius / d2;
-        (s2 < 1.0).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
+        (s2 < 1.0 && !self.inward).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
     }
 
     /// A visible point chosen uniformly in solid angle from `p` outside, and its density in sr⁻¹.
@@ -106,5 +107,20 @@ impl Sphere {
 
     pub fn bounds(&self) -> (DVec3, DVec3) {
         (self.centre - self.radius, self.centre + self.radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hollow_sphere_has_no_cone_even_where_its_wall_is_rounded_outwards() {
+        let hollow = Sphere::new(&Transform::IDENTITY, DVec3::ZERO, 1.0, true);
+        let wall =
+            (0..100).map(|i| hollow.point::<false>(warp::sphere(DVec2::new(0.37, i as f64 / 100.0))).p);
+        let outside = wall.clone().filter(|p| p.length_squared() > 1.0).count();
+        assert!(outside > 0, "nothing is rounded outwards");
+        assert!(wall.into_iter().all(|p| hollow.cone(p).is_none()));
     }
 }

@@ -4,7 +4,7 @@ use clap::Parser;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use validate::{materials, references};
+use validate::{closed_forms, materials, metamorphic, references};
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -44,7 +44,7 @@ enum Command {
         #[arg(long, value_name = "PNG")]
         map: Option<PathBuf>,
     },
-    /// Etalon against the stored references
+    /// Etalon against the stored references, closed forms and metamorphic relations
     Scenes {
         /// Only scenes whose name contains this
         name: Option<String>,
@@ -57,6 +57,12 @@ enum Command {
         /// Another number, other seeds
         #[arg(long, default_value_t = 0)]
         number: u64,
+        /// 64 times the samples of closed forms; relations four times as fine
+        #[arg(long)]
+        thorough: bool,
+        /// Write the tables of closed forms and relations
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
@@ -104,7 +110,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             println!("{}: {}", comparison.verdict, comparison.message);
             Ok(comparison.verdict)
         }
-        Command::Scenes { name, spp, margin, number, json } => {
+        Command::Scenes { name, spp, margin, number, thorough, markdown, json } => {
             let mut outcomes = vec![];
             for reference in references::references(&references::folder())? {
                 if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
@@ -112,6 +118,25 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
                     print(&outcome);
                     outcomes.push(outcome);
                 }
+            }
+            let chosen = |other: &str| name.as_ref().is_none_or(|n| other.contains(n));
+            let effort = if thorough { 64 } else { 1 };
+            let (mut table, mut related) = (vec![], vec![]);
+            for case in closed_forms::cases().into_iter().filter(|c| chosen(&c.name)) {
+                let outcome = case.check(effort, number)?;
+                print(&outcome);
+                outcomes.push(outcome.clone());
+                table.push((case, outcome));
+            }
+            for relation in metamorphic::relations().into_iter().filter(|r| chosen(&r.name)) {
+                let relation = if thorough { relation.thorough() } else { relation };
+                let outcome = relation.check(1, number)?;
+                print(&outcome);
+                outcomes.push(outcome.clone());
+                related.push(outcome);
+            }
+            if let Some(path) = markdown {
+                std::fs::write(path, closed_forms::markdown(&table, &related))?;
             }
             finish(Report::new("scenes", outcomes), json)
         }
