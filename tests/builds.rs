@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Name, optimisation level and processor of a build that this test makes.
-const BUILDS: &[(&str, &str, &str)] =
-    &[("unoptimised", "0", "x86-64-v3"), ("without-avx", "1", "x86-64")];
+const BUILDS: &[(&str, &str, &str)] = &[("unoptimised", "0", "x86-64-v3"), ("without-avx", "1", "x86-64")];
 
 /// Builds the program; its dependencies stay in the target folder for the next time.
 fn build((name, level, processor): &(&str, &str, &str)) -> PathBuf {

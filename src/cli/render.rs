@@ -2,7 +2,7 @@
 
 use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
-use super::watch::{Ending, Watch};
+use super::watch::Watch;
 use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED};
 use etalon::image::{self, Image, Window};
 use etalon::integrator::kernel_for;
@@ -89,12 +89,9 @@ impl Arguments {
         }
         let ending = watch.render(&scene, &settings, resumed)?;
         let seconds = start.elapsed().as_secs_f64();
-        let (image, report) = match ending {
-            Ending::Done(image, report) => (image, report),
-            Ending::Nothing => {
-                eprintln!("interrupted; no file was touched. With --checkpoint FILE a render can go on.");
-                return Ok(ExitCode::from(INTERRUPTED));
-            }
+        let Some((image, report)) = ending else {
+            eprintln!("interrupted; no file was touched. With --checkpoint FILE a render can go on.");
+            return Ok(ExitCode::from(INTERRUPTED));
         };
         self.write(&image).map_err(|error| watch.keep(&scene, &settings, error))?;
         let summary = Summary {

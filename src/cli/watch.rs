@@ -26,14 +26,6 @@ const SHARE: f64 = 0.01;
 /// Bytes a second at which checkpoints are written, until it is known.
 const SPEED: f64 = 1e8;
 
-/// How a render ended.
-pub enum Ending {
-    /// With an image, of fewer samples than asked for if it was interrupted.
-    Done(Image, Report),
-    /// Interrupted, without an image.
-    Nothing,
-}
-
 /// Watches one render.
 pub struct Watch<'a> {
     arguments: &'a Arguments,
@@ -65,13 +57,14 @@ impl<'a> Watch<'a> {
         self.beside(None, true, work)
     }
 
-    /// Renders, from the checkpoint if there is one.
+    /// Renders, from the checkpoint if there is one. An interrupted render has an image of fewer samples than were
+    /// asked for, or none.
     pub fn render(
         &self,
         scene: &Scene,
         settings: &Settings,
         resumed: Option<Partial>,
-    ) -> Result<Ending, ImageError> {
+    ) -> Result<Option<(Image, Report)>, ImageError> {
         let done = resumed.as_ref().map_or(0, |partial| partial.report.samples);
         self.progress.done.store(done, Ordering::Relaxed);
         let pixels = settings.window.pixels() as u64;
@@ -80,8 +73,7 @@ impl<'a> Watch<'a> {
         bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
         let bar = (!self.silent).then_some(bar);
         if !self.arguments.in_passes() {
-            let ending = self.beside(bar, true, || render(scene, settings, self.progress));
-            return Ok(ending.map_or(Ending::Nothing, |(image, report)| Ending::Done(image, report)));
+            return Ok(self.beside(bar, true, || render(scene, settings, self.progress)));
         }
         let begun = resumed.unwrap_or_else(|| Partial::new(scene, settings));
         let preview = self.arguments.preview.as_ref().and_then(|address| {
@@ -108,13 +100,13 @@ impl<'a> Watch<'a> {
                 if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
         });
-        let Some(partial) = partial else { return Ok(Ending::Nothing) };
+        let Some(partial) = partial else { return Ok(None) };
         if let Some(Err(error)) = preview.map(|preview| preview.finish(&partial)) {
             eprintln!("warning: the preview broke off: {error}");
         }
         let (image, report) = (partial.image(scene, settings), partial.report.clone());
         self.complete.replace(Some(partial));
-        Ok(Ending::Done(image, report))
+        Ok(Some((image, report)))
     }
 
     /// After the image could not be written: saves the sums, so that the work is not lost, and says so.

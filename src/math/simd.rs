@@ -7,8 +7,8 @@
 mod floats;
 mod words;
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 pub use floats::F32x8;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 pub use words::U32x8;
 
 #[cfg(target_feature = "avx")]

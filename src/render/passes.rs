@@ -142,7 +142,8 @@ mod tests {
                 let length = pass.end - pass.start;
                 assert!(pass.start == done && length > 0 && length <= longest);
                 assert!(
-                    pass.end == end || length.is_power_of_two() && done % length == 0 && length % BLOCK == 0
+                    pass.end == end
+                        || length.is_power_of_two() && done % length == 0 && length.is_multiple_of(BLOCK)
                 );
                 done = pass.end;
                 longest *= 2;

@@ -74,7 +74,10 @@ fn another_render_is_refused_by_what_differs() {
         (&same, Settings { window: crop, ..asked.clone() }, "another crop: `0,0,9,7`"),
     ];
     for (scene, settings, words) in cases {
-        let error = load(&path, scene, &settings).err().expect("it must be refused").to_string();
+        let error = match load(&path, scene, &settings) {
+            Ok(_) => panic!("{words}: it must be refused"),
+            Err(error) => error.to_string(),
+        };
         assert!(error.contains(words) && error.contains("cannot be resumed"), "{error}");
     }
     let threads = Settings { threads: 2, ..asked };

@@ -85,7 +85,7 @@ fn a_time_becomes_whole_blocks() {
     let scene = scene(LIT);
     for seconds in [1e-9, 0.05] {
         let pilot = for_time(&scene, &settings(&scene, 0), seconds, &Progress::default()).expect("a count");
-        assert!(pilot.count >= BLOCK && pilot.count % BLOCK == 0);
+        assert!(pilot.count >= BLOCK && pilot.count.is_multiple_of(BLOCK));
     }
 }
 
