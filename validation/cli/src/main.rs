@@ -4,7 +4,8 @@ use clap::Parser;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use validate::{materials, references};
+use std::time::Duration;
+use validate::{materials, peers, references};
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -17,8 +18,14 @@ use validation::{Outcome, Report, Verdict};
 enum Command {
     /// All checks on all materials, or on one
     Bsdf {
-        /// Only this material
+        /// Only this material; of a peer, configurations whose name contains this
         name: Option<String>,
+        /// Judge another program's BSDFs, over the protocol of docs/peer-protocol.md
+        #[arg(long, value_name = "COMMAND")]
+        peer: Option<String>,
+        /// Seconds a peer may take for one answer
+        #[arg(long, default_value_t = 60)]
+        timeout: u64,
         /// Samples a check
         #[arg(long, default_value_t = 1 << 18)]
         samples: usize,
@@ -75,7 +82,12 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
     match command {
-        Command::Bsdf { name, samples, number, json } => {
+        Command::Bsdf { name, peer: Some(command), timeout, samples, number, json } => {
+            let limit = Duration::from_secs(timeout);
+            let settings = peers::Settings { name: name.as_deref(), samples, number, limit };
+            finish(peers::run(&command, &settings, print)?, json)
+        }
+        Command::Bsdf { name, samples, number, json, .. } => {
             let trials = materials::trials(name.as_deref());
             if trials.is_empty() {
                 return Err("there is no such material; see `etalon plugins`".into());
