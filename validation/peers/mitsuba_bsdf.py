@@ -1,4 +1,4 @@
-"""Mitsuba 3's own BSDFs as a peer: validate bsdf --peer "python3 validation/peers/mitsuba_bsdf.py".
+"""Mitsuba 3's own BSDFs as a peer: validate bsdf --peer "python3 validation/peers/mitsuba_bsdf.py"
 
     python3 validation/peers/mitsuba_bsdf.py [VARIANT]
 
@@ -111,9 +111,10 @@ def sample(bsdf, request):
     count = len(request["wo"])
     delta = np.broadcast_to(np.array(mi.has_flag(drawn.sampled_type, mi.BSDFFlags.Delta)).ravel(), count)
     pdf, wi = column(drawn.pdf, count), zip(*(column(c, count) for c in (drawn.wo.x, drawn.wo.y, drawn.wo.z)))
-    # A density of 0 is how Mitsuba says that there is no sample.
-    return {"wi": [None if p == 0 else list(w) for p, w in zip(pdf, wi)], "weight": column(weight[0], count),
-            "pdf": pdf, "delta": delta.astype(bool).tolist()}
+    # A density or a weight of 0 is how Mitsuba says that there is no sample.
+    weight = column(weight[0], count)
+    wi = [None if p == 0 or w == 0 else list(d) for p, w, d in zip(pdf, weight, wi)]
+    return {"wi": wi, "weight": weight, "pdf": pdf, "delta": delta.astype(bool).tolist()}
 
 
 def main():
