@@ -4,6 +4,8 @@
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made.
 
 pub mod agreement;
+pub mod converge;
 pub mod materials;
 pub mod peers;
 pub mod references;
+pub mod renderers;

@@ -9,7 +9,7 @@ mod process;
 mod protocol;
 
 pub use memory::judge;
-pub use process::Process;
+pub use process::{Process, words};
 pub use protocol::{Configuration, Hello, Lines, Peer};
 
 /// Why a peer could not be asked: one sentence for a person.

@@ -28,7 +28,8 @@ impl Process {
     /// Starts `command`: a program and its arguments, separated by spaces; quotes (' or ") hold spaces together. Its
     /// standard error stays that of this process. Each answer may take as long as `limit`.
     pub fn start(command: &str, limit: Duration) -> Result<Self, PeerError> {
-        let words = words(command).ok_or_else(|| PeerError(format!("a quote is not closed in: {command}")))?;
+        let words =
+            words(command).ok_or_else(|| PeerError(format!("a quote is not closed in: {command}")))?;
         let (program, arguments) =
             words.split_first().ok_or_else(|| PeerError("the peer's command is empty".into()))?;
         let mut child = Command::new(program)
@@ -128,7 +129,7 @@ pub(super) fn beginning(line: &str) -> String {
 }
 
 /// Splits a command at spaces outside quotes; `None` if a quote is left open.
-fn words(command: &str) -> Option<Vec<String>> {
+pub fn words(command: &str) -> Option<Vec<String>> {
     let (mut words, mut word, mut quote) = (vec![], None::<String>, None);
     for c in command.chars() {
         match quote {

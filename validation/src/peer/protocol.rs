@@ -196,7 +196,8 @@ fn ask<T: DeserializeOwned>(lines: &mut impl Lines, request: &Request) -> Result
     }
     serde_json::from_str(&reply).map_err(|error| {
         let bare = ["NaN", "Infinity"].iter().any(|word| reply.contains(word));
-        let hint = if bare { "; JSON has no NaN or Infinity, write null for a number that is none" } else { "" };
+        let hint =
+            if bare { "; JSON has no NaN or Infinity, write null for a number that is none" } else { "" };
         PeerError(format!("the peer's answer {} is not understood: {error}{hint}", beginning(&reply)))
     })
 }
