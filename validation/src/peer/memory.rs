@@ -36,6 +36,9 @@ pub fn judge<L: Lines>(
     Err(PeerError(format!("a check was not through after {MOST_PASSES} rounds of questions")))
 }
 
+/// ωo and the three numbers of a sample.
+type Draw = (DVec3, [f64; 3]);
+
 /// The bits of a question: two directions, or a direction and three numbers.
 type Key = [u64; 6];
 
@@ -44,7 +47,7 @@ struct Answers {
     pairs: HashMap<Key, Option<[f64; 2]>>,
     draws: HashMap<Key, Option<Sample>>,
     unknown_pairs: Vec<[DVec3; 2]>,
-    unknown_draws: Vec<(DVec3, [f64; 3])>,
+    unknown_draws: Vec<Draw>,
 }
 
 struct Memory {
@@ -55,7 +58,7 @@ struct Memory {
 
 impl Memory {
     /// The questions noted since the last call.
-    fn unknown(&self) -> (Vec<[DVec3; 2]>, Vec<(DVec3, [f64; 3])>) {
+    fn unknown(&self) -> (Vec<[DVec3; 2]>, Vec<Draw>) {
         let Answers { unknown_pairs, unknown_draws, .. } = &mut *self.answers.borrow_mut();
         (std::mem::take(unknown_pairs), std::mem::take(unknown_draws))
     }
@@ -65,7 +68,7 @@ impl Memory {
         peer: &mut Peer<L>,
         configuration: usize,
         pairs: &[[DVec3; 2]],
-        draws: &[(DVec3, [f64; 3])],
+        draws: &[Draw],
     ) -> Result<(), PeerError> {
         let evaluated = peer.evaluate(configuration, pairs)?;
         let sampled = peer.sample(configuration, draws)?;
