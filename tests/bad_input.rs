@@ -378,12 +378,3 @@ fn groups_instances_and_maps_say_what_they_cannot_be() {
         ("checkerboard", &map("bumpmap"), &["has no slope", "bitmap"]),
     ]);
 }
-
-/// Every instance's primitives have numbers of their own, and numbers are `u32`.
-#[test]
-fn primitives_are_counted_over_instances() {
-    let group = format!("<shape type=\"shapegroup\" id=\"g\">{}", "<shape type=\"sphere\"/>".repeat(1 << 15));
-    let instances = "<shape type=\"instance\"><ref id=\"g\"/></shape>\n".repeat((1 << 17) + 1);
-    let scene = format!("<scene version=\"3.0.0\">\n{SENSOR}\n{group}</shape>\n{instances}</scene>\n");
-    Folder::new(scene.as_bytes()).refused(&["4294967296 primitives", "fewer than 4294967295"]);
-}

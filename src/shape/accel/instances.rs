@@ -245,9 +245,7 @@ mod tests {
         let group = Arc::new(Accel::new(&[&shape]));
         let Geometry::Mesh(mesh) = &shape else { unreachable!() };
         let far = Transform::translate(DVec3::new(3e7, -1e7, 2e7));
-        for place in
-            [turned(&mut Pcg32::new(5, 1)), far, far.after(&Transform::scale(DVec3::splat(1e-3)).unwrap())]
-        {
+        for place in [turned(&mut Pcg32::new(5, 1)), far] {
             let scene = Accel::with_instances(&[], vec![Instance::new(group.clone(), place)]);
             let mut rng = Pcg32::new(13, 1);
             for i in 0..20_000u32 {
