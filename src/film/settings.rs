@@ -3,7 +3,7 @@
 use super::filter::{FILTERS, FilterSampler, Profile};
 use crate::image::Window;
 use crate::math::DVec2;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, known};
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::{Entry, construct};
 use crate::spectrum::table::Tabulated;
@@ -23,15 +23,40 @@ pub struct Film {
     pub filter: FilterSampler,
     /// Filters reach beyond the crop; otherwise they end there, as in Mitsuba.
     pub border: bool,
-    /// The responses of a spectral film, by channel name; an RGB film has none.
+    /// A channel `A` says how much of a pixel is covered.
+    pub alpha: bool,
+    /// The responses of a spectral film, by name; an RGB film has none.
     pub bands: Vec<Band>,
 }
 
 /// A spectral channel: the mean radiance weighted by a response.
 #[derive(Clone, Debug)]
 pub struct Band {
+    /// In the scene file.
     pub name: String,
+    /// In the image.
+    pub channel: String,
     pub response: Tabulated,
+}
+
+/// The channel of a response: `S0.` and its centroid, as in `S0.550,000nm` (Fichet et al. 2021, "An OpenEXR Layout for
+/// Spectral Images", §3). It keeps its own name if it has no centroid.
+fn channel_of(name: &str, response: &Tabulated) -> String {
+    let (lowest, highest) = response.range();
+    const STEPS: usize = 4096;
+    let (mut area, mut moment) = (0.0, 0.0);
+    for step in 0..STEPS {
+        let λ = lowest as f64 + (step as f64 + 0.5) / STEPS as f64 * (highest - lowest) as f64;
+        let value = response.eval(λ as f32) as f64;
+        area += value;
+        moment += value * λ;
+    }
+    let centroid = moment / area;
+    if !centroid.is_finite() {
+        return name.to_owned();
+    }
+    let thousandths = (1000.0 * centroid).round() as u64;
+    format!("S0.{},{:03}nm", thousandths / 1000, thousandths % 1000)
 }
 
 impl Default for Film {
@@ -43,7 +68,7 @@ impl Default for Film {
 impl Film {
     pub fn new(size: (u32, u32), profile: Profile) -> Self {
         let crop = Window { x: 0, y: 0, width: size.0, height: size.1 };
-        Self { size, crop, filter: FilterSampler::new(profile), border: false, bands: vec![] }
+        Self { size, crop, filter: FilterSampler::new(profile), border: false, alpha: false, bands: vec![] }
     }
 
     /// Where a sample of pixel (x, y) lies, in pixels of the film, and its weight.
@@ -98,6 +123,19 @@ films! {
     "specfilm", "Radiance weighted by spectral responses, one channel each.", |p| parse(p, true);
 }
 
+/// Whether `pixel_format` asks for a channel of coverage. Capital letters are Mitsuba's to ignore.
+fn has_alpha(params: &mut Params) -> Result<bool, SceneError> {
+    const FORMATS: [&str; 6] = ["rgb", "rgba", "luminance", "luminance_alpha", "xyz", "xyza"];
+    let about = "with alpha, a channel `A` is added; the colours are RGB in any case";
+    let Some(given) = params.string("pixel_format", about)? else { return Ok(false) };
+    let format = given.value.to_lowercase();
+    if !FORMATS.contains(&format.as_str()) {
+        let message = format!("unknown pixel_format `{}`", given.value);
+        return Err(SceneError::at(&given.value_span, message, known(&format, &FORMATS)));
+    }
+    Ok(format.ends_with('a'))
+}
+
 fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
     let dimension = 0..=i64::from(u32::MAX);
     let width = params.integer("width", 768, dimension.clone(), "pixels")? as u32;
@@ -114,12 +152,12 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         height: params.integer("crop_height", bottom, 1..=bottom, "rows that are rendered")? as u32,
     };
     for (name, about) in [
-        ("pixel_format", "Mitsuba's; the file always holds RGB"),
         ("component_format", "Mitsuba's; the file always holds f32"),
         ("file_format", "Mitsuba's; the file is always EXR"),
     ] {
         params.string(name, about)?;
     }
+    let alpha = has_alpha(params)?;
     let border = params.boolean("sample_border", false, "whether filters reach beyond the film")?;
     for name in ["compensate", "banner", "high_quality_edges"] {
         params.boolean(name, false, "Mitsuba's; ignored")?;
@@ -129,7 +167,7 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         Some(element) => construct(FILTERS, element, params.loader, Usage::Unbounded)?,
     };
     let bands = if spectral { parse_bands(params)? } else { vec![] };
-    Ok(Film { size: (width, height), crop, filter: FilterSampler::new(profile), border, bands })
+    Ok(Film { size: (width, height), crop, filter: FilterSampler::new(profile), border, alpha, bands })
 }
 
 /// Every nested spectrum is a channel under its own name.
@@ -154,7 +192,8 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
                 ));
             }
         };
-        bands.push(Band { name, response });
+        let channel = channel_of(&name, &response);
+        bands.push(Band { name, channel, response });
     }
     if bands.is_empty() {
         return Err(SceneError::at(
@@ -164,5 +203,10 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
         ));
     }
     bands.sort_by(|a, b| a.name.cmp(&b.name));
+    for i in 0..bands.len() {
+        if bands.iter().filter(|band| band.channel == bands[i].channel).count() > 1 {
+            bands[i].channel = bands[i].name.clone();
+        }
+    }
     Ok(bands)
 }

@@ -2,10 +2,10 @@
 
 use super::light::{self, Vertex, power_heuristic};
 use super::path::{Arrival, environment, side_towards};
-use super::{AnyIntegrator, Counters};
+use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
 use crate::math::{DVec3, Ray};
-use crate::sampler::{FIRST_VERTEX, Sampler};
+use crate::sampler::FIRST_VERTEX;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::{Features, Scene};
@@ -47,12 +47,11 @@ impl Direct {
     pub fn radiance<const F: u32>(
         &self,
         scene: &Scene,
-        mut ray: Ray,
-        λ: &mut Wavelengths,
-        sampler: &Sampler,
+        CameraPath { ray, λ, sampler, covered, .. }: &mut CameraPath,
         counters: &mut Counters,
     ) -> Spectrum {
         let seen = Arrival { pdf: 1.0, delta: true };
+        let mut ray = *ray;
         let (hit, shape, point) = loop {
             counters.rays += 1;
             let Some(hit) = scene.accel.closest(&ray) else {
@@ -65,6 +64,7 @@ impl Direct {
             }
             ray = Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive);
         };
+        *covered = true;
         let mut radiance = match shape.emitter {
             None => Spectrum::ZERO,
             Some(index) => {

@@ -79,6 +79,8 @@ pub struct CameraPath {
     pub λ: Wavelengths,
     pub sampler: Sampler,
     pub radiance: Spectrum,
+    /// Something is seen: a surface, or light from the environment.
+    pub covered: bool,
 }
 
 /// Estimates the radiance along camera rays. How they are grouped does not change what is found.
@@ -126,8 +128,7 @@ fn radiance<const F: u32>(
         AnyIntegrator::Path(path) => path.trace::<F>(scene, paths, counters),
         AnyIntegrator::Direct(direct) => {
             for path in paths {
-                let CameraPath { ray, λ, sampler, radiance } = path;
-                *radiance = direct.radiance::<F>(scene, *ray, λ, sampler, counters);
+                path.radiance = direct.radiance::<F>(scene, path, counters);
             }
         }
         AnyIntegrator::Depth(_) => {}

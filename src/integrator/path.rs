@@ -211,6 +211,7 @@ impl Path {
             if F & Features::ENVIRONMENT != 0 && !(self.hide_emitters && state.direct_view) {
                 let light = environment(scene, ray, state.arrival, self.emitter_samples, λ);
                 path.radiance += state.throughput * light;
+                path.covered |= scene.emitters.environment.is_some();
             }
             return None;
         };
@@ -223,6 +224,7 @@ impl Path {
             if self.hide_emitters && state.depth == 0 {
                 return Some(Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive));
             }
+            path.covered |= !self.hide_emitters;
             let entry = &scene.emitters.list[emitter as usize];
             let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
             if !emitted.is_zero() {
@@ -305,7 +307,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
             }
         }
-        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
+        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
+        path.covered |= !sample.is_some_and(|sample| sample.null);
+        let sample = sample?;
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;
         state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta };

@@ -30,12 +30,14 @@ impl<'a> Camera<'a> {
         Self { scene, seed, kernel, radiance: scene.integrator.has_radiance(), extra, band_range }
     }
 
-    /// R, G, B, the spectral bands, and what the integrator adds.
+    /// R, G, B, alpha, the spectral bands, and what the integrator adds.
     pub fn channel_names(&self) -> Vec<String> {
         let mut names: Vec<String> = vec![];
         if self.radiance {
+            let film = &self.scene.sensor.film;
             names.extend(["R", "G", "B"].map(String::from));
-            names.extend(self.scene.sensor.film.bands.iter().map(|b| b.name.clone()));
+            names.extend(film.alpha.then(|| "A".to_owned()));
+            names.extend(film.bands.iter().map(|b| b.channel.clone()));
         }
         names.extend(self.scene.integrator.extra_channels());
         names
@@ -62,15 +64,18 @@ impl<'a> Camera<'a> {
         }
     }
 
-    /// R, G, B and the bands.
+    /// R, G, B, alpha and the bands.
     #[inline]
     fn colors(&self, path: &CameraPath, weight: f64, values: &mut [f64]) {
         let (λ, radiance) = (&path.λ, path.radiance);
-        let (rgb, bands) = values.split_at_mut(3);
+        let film = &self.scene.sensor.film;
+        let (rgb, more) = values.split_at_mut(3);
+        let (alpha, bands) = more.split_at_mut(usize::from(film.alpha));
+        alpha.fill(f64::from(u8::from(path.covered)) * weight);
         for (value, c) in rgb.iter_mut().zip(λ.to_rgb(radiance)) {
             *value = c * weight;
         }
-        for (value, band) in bands.iter_mut().zip(&self.scene.sensor.film.bands) {
+        for (value, band) in bands.iter_mut().zip(&film.bands) {
             let responded =
                 |i: usize| radiance.0[i] as f64 * band.response.eval(λ.nm[i]) as f64 / λ.pdf[i] as f64;
             *value = weight * (0..LANES).map(responded).sum::<f64>() / LANES as f64;
@@ -121,6 +126,6 @@ impl<'a> Camera<'a> {
             (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u.one(4), lo, hi),
         };
         let ray = self.scene.sensor.camera.ray(place, u.pair(1));
-        (CameraPath { ray, λ, sampler, radiance: Spectrum::ZERO }, weight)
+        (CameraPath { ray, λ, sampler, radiance: Spectrum::ZERO, covered: false }, weight)
     }
 }

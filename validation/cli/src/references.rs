@@ -62,11 +62,17 @@ impl Reference {
         };
         let (rendered, _) =
             render(&scene, &settings_of_render, &Progress::default()).ok_or("the render stopped")?;
-        let ours = image::Image {
+        let mut ours = image::Image {
             width: rendered.crop.width as usize,
             height: rendered.crop.height as usize,
             channels: rendered.channels.iter().map(channel).collect(),
         };
+        // Mitsuba gives the channels of a specfilm the names that the scene file has.
+        for band in &scene.sensor.film.bands {
+            for channel in ours.channels.iter_mut().filter(|channel| channel.name == band.channel) {
+                channel.name.clone_from(&band.name);
+            }
+        }
         let reference = image::load(&self.image).map_err(|e| e.to_string())?;
         image::compare(&reference, &ours, settings).map_err(|e| e.to_string())
     }

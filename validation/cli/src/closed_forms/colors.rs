@@ -103,8 +103,8 @@ pub fn cases() -> Vec<ClosedForm> {
         cases.push(case.measure(measure).margin(0.0025).samples(1 << 14));
     }
     let bands: [(&str, Spectrum, Measure); 2] = [
-        ("band_triangle", |nm| (1.0 - (nm - 450.0).abs() / 50.0).max(0.0), |i| mean(i, "triangle")),
-        ("band_box", |nm| if (600.0..=700.0).contains(&nm) { 0.5 } else { 0.0 }, |i| mean(i, "box")),
+        ("band_triangle", |nm| (1.0 - (nm - 450.0).abs() / 50.0).max(0.0), |i| mean(i, "S0.450,000nm")),
+        ("band_box", |nm| if (600.0..=700.0).contains(&nm) { 0.5 } else { 0.0 }, |i| mean(i, "S0.650,000nm")),
     ];
     for (name, response, measure) in bands {
         let film = "<film type=\"specfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/>\

@@ -1,0 +1,59 @@
+//! Coverage: what a pixel's `A` says.
+
+use etalon::render::{Progress, Settings, render};
+use etalon::scene::load_text;
+use etalon::spectrum::ColorMode;
+
+/// `A` of a film of one pixel that looks at `content` straight on.
+fn alpha(integrator: &str, content: &str) -> f64 {
+    let text = format!(
+        r#"<scene version="3.0.0">{integrator}
+        <sensor type="orthographic"><transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
+        <string name="pixel_format" value="RGBA"/><rfilter type="box"/></film></sensor>{content}</scene>"#
+    );
+    let scene = load_text("alpha.xml", &text, ColorMode::Rgb).unwrap();
+    let settings = Settings {
+        samples: 0..4096,
+        seed: 0,
+        window: scene.sensor.film.crop,
+        threads: 1,
+        shard: false,
+        kernel: None,
+    };
+    let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+    let channel = image.channels.iter().find(|channel| channel.name == "A").unwrap();
+    f64::from(channel.mean[0])
+}
+
+const PATH: &str = r#"<integrator type="path"/>"#;
+const BALL: &str = r#"<shape type="sphere"/>"#;
+const LAMP: &str = r#"<shape type="sphere"><emitter type="area"/></shape>"#;
+
+#[test]
+fn a_ball_covers_its_disk() {
+    for integrator in [PATH, r#"<integrator type="direct"/>"#] {
+        // Five standard errors of independent samples; Sobol's are smaller.
+        let error =
+            5.0 * (0.25 * std::f64::consts::PI * (1.0 - 0.25 * std::f64::consts::PI) / 4096.0f64).sqrt();
+        assert!((alpha(integrator, BALL) - 0.25 * std::f64::consts::PI).abs() < error, "{integrator}");
+    }
+}
+
+#[test]
+fn nothing_covers_nothing_and_a_sky_covers_all() {
+    assert_eq!(alpha(PATH, ""), 0.0);
+    let pane = r#"<shape type="rectangle"><bsdf type="null"/></shape>"#;
+    assert_eq!(alpha(PATH, pane), 0.0);
+    assert_eq!(alpha(PATH, r#"<emitter type="constant"/>"#), 1.0);
+    let wall =
+        r#"<shape type="rectangle"><transform name="to_world"><translate z="-1"/></transform></shape>"#;
+    assert_eq!(alpha(PATH, &format!("{pane}{wall}")), 1.0);
+}
+
+#[test]
+fn hidden_lamps_cover_nothing() {
+    assert!(alpha(PATH, LAMP) > 0.7);
+    let hidden = r#"<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>"#;
+    assert_eq!(alpha(hidden, LAMP), 0.0);
+}
