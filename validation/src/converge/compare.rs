@@ -2,7 +2,7 @@
 //!
 //! Efficiency is 1 / (error · seconds). The ratio is studied in logarithms, seed by seed and paired, since interleaved renders
 //! share the state of the machine: dᵢ = mean over rungs of log(errorᵢ secondsᵢ) of B minus that of A, and Student's
-//! interval of the mean of d. (A percentile bootstrap of eight values is too narrow: it errs in about 8 % instead of 5 %.)
+//! interval of the mean of d. A percentile bootstrap of as few as eight values would be too narrow.
 
 use serde::Serialize;
 
