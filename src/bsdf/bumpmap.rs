@@ -23,8 +23,8 @@ impl Material for BumpMap {
     const ABOUT: &'static str =
         "A material on a surface whose normals are those of a relief: an image gives its height.";
     const EXAMPLES: &'static [&'static str] = &[
-        r#"<bsdf type="bumpmap"><texture type="uniform"/><bsdf type="diffuse"/></bsdf>"#,
-        r#"<bsdf type="bumpmap"><texture type="uniform"/><float name="scale" value="2"/>
+        r#"<bsdf type="bumpmap"><texture type="uniform"><float name="value" value="0.5"/></texture><bsdf type="diffuse"/></bsdf>"#,
+        r#"<bsdf type="bumpmap"><texture type="uniform"><float name="value" value="0.5"/></texture><float name="scale" value="2"/>
             <bsdf type="roughconductor"><float name="alpha_u" value="0.4"/><float name="alpha_v" value="0.2"/></bsdf></bsdf>"#,
     ];
     // As in `normalmap`.
