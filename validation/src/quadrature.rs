@@ -52,85 +52,120 @@ pub fn integrate(
     budget: usize,
     function: impl Fn([f64; 2]) -> f64,
 ) -> Integral {
-    let mut heap: BinaryHeap<Part> = cells.iter().map(|&cell| Part::new(cell, &function)).collect();
-    let mut error: f64 = heap.iter().map(|part| part.integral.error).sum();
+    let parts = refine(cells, tolerance, budget, |point| [function(point)]);
+    parts.map(|part| Integral { value: part.value[0], error: part.error }).sum()
+}
+
+/// The same for `N` functions at once; `error` bounds the error of each.
+pub fn integrate_all<const N: usize>(
+    cells: &[Cell],
+    tolerance: f64,
+    budget: usize,
+    function: impl Fn([f64; 2]) -> [f64; N],
+) -> ([f64; N], f64) {
+    refine(cells, tolerance, budget, function).fold(([0.0; N], 0.0), |(mut sum, error), part| {
+        sum.iter_mut().zip(part.value).for_each(|(sum, value)| *sum += value);
+        (sum, error + part.error)
+    })
+}
+
+fn refine<const N: usize>(
+    cells: &[Cell],
+    tolerance: f64,
+    budget: usize,
+    function: impl Fn([f64; 2]) -> [f64; N],
+) -> impl Iterator<Item = Part<N>> {
+    let mut heap: BinaryHeap<Part<N>> = cells.iter().map(|&cell| Part::new(cell, &function)).collect();
+    let mut error: f64 = heap.iter().map(|part| part.error).sum();
     let mut evaluations = POINTS * heap.len();
     while error > tolerance && evaluations < budget {
         let Some(worst) = heap.pop() else { break };
-        error -= worst.integral.error;
+        error -= worst.error;
         for cell in worst.cell.split(worst.axis, worst.cell.middle(worst.axis)) {
             let part = Part::new(cell, &function);
-            error += part.integral.error;
+            error += part.error;
             heap.push(part);
         }
         evaluations += 2 * POINTS;
     }
-    heap.iter().map(|part| part.integral).sum()
+    heap.into_iter()
 }
 
 const POINTS: usize = 17;
 
-struct Part {
+struct Part<const N: usize> {
     cell: Cell,
-    integral: Integral,
+    value: [f64; N],
+    /// The largest error of all functions.
+    error: f64,
     /// The axis to halve.
     axis: usize,
 }
 
-impl Part {
-    fn new(cell: Cell, function: &impl Fn([f64; 2]) -> f64) -> Self {
+impl<const N: usize> Part<N> {
+    fn new(cell: Cell, function: &impl Fn([f64; 2]) -> [f64; N]) -> Self {
         let centre = [cell.middle(0), cell.middle(1)];
         let half = [0, 1].map(|axis| 0.5 * (cell.high[axis] - cell.low[axis]));
         let at = |x: f64, y: f64| function([centre[0] + x * half[0], centre[1] + y * half[1]]);
         let along = |axis: usize, by: f64| {
-            if axis == 0 { at(by, 0.0) + at(-by, 0.0) } else { at(0.0, by) + at(0.0, -by) }
+            if axis == 0 { sum(at(by, 0.0), at(-by, 0.0)) } else { sum(at(0.0, by), at(0.0, -by)) }
         };
+        let corners = |by: f64| sum(sum(at(by, by), at(by, -by)), sum(at(-by, by), at(-by, -by)));
         // Genz and Malik's abscissae λ₂, λ₃ = λ₄ and λ₅.
         let (inner, outer, diagonal) =
             ((9.0f64 / 70.0).sqrt(), (9.0f64 / 10.0).sqrt(), (9.0f64 / 19.0).sqrt());
         let middle = at(0.0, 0.0);
         let near = [along(0, inner), along(1, inner)];
         let far = [along(0, outer), along(1, outer)];
-        let corners = |by: f64| at(by, by) + at(by, -by) + at(-by, by) + at(-by, -by);
         let (wide, narrow) = (corners(outer), corners(diagonal));
-        let (near_sum, far_sum) = (near[0] + near[1], far[0] + far[1]);
-        let seventh = (-3816.0 * middle + 2940.0 * near_sum + 1020.0 * far_sum + 200.0 * wide) / 19683.0
-            + 6859.0 / 78732.0 * narrow;
-        let fifth = -971.0 / 729.0 * middle
-            + 245.0 / 486.0 * near_sum
-            + 65.0 / 1458.0 * far_sum
-            + 25.0 / 729.0 * wide;
-        let fourth = [0, 1].map(|i: usize| (near[i] - 2.0 * middle - (far[i] - 2.0 * middle) / 7.0).abs());
         let area = 4.0 * half[0] * half[1];
+        let (mut value, mut error, mut fourth) = ([0.0; N], 0.0f64, [0.0f64; 2]);
+        for i in 0..N {
+            let (near_sum, far_sum) = (near[0][i] + near[1][i], far[0][i] + far[1][i]);
+            let seventh =
+                (-3816.0 * middle[i] + 2940.0 * near_sum + 1020.0 * far_sum + 200.0 * wide[i]) / 19683.0
+                    + 6859.0 / 78732.0 * narrow[i];
+            let fifth = -971.0 / 729.0 * middle[i]
+                + 245.0 / 486.0 * near_sum
+                + 65.0 / 1458.0 * far_sum
+                + 25.0 / 729.0 * wide[i];
+            value[i] = area * seventh;
+            error = error.max(area * (seventh - fifth).abs());
+            for (axis, fourth) in fourth.iter_mut().enumerate() {
+                let bend = near[axis][i] - 2.0 * middle[i] - (far[axis][i] - 2.0 * middle[i]) / 7.0;
+                *fourth = fourth.max(bend.abs());
+            }
+        }
         let longer = usize::from(half[1] > half[0]);
         let axis = if fourth[0] == fourth[1] { longer } else { usize::from(fourth[1] > fourth[0]) };
-        Self {
-            cell,
-            integral: Integral { value: area * seventh, error: area * (seventh - fifth).abs() },
-            axis,
-        }
+        Self { cell, value, error, axis }
     }
 }
 
-impl Ord for Part {
+fn sum<const N: usize>(mut a: [f64; N], b: [f64; N]) -> [f64; N] {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
+}
+
+impl<const N: usize> Ord for Part<N> {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.integral.error.total_cmp(&other.integral.error)
+        self.error.total_cmp(&other.error)
     }
 }
 
-impl PartialOrd for Part {
+impl<const N: usize> PartialOrd for Part<N> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Part {
+impl<const N: usize> PartialEq for Part<N> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Part {}
+impl<const N: usize> Eq for Part<N> {}
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use super::draw;
 use crate::{
-    quadrature::{Cell, Integral, integrate},
+    quadrature::{Cell, Integral, integrate, integrate_all},
     scatterer::{DVec3, Scatterer, coordinates, direction},
     statistics::Stream,
 };
@@ -74,6 +74,17 @@ impl Partition {
         let tolerance = tolerance / self.bins.len() as f64;
         let at = |[z, phi]: [f64; 2]| function(direction(z, phi));
         self.bins.iter().map(|cells| integrate(cells, tolerance, BUDGET, at)).collect()
+    }
+
+    /// Integrals of `N` functions over the sphere, and a bound on the error of each.
+    pub fn integrate_all<const N: usize>(
+        &self,
+        tolerance: f64,
+        function: impl Fn(DVec3) -> [f64; N],
+    ) -> ([f64; N], f64) {
+        let cells: Vec<Cell> = self.bins.iter().flatten().copied().collect();
+        let budget = BUDGET * self.bins.len() / 4;
+        integrate_all(&cells, tolerance, budget, |[z, phi]| function(direction(z, phi)))
     }
 
     fn cut(&mut self, cell: Cell, points: &mut [[f64; 2]], forced: Option<(usize, f64)>) -> usize {
