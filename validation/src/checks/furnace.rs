@@ -19,9 +19,6 @@ pub(super) const CHECK: Check = Check {
     run,
 };
 
-/// The error of the albedo that must be detectable.
-const MARGIN: f64 = 0.01;
-
 const BINS: usize = 64;
 const QUADRATURE: f64 = 1e-5;
 
@@ -47,7 +44,7 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own digits allow.
     let slack = integral.error + effort.tolerance * integral.value.abs();
     let agreement =
-        Interval::around(welch.difference, welch.half_width(effort.level) + slack).verdict(0.0, MARGIN);
+        Interval::around(welch.difference, welch.half_width(effort.level) + slack).verdict(0.0, effort.albedo);
     let certain = Interval::around(total.mean, Welch::new(exact, total).half_width(effort.level) + slack);
     let bounded = if certain.low > 1.0 + effort.tolerance { Verdict::Different } else { Verdict::Equivalent };
     let lossless = if laws.lossless { strict(certain, effort) } else { Verdict::Equivalent };
@@ -78,5 +75,5 @@ fn within_noise(welch: &Welch, slack: f64, level: f64) -> bool {
 /// Lossless to within the interval, and the interval narrow enough to say so.
 fn strict(certain: Interval, effort: &Effort) -> Verdict {
     let widened = Interval { low: certain.low - effort.tolerance, high: certain.high + effort.tolerance };
-    if widened.contains(1.0) { widened.verdict(1.0, MARGIN) } else { Verdict::Different }
+    if widened.contains(1.0) { widened.verdict(1.0, effort.albedo) } else { Verdict::Different }
 }

@@ -39,14 +39,16 @@ pub struct Effort {
     /// Values below this have no digits left, such as those under the normal range of an f32 model, and are not
     /// compared with one another.
     pub smallest: f64,
+    /// The error of an albedo that must be detectable.
+    pub albedo: f64,
     /// Look at more states and more functions than a run of the tests has time for.
     pub thorough: bool,
 }
 
 impl Default for Effort {
-    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, all values (a model evaluated in f32).
+    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, all values (a model evaluated in f32), albedo to 1 %.
     fn default() -> Self {
-        Self { samples: 1 << 18, level: 1e-3, tolerance: 1e-5, smallest: 0.0, thorough: false }
+        Self { samples: 1 << 18, level: 1e-3, tolerance: 1e-5, smallest: 0.0, albedo: 0.01, thorough: false }
     }
 }
 

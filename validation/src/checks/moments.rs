@@ -70,29 +70,24 @@ fn run_to<const N: usize>(
 }
 
 fn conclude(found: &Components, samples: usize, level: f64) -> Outcome {
-    let Components { used, rank, p_value, blur, .. } = *found;
+    let Components { used, rank, p_value, statistic } = *found;
     if rank == 0 && !p_value.is_nan() {
         return Outcome::new("moments", Verdict::Equivalent, "no light outside delta lobes");
     }
     let detectable = detectable_chi_square(samples as f64, used.max(1) as f64, level);
-    // Quadrature's part in the statistic must be small beside its spread.
-    let blurred = blur > 0.1 * (2.0 * used as f64).sqrt() || used == 0;
-    let verdict = match judge(found.kindest, level, detectable, MARGIN) {
-        Verdict::Different => Verdict::Different,
-        _ if blurred => Verdict::Inconclusive,
-        _ => judge(p_value, level, detectable, MARGIN),
+    let verdict = match judge(p_value, level, detectable, MARGIN) {
+        Verdict::Equivalent if used == 0 => Verdict::Inconclusive,
+        verdict => verdict,
     };
     let message = format!(
-        "T² = {:.1} for {used} components, p = {p_value:.3e}; {} of {rank} are too heavy-tailed to use{}; \
-         would find a shift of {detectable:.4} standard deviations",
-        found.statistic,
+        "T² = {statistic:.1} for {used} components, p = {p_value:.3e}; {} of {rank} are too heavy-tailed or too fine to \
+         use; would find a shift of {detectable:.4} standard deviations",
         rank - used,
-        if blurred { "; the value could not be integrated well enough" } else { "" },
     );
-    Outcome::new("moments", verdict, message)
-        .p_value(p_value)
+    let outcome = Outcome::new("moments", verdict, message)
         .detectable(detectable)
-        .figure("statistic", found.statistic)
+        .figure("statistic", statistic)
         .figure("components", used as f64)
-        .figure("left_out", (rank - used) as f64)
+        .figure("left_out", (rank - used) as f64);
+    if used > 0 || p_value.is_nan() { outcome.p_value(p_value) } else { outcome }
 }

@@ -56,7 +56,10 @@ fn honest_models_pass_every_check_at_every_roughness() {
         for (number, wo) in (0..).zip(directions()) {
             for outcome in run_all(subject.as_ref(), wo, seed_for(name, number), &effort) {
                 println!("{name} {number} {}: {}", outcome.check, outcome.message);
-                assert_eq!(outcome.verdict, Verdict::Equivalent, "{name} {wo}: {outcome:?}");
+                // Harmonics of low degree have nothing to say about lobes as narrow as a needle.
+                let silent = outcome.check == "moments" && outcome.figures.get("components") == Some(&0.0);
+                let expected = if silent { Verdict::Inconclusive } else { Verdict::Equivalent };
+                assert_eq!(outcome.verdict, expected, "{name} {wo}: {outcome:?}");
             }
         }
     }

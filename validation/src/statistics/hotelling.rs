@@ -7,15 +7,11 @@ use statrs::function::beta;
 pub struct Components {
     /// Components that vary independently of those before them.
     pub rank: usize,
-    /// Those whose mean is near enough to normal to be judged.
+    /// Those whose mean is near enough to normal, and whose expected mean is known well enough, to be judged.
     pub used: usize,
     /// n Σ z², z being the means of the used components in standard deviations.
     pub statistic: f64,
     pub p_value: f64,
-    /// How large a statistic the error of the expected mean alone would cause.
-    pub blur: f64,
-    /// The p-value if that error is as kind to the subject as it can be.
-    pub kindest: f64,
 }
 
 /// Variance left to a component by those before it, relative to its own, below which it is one of their sums.
@@ -24,6 +20,9 @@ const DEPENDENT: f64 = 1e-4;
 /// Largest skewness and excess kurtosis of a *mean* that counts as normal: third and fourth cumulants over n^½ and n.
 const SKEWED: f64 = 0.05;
 const HEAVY: f64 = 0.05;
+
+/// Most that the error of the expected mean may add to the statistic of a component, which is 1 in expectation.
+const BLURRED: f64 = 0.01;
 
 /// Tests whether the vectors that `samples` yields (the same ones at each call) have the mean `expected` ± `error`.
 ///
@@ -55,24 +54,17 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
             powers[1] += z * z * z * z;
         }
     }
-    let normal: Vec<bool> = powers
-        .iter()
-        .map(|[third, fourth]| {
-            let (skewness, kurtosis) = (third / count, fourth / count - 3.0);
-            skewness.abs() / count.sqrt() <= SKEWED && kurtosis.abs() / count <= HEAVY
-        })
-        .collect();
+    let usable = powers.iter().zip(reach(&factor, rank, error)).map(|([third, fourth], reach)| {
+        let (skewness, kurtosis) = (third / count, fourth / count - 3.0);
+        let normal = skewness.abs() / count.sqrt() <= SKEWED && kurtosis.abs() / count <= HEAVY;
+        normal && count * reach * reach <= BLURRED
+    });
     let shift = whiten(&std::array::from_fn(|i| mean[i] - expected[i]));
-    let spread = reach(&factor, rank, error);
-    let kept = |values: Vec<f64>| {
-        count * values.iter().zip(&normal).filter(|(_, normal)| **normal).map(|(z, _)| z * z).sum::<f64>()
-    };
-    let (statistic, blur) = (kept(shift), kept(spread));
-    let used = normal.iter().filter(|normal| **normal).count();
+    let judged: Vec<f64> = shift.into_iter().zip(usable).filter(|part| part.1).map(|part| part.0).collect();
+    let (used, statistic) = (judged.len(), count * judged.iter().map(|z| z * z).sum::<f64>());
     let broken = mean.iter().chain(expected).any(|value| !value.is_finite());
-    let tail = |statistic: f64| if broken { f64::NAN } else { upper(statistic, used as f64, count) };
-    let least = (statistic.sqrt() - blur.sqrt()).max(0.0);
-    Components { rank, used, statistic, p_value: tail(statistic), blur, kindest: tail(least * least) }
+    let p_value = if broken { f64::NAN } else { upper(statistic, used as f64, count) };
+    Components { rank, used, statistic, p_value }
 }
 
 /// P(T² ≥ `statistic`), by the incomplete beta function.
