@@ -4,7 +4,8 @@ use clap::Parser;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use validate::{materials, references};
+use validate::trial::{Trial, effort};
+use validate::{limits, materials, references, sampling};
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -22,8 +23,28 @@ enum Command {
         /// Samples a check
         #[arg(long, default_value_t = 1 << 18)]
         samples: usize,
+        /// 10 000 states for `jacobian`, harmonics to degree 8 for `moments`
+        #[arg(long)]
+        thorough: bool,
         /// Another number, other seeds
-        #[arg(long, default_value_t = 0)]
+        #[arg(long, alias = "seed", default_value_t = 0)]
+        number: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
+    /// All checks on all else that is drawn: light, lenses, filters, wavelengths, warps
+    Sampling {
+        /// Only what this is in the name of
+        name: Option<String>,
+        /// Samples a check
+        #[arg(long, default_value_t = 1 << 18)]
+        samples: usize,
+        /// 10 000 states for `jacobian`, harmonics to degree 8 for `moments`
+        #[arg(long)]
+        thorough: bool,
+        /// Another number, other seeds
+        #[arg(long, alias = "seed", default_value_t = 0)]
         number: u64,
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
@@ -75,21 +96,16 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
     match command {
-        Command::Bsdf { name, samples, number, json } => {
-            let trials = materials::trials(name.as_deref());
+        Command::Bsdf { name, samples, thorough, number, json } => {
+            let trials = [materials::trials(name.as_deref()), limits::trials(name.as_deref())].concat();
             if trials.is_empty() {
                 return Err("there is no such material; see `etalon plugins`".into());
             }
-            // Every trial shares the suite's level of 1 % (Šidák).
-            let level = validation::statistics::sidak(0.01, trials.len());
-            let mut outcomes = vec![];
-            for trial in trials {
-                if let Some(outcome) = trial.run(samples, level, number)? {
-                    print(&outcome);
-                    outcomes.push(outcome);
-                }
-            }
-            finish(Report::new("materials", outcomes), json)
+            judge(trials, samples, thorough, number, json, "materials")
+        }
+        Command::Sampling { name, samples, thorough, number, json } => {
+            let trials = sampling::trials(name.as_deref());
+            judge(trials, samples, thorough, number, json, "sampling")
         }
         Command::Images { a, b, margin, json, map } => {
             let settings = Settings::with_margin(margin);
@@ -116,6 +132,25 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             finish(Report::new("scenes", outcomes), json)
         }
     }
+}
+
+fn judge(
+    trials: Vec<Trial>,
+    samples: usize,
+    thorough: bool,
+    number: u64,
+    json: Option<PathBuf>,
+    title: &str,
+) -> Result<Verdict, Box<dyn Error>> {
+    let effort = effort(samples, trials.len(), thorough);
+    let mut outcomes = vec![];
+    for trial in trials {
+        if let Some(outcome) = trial.run(&effort, number)? {
+            print(&outcome);
+            outcomes.push(outcome);
+        }
+    }
+    finish(Report::new(title, outcomes), json)
 }
 
 fn print(outcome: &Outcome) {

@@ -12,10 +12,15 @@ const SAME: f64 = 1e-12;
 /// First numbers that are tried to find the lobes at a point of the square.
 const SCAN: usize = 32;
 
-/// Entries of the table that inverses start from, and starts from each part of the range of first numbers.
-const TABLE: usize = 8192;
-const STRATA: usize = 8;
-const STARTS: usize = 3;
+/// The largest number below 1.
+const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// Points of the square in the table that inverses start from, and starts from each lobe.
+const TABLE: usize = 4096;
+const STARTS: usize = 12;
+
+/// Preimages in one lobe nearer than this in stretched coordinates are one.
+const NEAR: f64 = 1e-3;
 
 /// The draws from one direction, without delta lobes.
 pub(super) struct Map<'a> {
@@ -41,8 +46,7 @@ impl Map<'_> {
     fn share(&self, lobe: f64, v: [f64; 2]) -> Option<(f64, f64)> {
         let target = self.at(lobe, v)?;
         let same = |number: f64| self.at(number, v).is_some_and(|wi| (wi - target).length() <= SAME);
-        let last = 1.0 - f64::EPSILON / 2.0;
-        let mut numbers: Vec<f64> = (0..=SCAN).map(|i| (i as f64 / SCAN as f64).min(last)).collect();
+        let mut numbers: Vec<f64> = (0..=SCAN).map(|i| (i as f64 / SCAN as f64).min(LAST)).collect();
         numbers.push(lobe);
         numbers.sort_by(f64::total_cmp);
         let (mut share, mut own, mut start) = (0.0, [0.0, 1.0], same(numbers[0]).then_some(0.0));
@@ -68,13 +72,26 @@ impl Map<'_> {
         Some((share, 0.5 * (own[0] + own[1])))
     }
 
+    /// Every direction that `v` leads to, with a first number that leads there, in the order of these numbers.
+    fn directions(&self, v: [f64; 2]) -> Vec<(f64, DVec3)> {
+        let mut found: Vec<(f64, DVec3)> = vec![];
+        for number in (0..=SCAN).map(|i| (i as f64 / SCAN as f64).min(LAST)) {
+            if let Some(wi) = self.at(number, v)
+                && found.iter().all(|(_, other)| (*other - wi).length() > SAME)
+            {
+                found.push((number, wi));
+            }
+        }
+        found
+    }
+
     /// |∂ω/∂u × ∂ω/∂v| and its relative error. Steps are halved until the sixth-order differences agree or rounding
     /// makes them disagree more.
     fn area_factor(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
         let mut steps = v.map(|x| (0.25 * x.min(1.0 - x)).min(1.0 / 32.0));
         let mut best = Integral { value: f64::NAN, error: f64::INFINITY };
         let mut last = f64::NAN;
-        for _ in 0..12 {
+        for _ in 0..18 {
             if let (Some(du), Some(dv)) = (self.slope(lobe, v, 0, steps[0]), self.slope(lobe, v, 1, steps[1])) {
                 let value = du.cross(dv).length();
                 let error = ((value - last) / value).abs();
@@ -139,69 +156,66 @@ struct Entry {
 
 /// Where directions come from, if more than one lobe makes them.
 pub(super) struct Preimages {
-    strata: Vec<Vec<Entry>>,
+    /// By the order in which first numbers choose them where each leads somewhere.
+    lobes: Vec<Vec<Entry>>,
 }
 
 impl Preimages {
     pub fn new(map: &Map, stream: &mut Stream) -> Self {
-        let mut preimages = Self { strata: vec![] };
+        let mut lobes: Vec<Vec<Entry>> = vec![];
         if several_lobes(map, stream) {
-            preimages.strata = (0..STRATA).map(|_| vec![]).collect();
             for i in 0..TABLE {
                 // Half of them evenly, half far into the tails.
-                let t = [0, 1].map(|_| {
-                    if i % 2 == 0 { stretched([stream.uniform(); 2])[0] } else { 36.0 * (stream.uniform() - 0.5) }
+                let t = [0, 1].map(|_| match i % 2 {
+                    0 => stretched([stream.uniform(); 2])[0],
+                    _ => 24.0 * (stream.uniform() - 0.5),
                 });
-                let lobe = stream.uniform();
-                if let Some(wi) = map.at(lobe, unstretched(t)).filter(|_| t.iter().all(|t| t.is_finite())) {
-                    preimages.strata[(lobe * STRATA as f64) as usize].push(Entry { lobe, t, wi });
+                if t.iter().all(|t| t.is_finite()) {
+                    for (number, (lobe, wi)) in map.directions(unstretched(t)).into_iter().enumerate() {
+                        if lobes.len() == number {
+                            lobes.push(vec![]);
+                        }
+                        lobes[number].push(Entry { lobe, t, wi });
+                    }
                 }
             }
         }
-        preimages
+        Self { lobes }
     }
 
     /// Whether a direction may come from more than one lobe.
     pub fn several(&self) -> bool {
-        !self.strata.is_empty()
+        !self.lobes.is_empty()
     }
 
     /// The density at `wi` of all preimages found, to which `own` at `v` belongs, as soon as it meets `stated`.
-    pub fn sum(
-        &self,
-        map: &Map,
-        wi: DVec3,
-        own: f64,
-        v: [f64; 2],
-        stated: f64,
-        tolerance: f64,
-    ) -> f64 {
+    pub fn sum(&self, map: &Map, wi: DVec3, own: f64, v: [f64; 2], stated: f64, tolerance: f64) -> f64 {
         let mut found = vec![(stretched(v), own)];
-        let total = |found: &[([f64; 2], f64)]| found.iter().map(|part| part.1).sum::<f64>();
-        for entry in self.strata.iter().flat_map(|entries| nearest(entries, wi)) {
+        for entry in self.lobes.iter().flat_map(|entries| nearest(entries, wi)) {
             let Some(t) = invert(map, entry, wi) else { continue };
-            if found.iter().any(|(known, _)| (0..2).all(|i| (known[i] - t[i]).abs() < 1e-5)) {
+            // The same place, and this lobe leads from there to the same direction.
+            let same = |other: [f64; 2]| {
+                (0..2).all(|i| (other[i] - t[i]).abs() < NEAR)
+                    && map.at(entry.lobe, unstretched(other)).is_some_and(|w| (w - wi).length() < NEAR)
+            };
+            if found.iter().any(|(other, _)| same(*other)) {
                 continue;
             }
             if let Some(density) = map.density(entry.lobe, unstretched(t)) {
                 found.push((t, density.value));
             }
-            if total(&found) > stated * (1.0 - tolerance) {
-                break;
+            let total: f64 = found.iter().map(|part| part.1).sum();
+            if total > stated * (1.0 - tolerance) {
+                return total;
             }
         }
-        total(&found)
+        found.iter().map(|part| part.1).sum()
     }
 }
 
 /// Whether some point of the square leads to two directions outside delta lobes.
 fn several_lobes(map: &Map, stream: &mut Stream) -> bool {
-    (0..64).any(|_| {
-        let v = [stream.uniform(), stream.uniform()];
-        let mut directions = (0..=2 * SCAN).filter_map(|i| map.at(i as f64 / (2.0 * SCAN as f64 + 1e-9), v));
-        let first = directions.next();
-        first.is_some_and(|first| directions.any(|wi| (wi - first).length() > SAME))
-    })
+    (0..64).any(|_| map.directions([stream.uniform(), stream.uniform()]).len() > 1)
 }
 
 fn nearest(entries: &[Entry], wi: DVec3) -> Vec<&Entry> {

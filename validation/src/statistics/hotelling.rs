@@ -17,9 +17,10 @@ pub struct Components {
 /// Variance left to a component by those before it, relative to its own, below which it is one of their sums.
 const DEPENDENT: f64 = 1e-4;
 
-/// Largest skewness and excess kurtosis of a *mean* that counts as normal: third and fourth cumulants over n^½ and n.
+/// Largest skewness and excess kurtosis of a *mean* that counts as normal: third and fourth cumulants over n^½ and n. The
+/// second says that at least some 500 samples carry the variance.
 const SKEWED: f64 = 0.05;
-const HEAVY: f64 = 0.05;
+const HEAVY: f64 = 0.002;
 
 /// Most that the error of the expected mean may add to the statistic of a component, which is 1 in expectation.
 const BLURRED: f64 = 0.01;
