@@ -26,22 +26,33 @@ pub struct Rough {
     pub eta: Option<f64>,
 }
 
+/// Cells along each axis that quadrature starts from.
+const CELLS: f64 = 16.0;
+
 impl Rough {
     /// The flux that leaves over the flux that arrives, for light from a direction with cosine `cosine` to the normal.
     ///
     /// ∫ D(m) G₁(o, m) (o·m)/(o·n) [F G₁(r) + (1 − F) G₁(t)] dm, in the coordinates in which D(m)(m·n) dm is uniform.
     pub fn albedo(&self, cosine: f64, tolerance: f64) -> Integral {
         let o = DVec3::new(((1.0 - cosine) * (1.0 + cosine)).sqrt(), 0.0, cosine);
-        let half = Cell { low: [0.0, 0.0], high: [1.0, PI] };
-        // The distribution is symmetric about the plane of incidence.
-        let found = integrate(&[half], tolerance * PI, 4_000_000, |[v, phi]| {
+        // The distribution is symmetric about the plane of incidence. Many cells, lest edges fall between the first points.
+        let strip = |i: usize, j: usize| Cell {
+            low: [i as f64 / CELLS, PI * j as f64 / CELLS],
+            high: [(i + 1) as f64 / CELLS, PI * (j + 1) as f64 / CELLS],
+        };
+        let cells: Vec<Cell> = (0..256).map(|k| strip(k / 16, k % 16)).collect();
+        let found = integrate(&cells, tolerance * PI, 4_000_000, |[v, phi]| {
             let slope = match self.slopes {
                 Slopes::Beckmann => (-libm::log(1.0 - v)).sqrt(),
                 Slopes::Ggx => (v / (1.0 - v)).sqrt(),
             } * self.alpha;
             let m = DVec3::new(slope * libm::cos(phi), slope * libm::sin(phi), 1.0).normalize();
             let facing = o.dot(m);
-            if facing <= 0.0 { 0.0 } else { facing / (o.z * m.z) * self.masking(o) * self.leaving(o, m, facing) }
+            if facing <= 0.0 {
+                0.0
+            } else {
+                facing / (o.z * m.z) * self.masking(o) * self.leaving(o, m, facing)
+            }
         });
         Integral { value: found.value / PI, error: found.error / PI }
     }

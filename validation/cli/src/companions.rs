@@ -22,7 +22,8 @@ impl<'a> Companion<'a> {
             let other = Wavelengths::sample_visible((HERO + 0.618 * lane as f64).fract());
             take(&mut strange, lane, &other, 0);
         }
-        [drawn, strange].map(|company| Self { subject, places: std::array::from_fn(|by| turned(&company, by)) })
+        [drawn, strange]
+            .map(|company| Self { subject, places: std::array::from_fn(|by| turned(&company, by)) })
     }
 }
 

@@ -42,7 +42,8 @@ fn pairs() -> Vec<(String, String, String, f64)> {
     }
     let dispersive = r#"<string name="cauchy" value="1.5 1e-9 0"/><float name="ext_ior" value="1"/>"#;
     add("undispersed", bsdf("dielectric", dispersive), bsdf("dielectric", GLASS), 1e-4);
-    let table = r#"<spectrum name="int_ior" value="360:1.5, 830:1.500001"/><float name="ext_ior" value="1"/>"#;
+    let table =
+        r#"<spectrum name="int_ior" value="360:1.5, 830:1.500001"/><float name="ext_ior" value="1"/>"#;
     add("undispersed-table", bsdf("dielectric", table), bsdf("dielectric", GLASS), 1e-4);
     let matte = bsdf("diffuse", "");
     let mask = |opacity: f64| bsdf("mask", &format!("<float name=\"opacity\" value=\"{opacity}\"/>{matte}"));

@@ -4,8 +4,9 @@ use clap::Parser;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use validate::trial::{Trial, effort};
-use validate::{limits, materials, references, sampling};
+use validate::trial::{Trial, effort, effort_of_sampling};
+use validate::{furnace, ledger, limits, materials, references, sampling};
+use validation::checks::Effort;
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -32,6 +33,9 @@ enum Command {
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+        /// Append every p-value to a file of JSON lines
+        #[arg(long, value_name = "FILE")]
+        ledger: Option<PathBuf>,
     },
     /// All checks on all else that is drawn: light, lenses, filters, wavelengths, warps
     Sampling {
@@ -49,7 +53,29 @@ enum Command {
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+        /// Append every p-value to a file of JSON lines
+        #[arg(long, value_name = "FILE")]
+        ledger: Option<PathBuf>,
     },
+    /// Energy over roughness, index and angle
+    Furnace {
+        /// Only what this is in the name of
+        name: Option<String>,
+        /// Samples an albedo
+        #[arg(long, default_value_t = 1 << 18)]
+        samples: usize,
+        /// Another number, other seeds
+        #[arg(long, alias = "seed", default_value_t = 0)]
+        number: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Write what single scattering loses, and check nothing
+        #[arg(long, value_name = "CSV")]
+        losses: Option<PathBuf>,
+    },
+    /// Whether the p-values of a ledger are uniform
+    Ledger { file: PathBuf },
     /// Whether two images have the same expectation
     Images {
         /// The reference
@@ -96,16 +122,37 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
     match command {
-        Command::Bsdf { name, samples, thorough, number, json } => {
+        Command::Bsdf { name, samples, thorough, number, json, ledger } => {
             let trials = [materials::trials(name.as_deref()), limits::trials(name.as_deref())].concat();
             if trials.is_empty() {
                 return Err("there is no such material; see `etalon plugins`".into());
             }
-            judge(trials, samples, thorough, number, json, "materials")
+            let effort = effort(samples, trials.len(), thorough);
+            finish(judge("materials", trials, &effort, number, ledger)?, json)
         }
-        Command::Sampling { name, samples, thorough, number, json } => {
+        Command::Sampling { name, samples, thorough, number, json, ledger } => {
             let trials = sampling::trials(name.as_deref());
-            judge(trials, samples, thorough, number, json, "sampling")
+            let effort = effort_of_sampling(samples, trials.len(), thorough);
+            finish(judge("sampling", trials, &effort, number, ledger)?, json)
+        }
+        Command::Furnace { losses: Some(path), .. } => {
+            std::fs::write(path, furnace::losses())?;
+            Ok(Verdict::Equivalent)
+        }
+        Command::Furnace { name, samples, number, json, losses: None } => {
+            let cells = furnace::cells(name.as_deref());
+            let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), true) };
+            let mut outcomes = vec![];
+            for cell in cells {
+                outcomes.push(cell.run(&effort, number)?);
+                outcomes.last().map(print);
+            }
+            finish(Report::new("furnace", outcomes), json)
+        }
+        Command::Ledger { file } => {
+            let report = ledger::judge(&file)?;
+            report.outcomes.iter().for_each(print);
+            Ok(report.verdict)
         }
         Command::Images { a, b, margin, json, map } => {
             let settings = Settings::with_margin(margin);
@@ -135,22 +182,23 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
 }
 
 fn judge(
-    trials: Vec<Trial>,
-    samples: usize,
-    thorough: bool,
-    number: u64,
-    json: Option<PathBuf>,
     title: &str,
-) -> Result<Verdict, Box<dyn Error>> {
-    let effort = effort(samples, trials.len(), thorough);
+    trials: Vec<Trial>,
+    effort: &Effort,
+    number: u64,
+    ledger: Option<PathBuf>,
+) -> Result<Report, Box<dyn Error>> {
     let mut outcomes = vec![];
     for trial in trials {
-        if let Some(outcome) = trial.run(&effort, number)? {
+        if let Some(outcome) = trial.run(effort, number)? {
             print(&outcome);
             outcomes.push(outcome);
         }
     }
-    finish(Report::new(title, outcomes), json)
+    if let Some(path) = ledger {
+        validate::ledger::append(&path, &outcomes, number)?;
+    }
+    Ok(Report::new(title, outcomes))
 }
 
 fn print(outcome: &Outcome) {

@@ -46,11 +46,13 @@ impl Subject {
         Self { limit: Some((Box::new(limit), within)), ..self }
     }
 
-    /// The relative index of the far side, as a refracted sample from the front tells it.
+    /// The relative index of the far side, as a refracted sample from the front tells it; steep enough for light to cross
+    /// whatever the index.
     fn index(&self) -> Option<f64> {
         let bsdf = self.material.at(&self.point, &self.λ);
-        let tries = (0..256).map(|i| (i as f64 + 0.5) / 256.0);
-        let samples = tries.filter_map(|lobe| bsdf.sample(direction(0.9, 0.3), lobe, DVec2::new(0.4, 0.2)));
+        let tries = (0..4096).map(|i| [(i % 64) as f64 / 64.0, (i / 64) as f64 / 64.0]);
+        let samples = tries
+            .filter_map(|[lobe, u]| bsdf.sample(direction(0.9999, 0.3), lobe, DVec2::new(u, 0.2 + 0.5 * u)));
         samples.map(|sample| sample.eta).find(|eta| *eta != 1.0)
     }
 }

@@ -53,7 +53,12 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
             for (place, margins) in [("inside", [100, 100]), ("border", [1, 0])] {
                 let source =
                     wrap(move || drawn_places::Filter::new(snippet, margins).map(validation::chart::Chart));
-                trials.extend(trials_of(&format!("{}[{i}]-{place}", filter.name), &source, &ONCE, &SCATTERING));
+                trials.extend(trials_of(
+                    &format!("{}[{i}]-{place}", filter.name),
+                    &source,
+                    &ONCE,
+                    &SCATTERING,
+                ));
             }
         }
     }
@@ -69,4 +74,3 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
     trials.retain(|trial| name.is_none_or(|name| trial.name.contains(name)));
     trials
 }
-

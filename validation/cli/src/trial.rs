@@ -58,6 +58,11 @@ pub fn effort(samples: usize, count: usize, thorough: bool) -> Effort {
     Effort { samples, level, smallest: 1e-30, thorough, ..Effort::default() }
 }
 
+/// The same for places in filters, whose polynomials reach zero by cancellation.
+pub fn effort_of_sampling(samples: usize, count: usize, thorough: bool) -> Effort {
+    Effort { smallest: 1e-9, ..effort(samples, count, thorough) }
+}
+
 /// The trials as tests of libtest-mimic see them: only a fault fails.
 pub fn judge(trial: &Trial, effort: &Effort) -> Result<(), String> {
     match trial.run(effort, 0)? {

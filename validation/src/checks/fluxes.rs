@@ -34,9 +34,8 @@ pub(super) fn compare(a: &[[f64; 5]], b: &[[f64; 5]], margin: f64, effort: &Effo
         (interval.verdict(0.0, margin), interval.high.max(-interval.low))
     };
     let answers: [(Verdict, f64); 5] = std::array::from_fn(answer);
-    let order = |&i: &usize, &j: &usize| {
-        answers[i].0.cmp(&answers[j].0).then(answers[i].1.total_cmp(&answers[j].1))
-    };
+    let order =
+        |&i: &usize, &j: &usize| answers[i].0.cmp(&answers[j].0).then(answers[i].1.total_cmp(&answers[j].1));
     let worst = (0..NAMES.len()).max_by(order).unwrap_or(0);
     let mean = |moments: &[[f64; 5]]| moments.iter().map(|m| m[worst]).sum::<f64>() / moments.len() as f64;
     let message = format!(

@@ -43,11 +43,10 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     let welch = Welch::new(exact, smooth);
     // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own digits allow.
     let slack = integral.error + effort.tolerance * integral.value.abs();
-    // So little light that an honest model may well not have sampled any (weights being about 1): all of it is slack.
-    let unseen = smooth.mean == 0.0 && integral.value * (effort.samples as f64) < -libm::log(effort.level);
-    let slack = if unseen { slack + integral.value.abs() } else { slack };
-    let agreement =
-        Interval::around(welch.difference, welch.half_width(effort.level) + slack).verdict(0.0, effort.albedo);
+    // Draws that carry or lose about 1 may be so rare that an honest model did not show any; no variance tells.
+    let slack = slack - libm::log(effort.level) / effort.samples as f64;
+    let agreement = Interval::around(welch.difference, welch.half_width(effort.level) + slack)
+        .verdict(0.0, effort.albedo);
     let certain = Interval::around(total.mean, Welch::new(exact, total).half_width(effort.level) + slack);
     let bounded = if certain.low > 1.0 + effort.tolerance { Verdict::Different } else { Verdict::Equivalent };
     let lossless = if laws.lossless { strict(certain, effort) } else { Verdict::Equivalent };

@@ -41,7 +41,10 @@ fn factor(l: usize, m: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{quadrature::{Cell, integrate}, scatterer::direction};
+    use crate::{
+        quadrature::{Cell, integrate},
+        scatterer::direction,
+    };
     use std::f64::consts::PI;
 
     #[test]

@@ -127,10 +127,12 @@ fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cel
     let crowd = points.iter().fold(0.0f64, |most, point| most.max(point[2]));
     let split = if points.is_empty() {
         halve(&cell, LARGEST)
-    } else if crowd * area > CROWDED * points.len().max(PER_CELL) as f64 {
-        halve(&cell, LARGEST.map(|limit| limit * f64::EPSILON))
     } else if let Some(split) = halve(&cell, cover.map(|cover| LOOSE * cover)) {
         Some(split)
+    } else if crowd * area > CROWDED * points.len().max(PER_CELL) as f64 {
+        // Towards the needle: across where it is thinner than the cell.
+        let needle: Vec<Point> = points.iter().filter(|point| point[2] > 0.1 * crowd).copied().collect();
+        halve(&cell, extent(&needle)).or_else(|| halve(&cell, LARGEST.map(|limit| limit * f64::EPSILON)))
     } else if points.len() >= 2 * PER_CELL {
         median(&cell, points)
     } else {

@@ -15,9 +15,9 @@ const SCAN: usize = 32;
 /// The largest number below 1.
 const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Points of the square in the table that inverses start from, and starts from each lobe.
+/// Points of the square in the table that inverses start from, and starts from each part of the first numbers.
 const TABLE: usize = 4096;
-const STARTS: usize = 12;
+const STARTS: usize = 5;
 
 /// Preimages in one lobe nearer than this in stretched coordinates are one.
 const NEAR: f64 = 1e-3;
@@ -92,7 +92,8 @@ impl Map<'_> {
         let mut best = Integral { value: f64::NAN, error: f64::INFINITY };
         let mut last = f64::NAN;
         for _ in 0..18 {
-            if let (Some(du), Some(dv)) = (self.slope(lobe, v, 0, steps[0]), self.slope(lobe, v, 1, steps[1])) {
+            if let (Some(du), Some(dv)) = (self.slope(lobe, v, 0, steps[0]), self.slope(lobe, v, 1, steps[1]))
+            {
                 let value = du.cross(dv).length();
                 let error = ((value - last) / value).abs();
                 if error < best.error {
@@ -156,27 +157,25 @@ struct Entry {
 
 /// Where directions come from, if more than one lobe makes them.
 pub(super) struct Preimages {
-    /// By the order in which first numbers choose them where each leads somewhere.
+    /// By the part of the first numbers in which a lobe begins.
     lobes: Vec<Vec<Entry>>,
 }
 
 impl Preimages {
     pub fn new(map: &Map, stream: &mut Stream) -> Self {
-        let mut lobes: Vec<Vec<Entry>> = vec![];
-        if several_lobes(map, stream) {
-            for i in 0..TABLE {
-                // Half of them evenly, half far into the tails.
-                let t = [0, 1].map(|_| match i % 2 {
-                    0 => stretched([stream.uniform(); 2])[0],
-                    _ => 24.0 * (stream.uniform() - 0.5),
-                });
-                if t.iter().all(|t| t.is_finite()) {
-                    for (number, (lobe, wi)) in map.directions(unstretched(t)).into_iter().enumerate() {
-                        if lobes.len() == number {
-                            lobes.push(vec![]);
-                        }
-                        lobes[number].push(Entry { lobe, t, wi });
-                    }
+        if !several_lobes(map, stream) {
+            return Self { lobes: vec![] };
+        }
+        let mut lobes: Vec<Vec<Entry>> = (0..=SCAN).map(|_| vec![]).collect();
+        for i in 0..TABLE {
+            // Half of them evenly, half far into the tails.
+            let t = [0, 1].map(|_| match i % 2 {
+                0 => stretched([stream.uniform(); 2])[0],
+                _ => 24.0 * (stream.uniform() - 0.5),
+            });
+            if t.iter().all(|t| t.is_finite()) {
+                for (lobe, wi) in map.directions(unstretched(t)) {
+                    lobes[(lobe * SCAN as f64).round() as usize].push(Entry { lobe, t, wi });
                 }
             }
         }

@@ -47,10 +47,11 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     let own = fluxes(scatterer, wo, seed, samples);
     let level = crate::statistics::sidak(effort.level, companions.len());
     let effort = Effort { level, ..*effort };
-    let answers = companions.iter().map(|companion| {
-        compare(&own, &fluxes(companion.as_ref(), wo, seed, samples), MARGIN, &effort)
-    });
+    let answers = companions
+        .iter()
+        .map(|companion| compare(&own, &fluxes(companion.as_ref(), wo, seed, samples), MARGIN, &effort));
     let worst = answers.max_by_key(|(verdict, _)| *verdict);
-    let (verdict, message) = worst.unwrap_or((Verdict::Inconclusive, "it knows of no other wavelength".into()));
+    let (verdict, message) =
+        worst.unwrap_or((Verdict::Inconclusive, "it knows of no other wavelength".into()));
     Outcome::new("spectral", verdict, message)
 }

@@ -23,6 +23,10 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     for _ in 0..effort.samples.div_ceil(16) {
         let Some(sample) = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta) else { continue };
         let (value, pdf) = (scatterer.value(wo, sample.wi), scatterer.pdf(wo, sample.wi));
+        // Neither has digits to compare.
+        if (sample.weight * pdf).max(value) < effort.smallest && sample.pdf == pdf {
+            continue;
+        }
         let weight = relative_difference(sample.weight * pdf, value);
         let density = relative_difference(sample.pdf, pdf);
         checked += 1;
@@ -45,7 +49,9 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         Some((what, wi)) if wrong > 0 => {
             format!("{what} differ by {worst:.2e} at {}; {wrong} of {checked} samples are wrong", show(wi))
         }
-        _ => format!("{checked} samples agree within {worst:.1e}, but for {blurred} where the value has no digits"),
+        _ => format!(
+            "{checked} samples agree within {worst:.1e}, but for {blurred} where the value has no digits"
+        ),
     };
     let verdict = if 100 * blurred > checked { verdict.max(Verdict::Inconclusive) } else { verdict };
     Outcome::new("weight", verdict, message)

@@ -24,7 +24,11 @@ impl Scatterer for Mixture {
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        if self.forgetful { self.share * self.conductor.pdf(wo, wi) } else { self.mean(|part| part.pdf(wo, wi)) }
+        if self.forgetful {
+            self.share * self.conductor.pdf(wo, wi)
+        } else {
+            self.mean(|part| part.pdf(wo, wi))
+        }
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
