@@ -32,7 +32,7 @@ const CROWDED: f64 = 16.0;
 type Point = [f64; 3];
 
 /// Evaluations for one bin, at most.
-const BUDGET: usize = 100_000;
+const BUDGET: usize = 200_000;
 
 enum Node {
     Split { axis: usize, position: f64, children: [usize; 2] },
@@ -93,7 +93,7 @@ impl Partition {
         function: impl Fn(DVec3) -> [f64; N],
     ) -> ([f64; N], f64) {
         let cells: Vec<Cell> = self.bins.iter().flatten().copied().collect();
-        let budget = BUDGET * self.bins.len() / 4;
+        let budget = BUDGET * self.bins.len() / 8;
         integrate_all(&cells, tolerance, budget, |[z, phi]| function(direction(z, phi)))
     }
 
