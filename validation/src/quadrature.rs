@@ -57,27 +57,15 @@ pub fn integrate(
     function: impl Fn([f64; 2]) -> f64,
 ) -> Integral {
     let function = |point| [function(point)];
-    let mut aim = tolerance;
-    loop {
-        let integral = twice(cells, aim, budget, &function);
-        // Rules that agreed by chance are asked again for more.
-        if !(integral.error > tolerance) || aim < tolerance / 100.0 {
-            return integral;
-        }
-        aim /= 16.0;
-    }
-}
-
-/// An integral whose error is also measured, on other cells: rules can agree by chance, as they do on staircases.
-fn twice(cells: &[Cell], aim: f64, budget: usize, function: &impl Fn([f64; 2]) -> [f64; 1]) -> Integral {
-    let parts: Vec<Part<1>> = refine(cells, aim, budget, function).collect();
+    let parts: Vec<Part<1>> = refine(cells, tolerance, budget, function).collect();
     let first: f64 = parts.iter().map(|part| part.value[0]).sum();
     let estimate: f64 = parts.iter().map(|part| part.error).sum();
     let cut = |part: &Part<1>| {
         let Cell { low, high } = part.cell;
         let at = low[part.axis] + GOLDEN * (high[part.axis] - low[part.axis]);
-        part.cell.split(part.axis, at).map(|cell| Part::new(cell, function).value[0])
+        part.cell.split(part.axis, at).map(|cell| Part::new(cell, &function).value[0])
     };
+    // Rules can agree by chance, as they do on staircases; they do not agree again on other cells.
     let value: f64 = parts.iter().flat_map(cut).sum();
     Integral { value, error: estimate.max((value - first).abs()) }
 }

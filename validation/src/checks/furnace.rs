@@ -20,13 +20,15 @@ pub(super) const CHECK: Check = Check {
 };
 
 const BINS: usize = 64;
-const QUADRATURE: f64 = 1e-5;
+
+/// Error of the integral, in samples.
+const QUADRATURE: f64 = 1.0;
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
     let laws = scatterer.laws();
     let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
     let flux = |wi: DVec3| scatterer.value(wo, wi) * laws.flux_factor(wo, wi);
-    let integral: Integral = partition.integrate(QUADRATURE, flux).into_iter().sum();
+    let integral: Integral = partition.integrate(QUADRATURE / effort.samples as f64, flux).into_iter().sum();
     let mut stream = Stream::new(seed);
     let weights: Vec<[f64; 2]> = (0..effort.samples)
         .map(|_| match draw(scatterer, wo, &mut stream) {
