@@ -41,17 +41,21 @@ impl Rough {
             high: [(i + 1) as f64 / CELLS, PI * (j + 1) as f64 / CELLS],
         };
         let cells: Vec<Cell> = (0..256).map(|k| strip(k / 16, k % 16)).collect();
-        let found = integrate(&cells, tolerance * PI, 4_000_000, |[v, phi]| {
+        let found = integrate(&cells, tolerance * PI, 4_000_000, |[s, phi]| {
+            if s == 0.0 {
+                return 0.0;
+            }
+            // Uniform is v = 1 − s²; s takes the pole of 1/(m·n) at grazing facets away.
             let slope = match self.slopes {
-                Slopes::Beckmann => (-libm::log(1.0 - v)).sqrt(),
-                Slopes::Ggx => (v / (1.0 - v)).sqrt(),
+                Slopes::Beckmann => (-2.0 * libm::log(s)).sqrt(),
+                Slopes::Ggx => ((1.0 - s) * (1.0 + s)).sqrt() / s,
             } * self.alpha;
             let m = DVec3::new(slope * libm::cos(phi), slope * libm::sin(phi), 1.0).normalize();
             let facing = o.dot(m);
             if facing <= 0.0 {
                 0.0
             } else {
-                facing / (o.z * m.z) * self.masking(o) * self.leaving(o, m, facing)
+                2.0 * s * facing / (o.z * m.z) * self.masking(o) * self.leaving(o, m, facing)
             }
         });
         Integral { value: found.value / PI, error: found.error / PI }

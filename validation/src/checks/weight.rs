@@ -24,7 +24,9 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         let Some(sample) = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta) else { continue };
         let (value, pdf) = (scatterer.value(wo, sample.wi), scatterer.pdf(wo, sample.wi));
         // Neither has digits to compare.
-        if (sample.weight * pdf).max(value) < effort.smallest && sample.pdf == pdf {
+        if (sample.weight * pdf).max(value) < effort.smallest
+            && relative_difference(sample.pdf, pdf) <= effort.tolerance
+        {
             continue;
         }
         let weight = relative_difference(sample.weight * pdf, value);
