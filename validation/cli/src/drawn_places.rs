@@ -30,8 +30,7 @@ pub struct Lens {
 
 impl Lens {
     pub fn new(snippet: &str) -> Result<Self, String> {
-        parse(snippet, |element, loader| Sensor::parse(element, loader))
-            .map(|sensor| Self { camera: sensor.camera })
+        parse(snippet, Sensor::parse).map(|sensor| Self { camera: sensor.camera })
     }
 
     /// The ray's place in the plane of the lens, for cameras whose `to_world` is the identity.

@@ -108,8 +108,7 @@ impl Cell {
             (outcome.figures.get("integrated").copied().unwrap_or(f64::NAN), ROUGH)
         };
         let apart = (albedo - expected).abs();
-        // Not `>`: a NaN must count as wrong.
-        if !(apart <= margin) {
+        if apart.is_nan() || apart > margin {
             outcome.verdict = Verdict::Different;
         }
         let lost = 1.0 - expected;
