@@ -5,13 +5,17 @@
 //! - [`scatterer`] and [`checks`]: is a scattering distribution (BSDF, phase function) consistent with itself?
 //! - [`converge`]: error against run time.
 //! - [`peer`]: scattering distributions in other programs.
+//! - [`chart`]: distributions over rectangles go through the same checks.
+//! - [`microfacet`]: what single scattering at rough surfaces loses, from the definitions.
 //! - [`report`]: what a check found, as one JSON document.
 //!
 //! Every answer has three values, [`Verdict`]: a test that could not have noticed a fault says so instead of passing.
 
+pub mod chart;
 pub mod checks;
 pub mod converge;
 pub mod image;
+pub mod microfacet;
 pub mod peer;
 pub mod quadrature;
 pub mod report;

@@ -50,7 +50,8 @@ pub trait Scatterer {
     /// Density in solid angle of [`Scatterer::sample`], without delta lobes.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 
-    /// A direction for the three uniform numbers `u`, or `None` where the path ends.
+    /// A direction for the three uniform numbers `u`, or `None` where the path ends. By convention the first number
+    /// chooses the lobe and the others the direction in it; the check `jacobian` relies on that.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample>;
 
     /// The laws it claims; none unless stated.
@@ -62,6 +63,24 @@ pub trait Scatterer {
     fn is_phase_function(&self) -> bool {
         false
     }
+
+    /// The same distribution at the same wavelength, on paths that carry other wavelengths beside it. None for models
+    /// that know of one wavelength only.
+    fn companions(&self) -> Vec<Box<dyn Scatterer + '_>> {
+        vec![]
+    }
+
+    /// What the model tends to as its parameter goes to the end of its range, if it stands near that end.
+    fn limit(&self) -> Option<Limit<'_>> {
+        None
+    }
+}
+
+/// A model that another tends to.
+pub struct Limit<'a> {
+    pub scatterer: &'a dyn Scatterer,
+    /// The largest difference of a flux moment (see the check `limits`) that the distance from the limit explains.
+    pub within: f64,
 }
 
 /// The unit vector of `cosine` = z and azimuth `phi`. These coordinates preserve area: dω = dz dφ.

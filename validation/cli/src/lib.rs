@@ -1,17 +1,29 @@
 //! Joins the harness, which knows no renderer, to Etalon, which knows no harness.
 //!
-//! [`materials`] shows every material of the registry to the checks and [`peers`] the BSDFs of other programs;
-//! [`agreement`] compares values and densities with Mitsuba's golden ones. [`references`] renders the reference scenes
-//! and compares them with the images that Mitsuba made; [`closed_forms`] are scenes with an analytic answer, and
-//! [`metamorphic`] pairs of scenes whose images must be alike. [`converge`] measures the error of [`renderers`] against
-//! their time.
+//! [`materials`] shows every material of the registry to the checks, [`limits`] those that should turn into others,
+//! [`sampling`] all else that is drawn, and [`peers`] the BSDFs of other programs; [`furnace`] measures energy over
+//! roughness and index, and [`agreement`] compares values and densities with Mitsuba's golden ones. [`ledger`] keeps
+//! p-values.
+//!
+//! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
+//! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike. [`converge`]
+//! measures the error of [`renderers`] against their time.
 
 pub mod agreement;
 pub mod closed_forms;
+pub mod companions;
 pub mod converge;
+pub mod drawn_light;
+pub mod drawn_places;
+pub mod furnace;
+pub mod ledger;
+pub mod limits;
 pub mod materials;
 pub mod metamorphic;
 pub mod peers;
 pub mod references;
 pub mod renderers;
+pub mod sampling;
 pub mod stage;
+pub mod trial;
+pub mod warps;

@@ -5,7 +5,12 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use validate::{closed_forms, converge, materials, metamorphic, peers, references, renderers};
+use validate::trial::{Trial, effort, effort_of_sampling};
+use validate::{
+    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, peers, references, renderers,
+    sampling,
+};
+use validation::checks::Effort;
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -29,12 +34,18 @@ enum Command {
         /// Samples a check
         #[arg(long, default_value_t = 1 << 18)]
         samples: usize,
+        /// 10 000 states for `jacobian`, harmonics to degree 8 for `moments`
+        #[arg(long)]
+        thorough: bool,
         /// Another number, other seeds
-        #[arg(long, default_value_t = 0)]
+        #[arg(long, alias = "seed", default_value_t = 0)]
         number: u64,
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+        /// Append every p-value to a file of JSON lines
+        #[arg(long, value_name = "FILE")]
+        ledger: Option<PathBuf>,
     },
     /// Error against run time of any renderers of renderers.toml
     Converge {
@@ -63,6 +74,45 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         html: Option<PathBuf>,
     },
+    /// All checks on all else that is drawn: light, lenses, filters, wavelengths, warps
+    Sampling {
+        /// Only what this is in the name of
+        name: Option<String>,
+        /// Samples a check
+        #[arg(long, default_value_t = 1 << 18)]
+        samples: usize,
+        /// 10 000 states for `jacobian`, harmonics to degree 8 for `moments`
+        #[arg(long)]
+        thorough: bool,
+        /// Another number, other seeds
+        #[arg(long, alias = "seed", default_value_t = 0)]
+        number: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Append every p-value to a file of JSON lines
+        #[arg(long, value_name = "FILE")]
+        ledger: Option<PathBuf>,
+    },
+    /// Energy over roughness, index and angle
+    Furnace {
+        /// Only what this is in the name of
+        name: Option<String>,
+        /// Samples an albedo
+        #[arg(long, default_value_t = 1 << 18)]
+        samples: usize,
+        /// Another number, other seeds
+        #[arg(long, alias = "seed", default_value_t = 0)]
+        number: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Write what single scattering loses, and check nothing
+        #[arg(long, value_name = "CSV")]
+        losses: Option<PathBuf>,
+    },
+    /// Whether the p-values of a ledger are uniform
+    Ledger { file: PathBuf },
     /// Whether two images have the same expectation
     Images {
         /// The reference
@@ -115,26 +165,42 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
     match command {
-        Command::Bsdf { name, peer: Some(command), timeout, samples, number, json } => {
+        Command::Bsdf { name, peer: Some(command), timeout, samples, number, json, .. } => {
             let limit = Duration::from_secs(timeout);
             let settings = peers::Settings { name: name.as_deref(), samples, number, limit };
             finish(peers::run(&command, &settings, print)?, json)
         }
-        Command::Bsdf { name, samples, number, json, .. } => {
-            let trials = materials::trials(name.as_deref());
+        Command::Bsdf { name, samples, thorough, number, json, ledger, .. } => {
+            let trials = [materials::trials(name.as_deref()), limits::trials(name.as_deref())].concat();
             if trials.is_empty() {
                 return Err("there is no such material; see `etalon plugins`".into());
             }
-            // Every trial shares the suite's level of 1 % (Šidák).
-            let level = validation::statistics::sidak(0.01, trials.len());
+            let effort = effort(samples, trials.len(), thorough);
+            finish(judge("materials", trials, &effort, number, ledger)?, json)
+        }
+        Command::Sampling { name, samples, thorough, number, json, ledger } => {
+            let trials = sampling::trials(name.as_deref());
+            let effort = effort_of_sampling(samples, trials.len(), thorough);
+            finish(judge("sampling", trials, &effort, number, ledger)?, json)
+        }
+        Command::Furnace { losses: Some(path), .. } => {
+            std::fs::write(path, furnace::losses())?;
+            Ok(Verdict::Equivalent)
+        }
+        Command::Furnace { name, samples, number, json, losses: None } => {
+            let cells = furnace::cells(name.as_deref());
+            let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), true) };
             let mut outcomes = vec![];
-            for trial in trials {
-                if let Some(outcome) = trial.run(samples, level, number)? {
-                    print(&outcome);
-                    outcomes.push(outcome);
-                }
+            for cell in cells {
+                outcomes.push(cell.run(&effort, number)?);
+                outcomes.last().map(print);
             }
-            finish(Report::new("materials", outcomes), json)
+            finish(Report::new("furnace", outcomes), json)
+        }
+        Command::Ledger { file } => {
+            let report = ledger::judge(&file)?;
+            report.outcomes.iter().for_each(print);
+            Ok(report.verdict)
         }
         Command::Converge {
             scene,
@@ -215,6 +281,26 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             finish(Report::new("scenes", outcomes), json)
         }
     }
+}
+
+fn judge(
+    title: &str,
+    trials: Vec<Trial>,
+    effort: &Effort,
+    number: u64,
+    ledger: Option<PathBuf>,
+) -> Result<Report, Box<dyn Error>> {
+    let mut outcomes = vec![];
+    for trial in trials {
+        if let Some(outcome) = trial.run(effort, number)? {
+            print(&outcome);
+            outcomes.push(outcome);
+        }
+    }
+    if let Some(path) = ledger {
+        validate::ledger::append(&path, &outcomes, number)?;
+    }
+    Ok(Report::new(title, outcomes))
 }
 
 fn print(outcome: &Outcome) {

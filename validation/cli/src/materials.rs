@@ -1,25 +1,27 @@
 //! Every material × example × check × direction.
 
+use crate::companions::Companion;
+use crate::trial::{ANGLES, Source, Trial, trials_of};
 use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS};
 use etalon::math::DVec2;
 use etalon::scene::loader::Loader;
 use etalon::scene::xml;
 use etalon::shape::SurfacePoint;
 use etalon::spectrum::{ColorMode, Wavelengths};
-use validation::checks::{CHECKS, Check, Effort};
-use validation::scatterer::{DVec3, direction};
-use validation::statistics::seed_for;
-use validation::{Laws, Outcome, Sample, Scatterer};
+use std::sync::Arc;
+use validation::scatterer::{DVec3, Limit, direction};
+use validation::{Laws, Sample, Scatterer};
 
-/// Angles of incidence in degrees; over 90 is from below.
-pub const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
+/// Where in the sampled wavelengths the subject's own one is.
+pub const HERO: f64 = 0.4;
 
 /// A material at a point, as the checks see it: its first wavelength.
 pub struct Subject {
     laws: Laws,
-    material: AnyMaterial,
-    point: SurfacePoint,
+    pub(crate) material: AnyMaterial,
+    pub(crate) point: SurfacePoint,
     λ: Wavelengths,
+    limit: Option<(Box<Subject>, f64)>,
 }
 
 impl Subject {
@@ -30,19 +32,27 @@ impl Subject {
         let loader = Loader::new(&document, ColorMode::Spectral).map_err(|e| e.to_string())?;
         let material = AnyMaterial::parse(&document.root.children[0], &loader).map_err(|e| e.to_string())?;
         // Alone in its path, so that dispersion does not make it stand for the lanes that go elsewhere.
-        let mut λ = Wavelengths::sample_visible(0.4);
+        let mut λ = Wavelengths::sample_visible(HERO);
         λ.collapse();
-        let mut subject = Self { laws: Laws::default(), material, point: SurfacePoint::flat(), λ };
+        let laws = Laws::default();
+        let mut subject = Self { laws, material, point: SurfacePoint::flat(), λ, limit: None };
         let reciprocal = subject.material.laws().reciprocal;
         subject.laws = Laws { reciprocal, eta: subject.index(), ..Laws::default() };
         Ok(subject)
     }
 
-    /// The relative index of the far side, as a refracted sample from the front tells it.
+    /// The same subject, which claims that the flux it sends anywhere is within `within` of that of `limit`.
+    pub fn near(self, limit: Subject, within: f64) -> Self {
+        Self { limit: Some((Box::new(limit), within)), ..self }
+    }
+
+    /// The relative index of the far side, as a refracted sample from the front tells it; steep enough for light to cross
+    /// whatever the index.
     fn index(&self) -> Option<f64> {
         let bsdf = self.material.at(&self.point, &self.λ);
-        let tries = (0..256).map(|i| (i as f64 + 0.5) / 256.0);
-        let samples = tries.filter_map(|lobe| bsdf.sample(direction(0.9, 0.3), lobe, DVec2::new(0.4, 0.2)));
+        let tries = (0..4096).map(|i| [(i % 64) as f64 / 64.0, (i / 64) as f64 / 64.0]);
+        let samples = tries
+            .filter_map(|[lobe, u]| bsdf.sample(direction(0.9999, 0.3), lobe, DVec2::new(u, 0.2 + 0.5 * u)));
         samples.map(|sample| sample.eta).find(|eta| *eta != 1.0)
     }
 }
@@ -69,47 +79,29 @@ impl Scatterer for Subject {
     fn laws(&self) -> Laws {
         self.laws
     }
+
+    fn companions(&self) -> Vec<Box<dyn Scatterer + '_>> {
+        Companion::of(self).into_iter().map(|companion| Box::new(companion) as Box<dyn Scatterer>).collect()
+    }
+
+    fn limit(&self) -> Option<Limit<'_>> {
+        self.limit.as_ref().map(|(limit, within)| Limit { scatterer: limit.as_ref(), within: *within })
+    }
 }
 
-/// One thing to be checked.
-#[derive(Clone)]
-pub struct Trial {
-    pub name: String,
-    snippet: &'static str,
-    check: &'static Check,
-    wo: DVec3,
+/// A source of subjects of a snippet.
+pub fn source(snippet: impl Into<String>) -> Source {
+    let snippet = snippet.into();
+    Arc::new(move || Subject::new(&snippet).map(|subject| Box::new(subject) as Box<dyn Scatterer>))
 }
 
-/// All trials, or those of one material.
+/// All trials of the registry's materials, or those of one.
 pub fn trials(material: Option<&str>) -> Vec<Trial> {
-    let mut trials = vec![];
-    for entry in MATERIALS.iter().filter(|e| material.is_none_or(|m| m == e.name)) {
-        for (i, snippet) in entry.examples.iter().enumerate() {
-            for check in CHECKS {
-                for angle in ANGLES {
-                    let name = format!("{}[{i}]::{}::{angle}", entry.name, check.name);
-                    trials.push(Trial { name, snippet, check, wo: direction(libm_cos(angle), 0.7) });
-                }
-            }
-        }
-    }
-    trials
-}
-
-fn libm_cos(degrees: f64) -> f64 {
-    etalon::math::function::cos(degrees.to_radians())
-}
-
-impl Trial {
-    /// Runs the check; `None` if it does not apply to what the material claims. `number` draws another seed.
-    pub fn run(&self, samples: usize, level: f64, number: u64) -> Result<Option<Outcome>, String> {
-        let subject = Subject::new(self.snippet)?;
-        if !(self.check.applies)(&subject.laws()) {
-            return Ok(None);
-        }
-        // Values are f32: digits end at 1e-38, and cosines of grazing angles multiply.
-        let effort = Effort { samples, level, smallest: 1e-30, ..Effort::default() };
-        let seed = seed_for(&self.name, number);
-        Ok(Some((self.check.run)(&subject, self.wo, seed, &effort).of(&self.name)))
-    }
+    let entries = MATERIALS.iter().filter(|e| material.is_none_or(|m| m == e.name));
+    let examples = entries.flat_map(|entry| (0..).zip(entry.examples).map(move |(i, e)| (entry.name, i, *e)));
+    examples
+        .flat_map(|(name, i, snippet): (&str, usize, &str)| {
+            trials_of(&format!("{name}[{i}]"), &source(snippet), &ANGLES, &["limits"])
+        })
+        .collect()
 }

@@ -4,11 +4,10 @@ use std::time::Duration;
 
 use validation::checks::{CHECKS, Effort};
 use validation::peer::{Peer, PeerError, Process, judge};
-use validation::scatterer::direction;
 use validation::statistics::{seed_for, sidak};
-use validation::{Outcome, Report};
+use validation::{Outcome, Report, Scatterer};
 
-use crate::materials::ANGLES;
+use crate::trial::{ANGLES, from};
 
 /// What to ask of a peer.
 pub struct Settings<'a> {
@@ -46,14 +45,15 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
             level,
             tolerance: configuration.tolerance,
             smallest: configuration.smallest,
+            ..Effort::default()
         };
-        let laws = configuration.laws.laws();
-        for check in CHECKS.iter().filter(|check| (check.applies)(&laws)) {
+        for check in CHECKS {
             for angle in ANGLES {
                 let name = format!("{}::{}::{angle}", configuration.name, check.name);
-                let wo = direction(etalon::math::function::cos(angle.to_radians()), 0.7);
-                let seed = seed_for(&name, settings.number);
-                let outcome = judge(&mut peer, *index, |s| (check.run)(s, wo, seed, &effort))?.of(name);
+                let (wo, seed) = (from(angle), seed_for(&name, settings.number));
+                let run = |s: &dyn Scatterer| (check.applies)(s).then(|| (check.run)(s, wo, seed, &effort));
+                let Some(outcome) = judge(&mut peer, *index, run)? else { continue };
+                let outcome = outcome.of(name);
                 progress(&outcome);
                 outcomes.push(outcome);
             }

@@ -31,8 +31,8 @@ const POOL: f64 = 5.0;
 const PER_BIN: usize = 1024;
 const BINS: [usize; 2] = [16, 512];
 
-/// Largest error of all integrals together.
-const QUADRATURE: f64 = 1e-4;
+/// Largest error of all expected counts together, in samples: little beside the noise of even the smallest bin.
+const QUADRATURE: f64 = 2.0;
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
     let bins = (effort.samples / PER_BIN).clamp(BINS[0], BINS[1]);
@@ -53,7 +53,7 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         };
         observed[bin] += 1.0;
     }
-    let integrals = partition.integrate(QUADRATURE, |wi| scatterer.pdf(wo, wi));
+    let integrals = partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi));
     conclude(&observed, &integrals, effort)
 }
 

@@ -5,17 +5,24 @@
 
 mod chi2;
 mod finiteness;
+mod fluxes;
 mod furnace;
+mod harmonics;
+mod jacobian;
+mod limits;
+mod moments;
 mod normalisation;
 mod partition;
+mod preimages;
 mod reciprocity;
+mod spectral;
 #[cfg(test)]
 mod trial;
 mod weight;
 
 use crate::{
     report::Outcome,
-    scatterer::{DVec3, Laws, Sample, Scatterer},
+    scatterer::{DVec3, Sample, Scatterer},
     statistics::{Stream, Verdict},
 };
 
@@ -32,12 +39,16 @@ pub struct Effort {
     /// Values below this have no digits left, such as those under the normal range of an f32 model, and are not
     /// compared with one another.
     pub smallest: f64,
+    /// The error of an albedo that must be detectable.
+    pub albedo: f64,
+    /// Look at more states and more functions than a run of the tests has time for.
+    pub thorough: bool,
 }
 
 impl Default for Effort {
-    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, all values (a model evaluated in f32).
+    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, all values (a model evaluated in f32), albedo to 1 %.
     fn default() -> Self {
-        Self { samples: 1 << 18, level: 1e-3, tolerance: 1e-5, smallest: 0.0 }
+        Self { samples: 1 << 18, level: 1e-3, tolerance: 1e-5, smallest: 0.0, albedo: 0.01, thorough: false }
     }
 }
 
@@ -46,8 +57,8 @@ pub struct Check {
     pub name: &'static str,
     /// One line: what must hold.
     pub about: &'static str,
-    /// Whether the check has something to say about a model with these laws.
-    pub applies: fn(&Laws) -> bool,
+    /// Whether the check has something to say about a model.
+    pub applies: fn(&dyn Scatterer) -> bool,
     pub run: fn(&dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome,
 }
 
@@ -59,6 +70,10 @@ pub static CHECKS: &[Check] = &[
     chi2::CHECK,
     furnace::CHECK,
     reciprocity::CHECK,
+    jacobian::CHECK,
+    moments::CHECK,
+    spectral::CHECK,
+    limits::CHECK,
 ];
 
 /// The check called `name`.
@@ -68,8 +83,7 @@ pub fn find(name: &str) -> Option<&'static Check> {
 
 /// Runs every check that applies. Each gets a seed of its own from `seed`.
 pub fn run_all(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Vec<Outcome> {
-    let laws = scatterer.laws();
-    let applicable = CHECKS.iter().filter(|check| (check.applies)(&laws));
+    let applicable = CHECKS.iter().filter(|check| (check.applies)(scatterer));
     applicable
         .map(|check| (check.run)(scatterer, wo, crate::statistics::seed_for(check.name, seed), effort))
         .collect()
@@ -91,7 +105,7 @@ fn draw(scatterer: &dyn Scatterer, wo: DVec3, stream: &mut Stream) -> Option<Sam
     scatterer.sample(wo, u)
 }
 
-fn always(_: &Laws) -> bool {
+fn always(_: &dyn Scatterer) -> bool {
     true
 }
 

@@ -24,14 +24,17 @@ pub(super) const CHECK: Check = Check {
 const MARGIN: f64 = 0.01;
 
 const BINS: usize = 64;
-const QUADRATURE: f64 = 1e-5;
+
+/// Error of the integral, in samples.
+const QUADRATURE: f64 = 1.0;
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
     let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
     let mut stream = Stream::new(seed);
     let draws = (0..effort.samples).filter_map(|_| draw(scatterer, wo, &mut stream));
     let drawn = draws.filter(|sample| !sample.delta).count();
-    let integral: Integral = partition.integrate(QUADRATURE, |wi| scatterer.pdf(wo, wi)).into_iter().sum();
+    let integral: Integral =
+        partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi)).into_iter().sum();
     let share = drawn as f64 / effort.samples as f64;
     // Of all values the integral may have, the one that is kindest to the model; never more than a probability.
     let kindest =

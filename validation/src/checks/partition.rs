@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use super::draw;
 use crate::{
-    quadrature::{Cell, Integral, integrate},
+    quadrature::{Cell, Integral, integrate, integrate_all},
     scatterer::{DVec3, Scatterer, coordinates, direction},
     statistics::Stream,
 };
@@ -24,8 +24,15 @@ const LARGEST: [f64; 2] = [0.25, PI / 4.0];
 /// A cell with points is no larger than this many times what they cover.
 const LOOSE: f64 = 4.0;
 
+/// A cell expects at most this many times the points it has, if the density were everywhere that of any one of them: the rim
+/// of a needle in a cell of a broad lobe must not be overlooked.
+const CROWDED: f64 = 16.0;
+
+/// A direction of the pilot sample in (cos θ, φ), and how many others its density makes expect in a steradian.
+type Point = [f64; 3];
+
 /// Evaluations for one bin, at most.
-const BUDGET: usize = 100_000;
+const BUDGET: usize = 200_000;
 
 enum Node {
     Split { axis: usize, position: f64, children: [usize; 2] },
@@ -44,7 +51,10 @@ impl Partition {
     pub fn adapt(scatterer: &dyn Scatterer, wo: DVec3, stream: &mut Stream, bins: usize) -> Self {
         let pilot = (0..bins * PER_BIN).filter_map(|_| draw(scatterer, wo, stream));
         let directions = pilot.filter(|sample| !sample.delta && sample.wi.is_finite());
-        let mut points: Vec<[f64; 2]> = directions.map(|sample| coordinates(sample.wi)).collect();
+        let crowd = |pdf: f64| if pdf.is_finite() { pdf * (bins * PER_BIN) as f64 } else { 0.0 };
+        let point = |[z, phi]: [f64; 2], pdf: f64| [z, phi, crowd(pdf)];
+        let mut points: Vec<Point> =
+            directions.map(|sample| point(coordinates(sample.wi), sample.pdf)).collect();
         let sphere = Cell { low: [-1.0, -PI], high: [1.0, PI] };
         let mut partition = Partition { nodes: Vec::new(), bins: Vec::new() };
         partition.cut(sphere, &mut points, Some((0, 0.0)));
@@ -76,7 +86,18 @@ impl Partition {
         self.bins.iter().map(|cells| integrate(cells, tolerance, BUDGET, at)).collect()
     }
 
-    fn cut(&mut self, cell: Cell, points: &mut [[f64; 2]], forced: Option<(usize, f64)>) -> usize {
+    /// Integrals of `N` functions over the sphere, and a bound on the error of each.
+    pub fn integrate_all<const N: usize>(
+        &self,
+        tolerance: f64,
+        function: impl Fn(DVec3) -> [f64; N],
+    ) -> ([f64; N], f64) {
+        let cells: Vec<Cell> = self.bins.iter().flatten().copied().collect();
+        let budget = BUDGET * self.bins.len() / 8;
+        integrate_all(&cells, tolerance, budget, |[z, phi]| function(direction(z, phi)))
+    }
+
+    fn cut(&mut self, cell: Cell, points: &mut [Point], forced: Option<(usize, f64)>) -> usize {
         let node = self.nodes.len();
         self.nodes.push(Node::Bin(self.bins.len()));
         let split =
@@ -100,12 +121,18 @@ impl Partition {
 /// holds many, and at middles again while it is too large altogether.
 ///
 /// `cover` is the extent of the points in the smallest cell around this one that had enough of them to tell.
-fn refine(cell: Cell, points: &mut [[f64; 2]], cover: [f64; 2], cells: &mut Vec<Cell>) {
+fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cell>) {
     let cover = if points.len() >= PER_CELL { extent(points) } else { cover };
+    let area = (cell.high[0] - cell.low[0]) * (cell.high[1] - cell.low[1]);
+    let crowd = points.iter().fold(0.0f64, |most, point| most.max(point[2]));
     let split = if points.is_empty() {
         halve(&cell, LARGEST)
     } else if let Some(split) = halve(&cell, cover.map(|cover| LOOSE * cover)) {
         Some(split)
+    } else if crowd * area > CROWDED * points.len().max(PER_CELL) as f64 {
+        // Towards the needle: across where it is thinner than the cell.
+        let needle: Vec<Point> = points.iter().filter(|point| point[2] > 0.1 * crowd).copied().collect();
+        halve(&cell, extent(&needle)).or_else(|| halve(&cell, LARGEST.map(|limit| limit * f64::EPSILON)))
     } else if points.len() >= 2 * PER_CELL {
         median(&cell, points)
     } else {
@@ -131,17 +158,17 @@ fn halve(cell: &Cell, limit: [f64; 2]) -> Option<(usize, f64)> {
 }
 
 /// How far `points` spread along each axis.
-fn extent(points: &[[f64; 2]]) -> [f64; 2] {
+fn extent(points: &[Point]) -> [f64; 2] {
     [0, 1].map(|axis| range(points, axis)).map(|(low, high)| high - low)
 }
 
-fn range(points: &[[f64; 2]], axis: usize) -> (f64, f64) {
+fn range(points: &[Point], axis: usize) -> (f64, f64) {
     let values = || points.iter().map(|point| point[axis]);
     (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// The median along the axis on which `points` spread over the larger angle; `None` if it does not separate them.
-fn median(cell: &Cell, points: &mut [[f64; 2]]) -> Option<(usize, f64)> {
+fn median(cell: &Cell, points: &mut [Point]) -> Option<(usize, f64)> {
     let (z, phi) = (range(points, 0), range(points, 1));
     let cosine = 0.5 * (z.0 + z.1);
     let sine_squared = (1.0 - cosine) * (1.0 + cosine);
@@ -155,7 +182,7 @@ fn median(cell: &Cell, points: &mut [[f64; 2]]) -> Option<(usize, f64)> {
 }
 
 /// Reorders `points` into those below `position` and the rest.
-fn separate(points: &mut [[f64; 2]], axis: usize, position: f64) -> (&mut [[f64; 2]], &mut [[f64; 2]]) {
+fn separate(points: &mut [Point], axis: usize, position: f64) -> (&mut [Point], &mut [Point]) {
     points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
     let below = points.partition_point(|point| point[axis] < position);
     points.split_at_mut(below)

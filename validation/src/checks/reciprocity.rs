@@ -15,7 +15,7 @@ use crate::{
 pub(super) const CHECK: Check = Check {
     name: "reciprocity",
     about: "f(wo, wi) / η(wo)² is symmetric",
-    applies: |laws: &Laws| laws.reciprocal,
+    applies: |scatterer| scatterer.laws().reciprocal,
     run,
 };
 

@@ -5,7 +5,9 @@ use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer, direction},
     statistics::{Verdict, seed_for, sidak, uniformity},
-    subjects::{Conductor, DiffuseDielectric, Fault, Lambert, Sabotaged, SmoothDielectric},
+    subjects::{
+        Coloured, Conductor, DiffuseDielectric, Fault, Lambert, Mixture, Near, Sabotaged, SmoothDielectric,
+    },
 };
 
 fn effort() -> Effort {
@@ -21,10 +23,23 @@ fn directions() -> [DVec3; 4] {
     [DVec3::Z, direction(0.7, 0.4), direction(0.05, 2.0), direction(-0.6, -1.0)]
 }
 
+fn mixture(alpha: f64, forgetful: bool) -> Mixture {
+    Mixture {
+        conductor: Conductor { alpha, r0: 0.9 },
+        lambert: Lambert { albedo: 0.8 },
+        share: 0.3,
+        forgetful,
+    }
+}
+
 #[test]
 fn honest_models_pass_every_check_at_every_roughness() {
     let conductor = |alpha: f64| Box::new(Conductor { alpha, r0: 0.9 }) as Box<dyn Scatterer>;
-    let subjects: [(&str, Box<dyn Scatterer>); 9] = [
+    let mixture = |alpha: f64| Box::new(mixture(alpha, false)) as Box<dyn Scatterer>;
+    let subjects: [(&str, Box<dyn Scatterer>); 12] = [
+        ("mixture 0.3", mixture(0.3)),
+        ("mixture 0.01", mixture(0.01)),
+        ("coloured", Box::new(Coloured { nm: 550.0, beside: 500.0, leak: [0.0; 2] })),
         ("lambert", Box::new(Lambert { albedo: 0.8 })),
         ("conductor 1", conductor(1.0)),
         ("conductor 0.3", conductor(0.3)),
@@ -41,7 +56,10 @@ fn honest_models_pass_every_check_at_every_roughness() {
         for (number, wo) in (0..).zip(directions()) {
             for outcome in run_all(subject.as_ref(), wo, seed_for(name, number), &effort) {
                 println!("{name} {number} {}: {}", outcome.check, outcome.message);
-                assert_eq!(outcome.verdict, Verdict::Equivalent, "{name} {wo}: {outcome:?}");
+                // Harmonics of low degree have nothing to say about lobes as narrow as a needle.
+                let silent = outcome.check == "moments" && outcome.figures.get("components") == Some(&0.0);
+                let expected = if silent { Verdict::Inconclusive } else { Verdict::Equivalent };
+                assert_eq!(outcome.verdict, expected, "{name} {wo}: {outcome:?}");
             }
         }
     }
@@ -52,20 +70,22 @@ fn saboteurs_are_rejected() {
     let lambert = Lambert { albedo: 0.99 };
     let conductor = Conductor { alpha: 0.2, r0: 0.9 };
     let dielectric = DiffuseDielectric { eta: 1.5 };
-    let cases: [(&dyn Scatterer, Fault, &[&str]); 13] = [
+    let cases: [(&dyn Scatterer, Fault, &[&str]); 15] = [
         (&lambert, Fault::PdfScaled, &["normalisation", "furnace"]),
-        (&conductor, Fault::PdfScaled, &["normalisation", "chi2", "furnace"]),
+        (&conductor, Fault::PdfScaled, &["normalisation", "chi2", "furnace", "jacobian"]),
         (&lambert, Fault::NoCosine, &["furnace", "reciprocity"]),
         (&conductor, Fault::WeightScaled, &["weight"]),
         (&lambert, Fault::HemisphereMirrored, &["chi2", "weight"]),
-        (&conductor, Fault::AzimuthMirrored, &["chi2", "weight"]),
+        (&conductor, Fault::AzimuthMirrored, &["chi2", "weight", "moments"]),
         (&conductor, Fault::Turned, &["chi2"]),
         (&lambert, Fault::OneWay, &["reciprocity"]),
         (&dielectric, Fault::NoRadianceScaling, &["reciprocity", "furnace"]),
         (&lambert, Fault::GrazingNan, &["finiteness"]),
         (&lambert, Fault::TooBright, &["furnace"]),
-        (&conductor, Fault::DrawsLost, &["normalisation", "furnace", "chi2"]),
+        (&conductor, Fault::DrawsLost, &["normalisation", "furnace", "chi2", "jacobian"]),
         (&lambert, Fault::ValueScaled, &["weight", "furnace"]),
+        (&conductor, Fault::PdfTilted, &["jacobian"]),
+        (&conductor, Fault::WeightTilted, &["moments", "weight"]),
     ];
     for (honest, fault, checks) in cases {
         for check in checks {
@@ -77,18 +97,50 @@ fn saboteurs_are_rejected() {
 }
 
 #[test]
+fn a_forgotten_lobe_is_missed_by_the_jacobian() {
+    for alpha in [0.3, 0.01] {
+        let outcome = run("jacobian", &mixture(alpha, true), direction(0.7, 0.4));
+        assert_eq!(outcome.verdict, Verdict::Different, "{outcome:?}");
+    }
+}
+
+#[test]
+fn leaks_between_wavelengths_are_found() {
+    for leak in [[1e-3, 0.0], [0.0, 0.05]] {
+        let outcome = run("spectral", &Coloured { nm: 550.0, beside: 500.0, leak }, DVec3::Z);
+        assert_eq!(outcome.verdict, Verdict::Different, "{outcome:?}");
+    }
+}
+
+#[test]
+fn a_model_meets_its_limit_or_is_found_out() {
+    let wo = direction(0.7, 0.4);
+    let conductor = |alpha: f64| Conductor { alpha, r0: 1.0 };
+    let (rough, near, smooth) = (conductor(0.2), conductor(1e-3), conductor(1e-4));
+    let dim = Sabotaged { honest: &near, fault: Fault::TooBright };
+    for (model, expected) in [
+        (&near as &dyn Scatterer, Verdict::Equivalent),
+        (&rough, Verdict::Different),
+        (&dim, Verdict::Different),
+    ] {
+        let outcome = run("limits", &Near { model, limit: &smooth, within: 1e-3 }, wo);
+        assert_eq!(outcome.verdict, expected, "{outcome:?}");
+    }
+}
+
+#[test]
 fn p_values_of_honest_models_are_uniform() {
     let conductor = Conductor { alpha: 0.3, r0: 0.9 };
     let wo = direction(0.4, 1.0);
     let effort = Effort { samples: 1 << 14, ..Effort::default() };
-    for check in ["chi2", "normalisation", "furnace"] {
+    for check in ["chi2", "normalisation", "furnace", "moments"] {
         let run = find(check).unwrap().run;
-        let p_values: Vec<f64> = (0..500)
+        let p_values: Vec<f64> = (0..200)
             .filter_map(|number| run(&conductor, wo, seed_for(check, number), &effort).p_value)
             .collect();
         let uniform = uniformity(&p_values);
         println!("{check}: {} p-values, uniformity p = {uniform:.3}", p_values.len());
-        assert!(p_values.len() == 500 && uniform > 1e-3, "{check}: {uniform}");
+        assert!(p_values.len() == 200 && uniform > 1e-3, "{check}: {uniform}");
     }
 }
 

@@ -8,20 +8,17 @@
 use std::{cell::RefCell, collections::HashMap, f64::consts::FRAC_1_PI};
 
 use super::{Lines, Peer, PeerError};
-use crate::{
-    report::Outcome,
-    scatterer::{DVec3, Laws, Sample, Scatterer},
-};
+use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
 /// Passes after which a check is taken to ask without end. The checks need about as many as quadrature has levels.
 const MOST_PASSES: usize = 2000;
 
 /// Runs a check on a configuration of `peer`, given by its index.
-pub fn judge<L: Lines>(
+pub fn judge<L: Lines, T>(
     peer: &mut Peer<L>,
     configuration: usize,
-    check: impl Fn(&dyn Scatterer) -> Outcome,
-) -> Result<Outcome, PeerError> {
+    check: impl Fn(&dyn Scatterer) -> T,
+) -> Result<T, PeerError> {
     let claims = peer.hello.configurations[configuration].laws;
     let memory =
         Memory { laws: claims.laws(), phase_function: claims.phase_function, answers: RefCell::default() };

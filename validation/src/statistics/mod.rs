@@ -5,6 +5,7 @@
 
 pub mod distributions;
 pub mod equivalence;
+pub mod hotelling;
 pub mod multiplicity;
 pub mod power;
 pub mod seed;

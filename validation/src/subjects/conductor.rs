@@ -60,7 +60,7 @@ impl Scatterer for Conductor {
         if wo.z <= 0.0 {
             return None;
         }
-        let m = self.visible_normal(wo, [u[0], u[1]]);
+        let m = self.visible_normal(wo, [u[1], u[2]]);
         let wi = (2.0 * wo.dot(m) * m - wo).normalize();
         let pdf = self.pdf(wo, wi);
         let weight = self.unmasked(wi) * self.fresnel(wo.dot((wo + wi).normalize()));

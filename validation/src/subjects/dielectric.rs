@@ -56,8 +56,8 @@ impl Scatterer for DiffuseDielectric {
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
-        let side = if u[2] < self.share(DVec3::Z) { 1.0 } else { -1.0 };
-        let wi = cosine_weighted([u[0], u[1]], side);
+        let side = if u[0] < self.share(DVec3::Z) { 1.0 } else { -1.0 };
+        let wi = cosine_weighted([u[1], u[2]], side);
         Some(Sample { wi, weight: self.share(wo) / self.share(wi), pdf: self.pdf(wo, wi), delta: false })
     }
 

@@ -19,7 +19,7 @@ impl Scatterer for Lambert {
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
-        let wi = cosine_weighted([u[0], u[1]], 1.0);
+        let wi = cosine_weighted([u[1], u[2]], 1.0);
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then_some(Sample { wi, weight: self.albedo, pdf, delta: false })
     }

@@ -3,11 +3,15 @@
 mod conductor;
 mod dielectric;
 mod lambert;
+mod mixture;
+mod relatives;
 mod saboteur;
 
 pub use conductor::Conductor;
 pub use dielectric::{DiffuseDielectric, SmoothDielectric};
 pub use lambert::Lambert;
+pub use mixture::Mixture;
+pub use relatives::{Coloured, Near};
 pub use saboteur::{Fault, Sabotaged};
 
 use crate::scatterer::{DVec3, direction};

@@ -29,6 +29,10 @@ pub enum Fault {
     DrawsLost,
     /// The value is 1 % larger than what weights follow.
     ValueScaled,
+    /// The density is wrong by 10⁻⁵ times the azimuth's cosine, and weights follow it.
+    PdfTilted,
+    /// Weights grow and shrink by 2 % across the azimuth; value and density are right.
+    WeightTilted,
 }
 
 pub struct Sabotaged<'a> {
@@ -53,6 +57,7 @@ impl Scatterer for Sabotaged<'_> {
         let pdf = self.honest.pdf(wo, wi);
         match self.fault {
             Fault::PdfScaled => 1.02 * pdf,
+            Fault::PdfTilted => pdf * (1.0 + 1e-5 * wi.x),
             Fault::GrazingNan if wi.z.abs() < 1e-8 => f64::NAN,
             _ => pdf,
         }
@@ -66,8 +71,9 @@ impl Scatterer for Sabotaged<'_> {
             Fault::AzimuthMirrored => sample.wi.x = -honest.wi.x,
             Fault::Turned => sample.wi = glam::DQuat::from_rotation_z(0.02) * honest.wi,
             Fault::WeightScaled => sample.weight *= 1.001,
+            Fault::WeightTilted => sample.weight *= 1.0 + 0.02 * honest.wi.x,
             Fault::ValueScaled => return Some(honest),
-            Fault::DrawsLost if u[2] < 0.01 => return None,
+            Fault::DrawsLost if u[0] < 0.01 => return None,
             Fault::DrawsLost => return Some(honest),
             _ => {
                 sample.pdf = self.pdf(wo, honest.wi);

@@ -1,0 +1,74 @@
+//! A material at one wavelength, on paths that carry seven others.
+
+use crate::materials::{HERO, Subject};
+use etalon::bsdf::Bsdf;
+use etalon::math::DVec2;
+use etalon::spectrum::{LANES, Wavelengths};
+use validation::scatterer::DVec3;
+use validation::{Laws, Sample, Scatterer};
+
+/// The subject's wavelength in each lane in turn, with the same company.
+pub struct Companion<'a> {
+    subject: &'a Subject,
+    places: [Wavelengths; LANES],
+}
+
+impl<'a> Companion<'a> {
+    /// The company that a path draws, and one of wavelengths from anywhere.
+    pub fn of(subject: &'a Subject) -> [Self; 2] {
+        let drawn = Wavelengths::sample_visible(HERO);
+        let mut strange = drawn;
+        for lane in 1..LANES {
+            let other = Wavelengths::sample_visible((HERO + 0.618 * lane as f64).fract());
+            take(&mut strange, lane, &other, 0);
+        }
+        [drawn, strange]
+            .map(|company| Self { subject, places: std::array::from_fn(|by| turned(&company, by)) })
+    }
+}
+
+/// Lane `to` of one becomes lane `from` of another.
+fn take(λ: &mut Wavelengths, to: usize, other: &Wavelengths, from: usize) {
+    (λ.nm[to], λ.pdf[to], λ.d65[to]) = (other.nm[from], other.pdf[from], other.d65[from]);
+    for (response, other) in λ.response.iter_mut().zip(other.response) {
+        response[to] = other[from];
+    }
+}
+
+/// Lane 0 moves to lane `by`, and all others with it.
+fn turned(λ: &Wavelengths, by: usize) -> Wavelengths {
+    let mut turned = *λ;
+    for lane in 0..LANES {
+        take(&mut turned, (lane + by) % LANES, λ, lane);
+    }
+    turned
+}
+
+impl Scatterer for Companion<'_> {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let values = (0..LANES).map(|lane| {
+            let bsdf = self.subject.material.at(&self.subject.point, &self.places[lane]);
+            bsdf.evaluate(wo, wi).value.0[lane] as f64
+        });
+        // The mean of equal numbers; one that differs by more than rounding shows.
+        values.sum::<f64>() / LANES as f64
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.subject.material.at(&self.subject.point, &self.places[0]).evaluate(wo, wi).pdf
+    }
+
+    /// A path's estimate is the mean over its lanes, so a wavelength's share is the mean over the lanes it may be in. The
+    /// lane comes from late digits of a number whose early ones make the direction.
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        let lane = ((u[1] * (1u32 << 24) as f64).fract() * LANES as f64) as usize;
+        let bsdf = self.subject.material.at(&self.subject.point, &self.places[lane]);
+        let sample = bsdf.sample(wo, u[0], DVec2::new(u[1], u[2]))?;
+        let weight = sample.weight.0[lane] as f64;
+        Some(Sample { wi: sample.wi, weight, pdf: sample.pdf, delta: sample.delta })
+    }
+
+    fn laws(&self) -> Laws {
+        self.subject.laws()
+    }
+}

@@ -1,0 +1,110 @@
+//! Directions towards emitters, as distributions over the sphere.
+
+use etalon::emitter::AnyEmitter;
+use etalon::math::{DVec2, Ray};
+use etalon::scene::{self, Scene};
+use etalon::spectrum::{ColorMode, Wavelengths};
+use std::path::Path;
+use validation::scatterer::{DVec3, Laws};
+use validation::{Sample, Scatterer};
+
+/// How many radii from its middle a shape is looked at.
+const DISTANCE: f64 = 2.5;
+
+/// A path of the environment map of the reference scenes.
+pub fn sky() -> String {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes/textures/sky.exr");
+    folder.display().to_string()
+}
+
+/// The only emitter of a scene, seen from a point in a direction (`wo`) of its middle.
+pub struct Light {
+    scene: Scene,
+    λ: Wavelengths,
+    middle: DVec3,
+    radius: f64,
+}
+
+/// A shape of the registry that shines.
+pub fn area(snippet: &str) -> Result<Light, String> {
+    let emitter = r#"<emitter type="area"><spectrum name="radiance" value="1"/></emitter>"#;
+    let shape = match snippet.strip_suffix("/>") {
+        Some(open) => format!("{open}>{emitter}</shape>"),
+        None => snippet.replace("</shape>", &format!("{emitter}</shape>")),
+    };
+    let mut light = Light::new(&shape)?;
+    let (low, high) = light.scene.shapes[0].geometry.bounds();
+    (light.middle, light.radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+    Ok(light)
+}
+
+/// An emitter that is no surface.
+pub fn distant(snippet: &str) -> Result<Light, String> {
+    Light::new(snippet)
+}
+
+impl Light {
+    fn new(inside: &str) -> Result<Self, String> {
+        let sensor = r#"<sensor type="perspective"/><integrator type="path"/>"#;
+        let text = format!("<scene version=\"3.0.0\">{sensor}{inside}</scene>");
+        let scene = scene::load_text("light.xml", &text, ColorMode::Spectral).map_err(|e| e.to_string())?;
+        let λ = Wavelengths::sample_visible(0.4);
+        Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0 })
+    }
+
+    /// What radiance is divided by, so that no weight is above 1: light is no albedo. Power over the squared distance is
+    /// π times what a small flat source would weigh; a colour differs from its luminance by less than the rest.
+    fn scale(&self) -> f64 {
+        let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
+        let nearest = self.radius * (DISTANCE - 1.0);
+        4.0 * self.emitter().power(geometry, self.radius) / (nearest * nearest)
+    }
+
+    fn emitter(&self) -> &AnyEmitter {
+        &self.scene.emitters.list[0].emitter
+    }
+
+    fn place(&self, wo: DVec3) -> DVec3 {
+        self.middle + wo * (DISTANCE * self.radius)
+    }
+
+    /// Radiance from a direction and its density, by following the ray.
+    fn seen(&self, wo: DVec3, wi: DVec3) -> (f64, f64) {
+        let ray = Ray::free(self.place(wo), wi);
+        if let Some((radiance, pdf)) = self.emitter().distant_radiance(wi, &self.λ) {
+            return (radiance.0[0] as f64, pdf);
+        }
+        let Some(hit) = self.scene.accel.closest(&ray) else { return (0.0, 0.0) };
+        let (shape, point) = self.scene.surface::<true>(&ray, &hit);
+        let radiance = self.emitter().surface_radiance(&point, -wi, &self.λ).0[0] as f64;
+        if radiance == 0.0 {
+            return (0.0, 0.0);
+        }
+        (radiance, self.emitter().surface_pdf(&shape.geometry, &ray, hit.t, &point))
+    }
+}
+
+impl Scatterer for Light {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.seen(wo, wi).0 / self.scale()
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.seen(wo, wi).1
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
+        let found = self.emitter().sample(geometry, self.place(wo), DVec2::new(u[1], u[2]), &self.λ)?;
+        let weight = found.radiance.0[0] as f64 / (found.pdf * self.scale());
+        Some(Sample { wi: found.wi, weight, pdf: found.pdf, delta: found.delta })
+    }
+
+    fn laws(&self) -> Laws {
+        Laws::default()
+    }
+
+    fn is_phase_function(&self) -> bool {
+        true
+    }
+}

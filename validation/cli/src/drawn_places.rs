@@ -1,0 +1,176 @@
+//! Places on lenses and in filters, and wavelengths, as distributions over rectangles.
+
+use etalon::film::filter::{FILTERS, FilterSampler, Profile};
+use etalon::math::DVec2;
+use etalon::math::quadrature::gauss_legendre;
+use etalon::scene::loader::Loader;
+use etalon::scene::params::Usage;
+use etalon::scene::{registry::construct, xml};
+use etalon::sensor::{AnySensor, Sensor};
+use etalon::spectrum::{ColorMode, Wavelengths};
+use std::f64::consts::PI;
+use validation::chart::{Place, Planar};
+use validation::quadrature::Cell;
+
+fn parse<T>(
+    snippet: &str,
+    read: impl for<'d> Fn(&'d xml::Element, &Loader<'d>) -> Result<T, etalon::scene::error::SceneError>,
+) -> Result<T, String> {
+    let text = format!("<scene version=\"3.0.0\">{snippet}</scene>");
+    let document = xml::read_text("example.xml", &text).map_err(|e| e.to_string())?;
+    let loader = Loader::new(&document, ColorMode::Rgb).map_err(|e| e.to_string())?;
+    read(&document.root.children[0], &loader).map_err(|e| e.to_string())
+}
+
+/// Where rays leave the lens: squared radius, in units of the lens's, and azimuth, in which a disk is a rectangle. Cameras
+/// without a lens draw nothing.
+pub struct Lens {
+    camera: AnySensor,
+}
+
+impl Lens {
+    pub fn new(snippet: &str) -> Result<Self, String> {
+        parse(snippet, Sensor::parse).map(|sensor| Self { camera: sensor.camera })
+    }
+
+    /// The ray's place in the plane of the lens, for cameras whose `to_world` is the identity.
+    fn place(&self, lens: DVec2) -> DVec2 {
+        let ray = self.camera.ray(DVec2::new(0.3, 0.6), lens);
+        let p = ray.at(-ray.origin.z / ray.direction.z);
+        DVec2::new(p.x, p.y)
+    }
+
+    /// The largest distance between two rays, which is the lens's diameter.
+    fn radius(&self) -> f64 {
+        0.5 * (self.place(DVec2::new(0.0, 0.5)) - self.place(DVec2::new(1.0, 0.5))).length()
+    }
+}
+
+impl Planar for Lens {
+    fn bounds(&self) -> Cell {
+        Cell { low: [0.0, -PI], high: [1.0, PI] }
+    }
+
+    fn value(&self, _: [f64; 2]) -> f64 {
+        self.pdf([0.0; 2])
+    }
+
+    fn pdf(&self, _: [f64; 2]) -> f64 {
+        if matches!(self.camera, AnySensor::ThinLens(_)) { 0.5 / PI } else { 0.0 }
+    }
+
+    fn sample(&self, u: [f64; 3]) -> Option<Place> {
+        if !matches!(self.camera, AnySensor::ThinLens(_)) {
+            return None;
+        }
+        let p = self.place(DVec2::new(u[1], u[2])) / self.radius();
+        let at = [p.length_squared().min(1.0), etalon::math::function::atan2(p.y, p.x)];
+        Some(Place { at, weight: 1.0, pdf: self.pdf(at) })
+    }
+}
+
+/// Places along one axis of a reconstruction filter; the other axis is left even. Weights and values by magnitude.
+pub struct Filter {
+    profile: Profile,
+    sampler: FilterSampler,
+    margins: [u32; 2],
+    /// ∫|f| over each 1/32 of a pixel, from the lower end, and where that is.
+    bins: Vec<f64>,
+    low: f64,
+    /// ∫|f| and ∫f.
+    absolute: f64,
+    signed: f64,
+}
+
+const BINS: f64 = 32.0;
+
+impl Filter {
+    /// A filter of which the film leaves so many pixels before and after.
+    pub fn new(snippet: &str, margins: [u32; 2]) -> Result<Self, String> {
+        let profile =
+            parse(snippet, |element, loader| construct(FILTERS, element, loader, Usage::Unbounded))?;
+        let end = |pixels: u32| profile.radius().min(f64::from(pixels) + 0.5);
+        let (low, high) = (-end(margins[0]), end(margins[1]));
+        let count = (BINS * (high - low)).round() as usize;
+        // The rule of the sampler's own table: what it draws by is the table, and the table is exact by definition, also
+        // where the rule is off by 10⁻⁵ because |f| has a kink in the bin.
+        let over = |i: usize, of: &dyn Fn(f64) -> f64| {
+            let cell = |i: usize| low + i as f64 / BINS;
+            gauss_legendre(cell(i), cell(i + 1), of)
+        };
+        let bins: Vec<f64> = (0..count).map(|i| over(i, &|x| profile.eval(x).abs())).collect();
+        let signed = (0..count).map(|i| over(i, &|x| profile.eval(x))).sum();
+        let absolute = bins.iter().sum();
+        Ok(Self { profile, sampler: FilterSampler::new(profile), margins, bins, low, absolute, signed })
+    }
+}
+
+impl Planar for Filter {
+    fn bounds(&self) -> Cell {
+        Cell { low: [self.low, 0.0], high: [self.low + self.bins.len() as f64 / BINS, 1.0] }
+    }
+
+    fn value(&self, [x, _]: [f64; 2]) -> f64 {
+        // Half of it, so that the lobes of a filter that rings do not carry more than there is.
+        0.5 * (self.profile.eval(x) / self.signed).abs()
+    }
+
+    fn pdf(&self, [x, _]: [f64; 2]) -> f64 {
+        let bin = ((x - self.low) * BINS).floor().clamp(0.0, self.bins.len() as f64 - 1.0);
+        self.bins[bin as usize] * BINS / self.absolute
+    }
+
+    fn sample(&self, u: [f64; 3]) -> Option<Place> {
+        let (x, weight) = self.sampler.sample(u[1], self.margins[0], self.margins[1]);
+        let at = [x, u[2]];
+        Some(Place { at, weight: 0.5 * weight.abs(), pdf: self.pdf(at) })
+    }
+}
+
+/// The first wavelength of a path, in nm, and what of the second axis there is not.
+pub struct Hero {
+    /// As for colours, or evenly as for films of bands.
+    pub visible: bool,
+}
+
+const RANGE: [f64; 2] = [360.0, 830.0];
+
+impl Hero {
+    fn lanes(&self, u: f64) -> Wavelengths {
+        if self.visible {
+            Wavelengths::sample_visible(u)
+        } else {
+            Wavelengths::sample_uniform(u, RANGE[0] as f32, RANGE[1] as f32)
+        }
+    }
+}
+
+impl Planar for Hero {
+    fn bounds(&self) -> Cell {
+        Cell { low: [RANGE[0], 0.0], high: [RANGE[1], 1.0] }
+    }
+
+    fn value(&self, [nm, _]: [f64; 2]) -> f64 {
+        0.5 / (RANGE[1] - RANGE[0]) * (nm - RANGE[0]) / (RANGE[1] - RANGE[0])
+    }
+
+    /// The density that a path states whose first wavelength is this: the draw is monotonous, so bisection finds it.
+    fn pdf(&self, [nm, _]: [f64; 2]) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if f64::from(self.lanes(middle).nm[0]) < nm {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        f64::from(self.lanes(high).pdf[0])
+    }
+
+    fn sample(&self, u: [f64; 3]) -> Option<Place> {
+        let λ = self.lanes(u[1]);
+        let (at, pdf) = ([f64::from(λ.nm[0]), u[2]], f64::from(λ.pdf[0]));
+        Some(Place { at, weight: self.value(at) / pdf, pdf })
+    }
+}

@@ -1,0 +1,76 @@
+//! All that is drawn besides materials: light, places on lenses and in filters, wavelengths, and the warps below them.
+
+use crate::trial::{Source, Trial, trials_of};
+use crate::{drawn_light, drawn_places, warps};
+use etalon::emitter::EMITTERS;
+use etalon::film::filter::FILTERS;
+use etalon::sensor::SENSORS;
+use etalon::shape::SHAPES;
+use std::sync::Arc;
+use validation::Scatterer;
+
+/// Where a shape or a map is looked at from: the directions that trials are named after.
+const AROUND: [f64; 3] = [20.0, 75.0, 150.0];
+
+/// For distributions that do not depend on a direction.
+const ONCE: [f64; 1] = [0.0];
+
+/// Checks of laws that only scattering obeys.
+const SCATTERING: [&str; 3] = ["reciprocity", "spectral", "limits"];
+
+fn wrap<S: Scatterer + 'static>(make: impl Fn() -> Result<S, String> + Send + Sync + 'static) -> Source {
+    Arc::new(move || make().map(|subject| Box::new(subject) as Box<dyn Scatterer>))
+}
+
+/// All trials, or those whose name contains a word.
+pub fn trials(name: Option<&str>) -> Vec<Trial> {
+    let mut trials = vec![];
+    for shape in SHAPES {
+        for (i, snippet) in shape.examples.iter().enumerate() {
+            let source = wrap(|| drawn_light::area(snippet));
+            trials.extend(trials_of(&format!("area-{}[{i}]", shape.name), &source, &AROUND, &SCATTERING));
+        }
+    }
+    let sky = drawn_light::sky();
+    let files = [format!("<emitter type=\"envmap\"><string name=\"filename\" value=\"{sky}\"/></emitter>")];
+    for emitter in EMITTERS.iter().filter(|emitter| emitter.name != "area") {
+        let registered = emitter.examples.iter().map(|snippet| snippet.to_string());
+        let own = files.iter().filter(|_| emitter.name == "envmap").cloned();
+        for (i, snippet) in registered.chain(own).enumerate() {
+            let source = wrap(move || drawn_light::distant(&snippet));
+            trials.extend(trials_of(&format!("{}[{i}]", emitter.name), &source, &AROUND, &SCATTERING));
+        }
+    }
+    for sensor in SENSORS {
+        for (i, snippet) in sensor.examples.iter().enumerate() {
+            let source = wrap(|| drawn_places::Lens::new(snippet).map(validation::chart::Chart));
+            trials.extend(trials_of(&format!("{}[{i}]", sensor.name), &source, &ONCE, &SCATTERING));
+        }
+    }
+    for filter in FILTERS {
+        for (i, snippet) in filter.examples.iter().enumerate() {
+            // In the film's middle, and where the film cuts it off.
+            for (place, margins) in [("inside", [100, 100]), ("border", [1, 0])] {
+                let source =
+                    wrap(move || drawn_places::Filter::new(snippet, margins).map(validation::chart::Chart));
+                trials.extend(trials_of(
+                    &format!("{}[{i}]-{place}", filter.name),
+                    &source,
+                    &ONCE,
+                    &SCATTERING,
+                ));
+            }
+        }
+    }
+    // Wavelengths are f32, which leaves difference quotients no digits; `importance.rs` tests its density piece by piece.
+    let without = [&SCATTERING[..], &["jacobian"]].concat();
+    for (name, visible) in [("wavelengths-visible", true), ("wavelengths-uniform", false)] {
+        let source = wrap(move || Ok(validation::chart::Chart(drawn_places::Hero { visible })));
+        trials.extend(trials_of(name, &source, &ONCE, &without));
+    }
+    for (name, source) in warps::sources() {
+        trials.extend(trials_of(&format!("warp-{name}"), &source, &ONCE, &SCATTERING));
+    }
+    trials.retain(|trial| name.is_none_or(|name| trial.name.contains(name)));
+    trials
+}

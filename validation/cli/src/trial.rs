@@ -1,0 +1,72 @@
+//! A subject, a check and a direction: one named test.
+
+use std::sync::Arc;
+use validation::checks::{CHECKS, Check, Effort};
+use validation::scatterer::{DVec3, direction};
+use validation::statistics::{Verdict, seed_for};
+use validation::{Outcome, Scatterer};
+
+/// Angles of incidence in degrees; over 90 is from below.
+pub const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
+
+/// Makes the subject anew for each trial, so that trials can run at once.
+pub type Source = Arc<dyn Fn() -> Result<Box<dyn Scatterer>, String> + Send + Sync>;
+
+/// One thing to be checked.
+#[derive(Clone)]
+pub struct Trial {
+    pub name: String,
+    source: Source,
+    check: &'static Check,
+    wo: DVec3,
+}
+
+/// A subject under every check but those that `without` names, from several angles.
+pub fn trials_of(name: &str, source: &Source, angles: &[f64], without: &[&str]) -> Vec<Trial> {
+    let checks = CHECKS.iter().filter(|check| !without.contains(&check.name));
+    let pairs = checks.flat_map(|check| angles.iter().map(move |&angle| (check, angle)));
+    let trial = |(check, angle): (&'static Check, f64)| Trial {
+        name: format!("{name}::{}::{angle}", check.name),
+        source: source.clone(),
+        check,
+        wo: from(angle),
+    };
+    pairs.map(trial).collect()
+}
+
+/// The direction at an angle in degrees from the normal, off all axes.
+pub fn from(degrees: f64) -> DVec3 {
+    direction(etalon::math::function::cos(degrees.to_radians()), 0.7)
+}
+
+impl Trial {
+    /// Runs the check; `None` if it has nothing to say about the subject. `number` draws another seed.
+    pub fn run(&self, effort: &Effort, number: u64) -> Result<Option<Outcome>, String> {
+        let subject = (self.source)()?;
+        if !(self.check.applies)(subject.as_ref()) {
+            return Ok(None);
+        }
+        let outcome = (self.check.run)(subject.as_ref(), self.wo, seed_for(&self.name, number), effort);
+        Ok(Some(outcome.of(&self.name)))
+    }
+}
+
+/// How hard to look: `count` trials share a level of 1 % (Šidák).
+pub fn effort(samples: usize, count: usize, thorough: bool) -> Effort {
+    let level = validation::statistics::sidak(0.01, count);
+    // Values are f32: digits end at 1e-38, and cosines of grazing angles multiply.
+    Effort { samples, level, smallest: 1e-30, thorough, ..Effort::default() }
+}
+
+/// The same for places in filters, whose polynomials reach zero by cancellation.
+pub fn effort_of_sampling(samples: usize, count: usize, thorough: bool) -> Effort {
+    Effort { smallest: 1e-9, ..effort(samples, count, thorough) }
+}
+
+/// The trials as tests of libtest-mimic see them: only a fault fails.
+pub fn judge(trial: &Trial, effort: &Effort) -> Result<(), String> {
+    match trial.run(effort, 0)? {
+        Some(outcome) if outcome.verdict == Verdict::Different => Err(outcome.message),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,129 @@
+//! Is the density the inverse Jacobian of the sampling?
+//!
+//! No statistics: a draw is a map from the unit square (the first number, which chooses the lobe, is held fixed) to
+//! directions, so its density is the share of first numbers that choose this lobe over |∂ω/∂u × ∂ω/∂v|. Differences of
+//! sixth order give the Jacobian and, by halving their step, its error. Where the stated density is larger, other lobes must
+//! reach the same direction: their preimages are sought (`preimages`) and their densities added. A stated density that is
+//! smaller than one lobe's alone is wrong at once.
+//!
+//! States in which the difference quotient or the density itself has too few digits are left out, counted and printed; so are
+//! those of a mixture whose sum stays short, since a preimage may have been missed. More than 1 % of either is no answer, or
+//! for the sum a fault. Cannot see a wrong weight, nor faults of the map and its density in common.
+
+use super::{
+    Check, Effort, always,
+    preimages::{Map, Preimages},
+    relative_difference, show,
+};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::{Stream, Verdict, seed_for},
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "jacobian",
+    about: "the pdf times the Jacobian of the sampling is 1, lobe by lobe",
+    applies: always,
+    run,
+};
+
+/// The relative error of the density that is one.
+const TOLERANCE: f64 = 1e-6;
+
+/// The share of states that may be left out.
+const LEFT_OUT: f64 = 0.01;
+
+/// States tried, in tests and thoroughly.
+const STATES: [usize; 2] = [256, 10_000];
+
+#[derive(Default)]
+struct Tally {
+    checked: usize,
+    blurred: usize,
+    short: usize,
+    wrong: usize,
+    worst: f64,
+    place: Option<(DVec3, f64, f64)>,
+}
+
+enum State {
+    /// The sum of the densities found, and whether all of it is known.
+    Known { found: f64, complete: bool },
+    /// Rounding leaves too few digits.
+    Blurred,
+}
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let map = Map { scatterer, wo };
+    let preimages = Preimages::new(&map, &mut Stream::new(seed_for("preimages", seed)));
+    let mut stream = Stream::new(seed);
+    let mut tally = Tally::default();
+    for _ in 0..STATES[usize::from(effort.thorough)] {
+        let (lobe, v) = (stream.uniform(), [stream.uniform(), stream.uniform()]);
+        let Some(wi) = map.at(lobe, v) else { continue };
+        let stated = scatterer.pdf(wo, wi);
+        tally.checked += 1;
+        match look(&map, &preimages, lobe, v, wi, stated) {
+            State::Blurred => tally.blurred += 1,
+            State::Known { found, complete } => {
+                let error = relative_difference(found, stated);
+                if error <= TOLERANCE {
+                    tally.worst = tally.worst.max(error);
+                } else if !complete && found < stated {
+                    tally.short += 1;
+                } else {
+                    tally.wrong += 1;
+                    tally.place = tally.place.or(Some((wi, stated, found)));
+                }
+            }
+        }
+    }
+    conclude(&tally)
+}
+
+fn look(map: &Map, preimages: &Preimages, lobe: f64, v: [f64; 2], wi: DVec3, stated: f64) -> State {
+    // A density that changes within the rounding of a direction has no digits to compare.
+    let digits = |pdf: f64| relative_difference(pdf, stated) <= 0.1 * TOLERANCE;
+    let across = wi.any_orthonormal_vector();
+    let nudged = [across, wi.cross(across)].map(|t| (wi + 4.0 * f64::EPSILON * t).normalize());
+    if stated.is_finite() && stated > 0.0 && !nudged.iter().all(|&w| digits(map.scatterer.pdf(map.wo, w))) {
+        return State::Blurred;
+    }
+    let Some(own) = map.density(lobe, v) else { return State::Blurred };
+    if own.error > 0.25 * TOLERANCE {
+        return State::Blurred;
+    }
+    if stated.is_nan() || own.value > stated * (1.0 - TOLERANCE) || !preimages.several() {
+        return State::Known { found: own.value, complete: true };
+    }
+    let found = preimages.sum(map, wi, own.value, v, stated, TOLERANCE);
+    State::Known { found, complete: false }
+}
+
+fn conclude(tally: &Tally) -> Outcome {
+    let Tally { checked, blurred, short, wrong, worst, place } = *tally;
+    let most = LEFT_OUT * checked as f64;
+    let verdict = if wrong > 0 || short as f64 > most {
+        Verdict::Different
+    } else if (blurred + short) as f64 > most {
+        Verdict::Inconclusive
+    } else {
+        Verdict::Equivalent
+    };
+    let left_out = format!("{blurred} of {checked} states are ill-conditioned, {short} lack a preimage");
+    let message = match place {
+        Some((wi, stated, found)) => format!(
+            "the pdf at {} is {stated:.9e}, the sampling's density {found:.9e}; {wrong} states are wrong; {left_out}",
+            show(wi)
+        ),
+        None if checked == 0 => "no density and no sample outside delta lobes".into(),
+        None => format!("pdf times Jacobian is 1 within {worst:.1e}; {left_out}"),
+    };
+    Outcome::new("jacobian", verdict, message)
+        .figure("checked", checked as f64)
+        .figure("ill_conditioned", blurred as f64)
+        .figure("short", short as f64)
+        .figure("wrong", wrong as f64)
+        .figure("worst", worst)
+}

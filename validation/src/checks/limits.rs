@@ -1,0 +1,32 @@
+//! Does a model meet another where it should turn into it?
+//!
+//! A rough surface of vanishing roughness is a smooth one, glass with the index of its surroundings is nothing at all, and
+//! glass without dispersion is plain glass. Lobes of the one may be deltas of the other, so what is compared is where the
+//! flux goes: its total, the part that leaves upward, and its mean direction. Blind to shapes of lobes.
+
+use super::{
+    Check, Effort,
+    fluxes::{compare, fluxes},
+};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::Verdict,
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "limits",
+    about: "near the end of its parameters the model sends light where its limit does",
+    applies: |scatterer| scatterer.limit().is_some(),
+    run,
+};
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let Some(limit) = scatterer.limit() else {
+        return Outcome::new("limits", Verdict::Inconclusive, "it has no limit");
+    };
+    let own = fluxes(scatterer, wo, seed, effort.samples);
+    let other = fluxes(limit.scatterer, wo, seed, effort.samples);
+    let (verdict, message) = compare(&own, &other, limit.within, effort);
+    Outcome::new("limits", verdict, message).figure("margin", limit.within)
+}

@@ -1,0 +1,93 @@
+//! Do weighted samples carry light where the value says? All low spherical harmonics at once.
+//!
+//! E[weight · Y_lm(ωi)] against ∫ f |cos θ| Y_lm dω by quadrature, for l ≤ 8 (l ≤ 4 in tests), judged together by Hotelling's T².
+//! Sees what `chi2` (which looks at directions without weights) and `furnace` (which looks at weights without directions)
+//! can only see together, such as light moved from one side to the other. Blind to what value and sample share, and
+//! to errors finer than a few tens of degrees.
+
+use super::{Check, Effort, always, draw, harmonics::harmonics, judge, partition::Partition};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::{
+        Stream, Verdict,
+        hotelling::{Components, hotelling},
+        power::detectable_chi_square,
+        seed_for,
+    },
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "moments",
+    about: "weighted samples have the spherical harmonics of the value",
+    applies: always,
+    run,
+};
+
+/// The shift of the mean, in standard deviations of one sample, that must be detectable.
+const MARGIN: f64 = 0.05;
+
+const BINS: usize = 64;
+
+/// Error of the integrals in units of 1/√samples, which is what a mean resolves.
+const QUADRATURE: f64 = 1e-4;
+
+/// Tests use this share of the samples: harmonics cost more than samples do.
+const SHARE: usize = 4;
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    if effort.thorough {
+        run_to::<81>(scatterer, wo, seed, effort.samples, effort.level)
+    } else {
+        run_to::<25>(scatterer, wo, seed, effort.samples.div_ceil(SHARE), effort.level)
+    }
+}
+
+fn run_to<const N: usize>(
+    scatterer: &dyn Scatterer,
+    wo: DVec3,
+    seed: u64,
+    samples: usize,
+    level: f64,
+) -> Outcome {
+    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
+    let tolerance = QUADRATURE / (samples as f64).sqrt();
+    let (exact, error) = partition.integrate_all::<N>(tolerance, |wi| {
+        let value = scatterer.value(wo, wi);
+        if value == 0.0 { [0.0; N] } else { harmonics::<N>(wi).map(|y| y * value) }
+    });
+    let carried = |stream: &mut Stream| match draw(scatterer, wo, stream).filter(|sample| !sample.delta) {
+        Some(sample) => harmonics::<N>(sample.wi).map(|y| y * sample.weight),
+        None => [0.0; N],
+    };
+    // The same samples twice, since the second look depends on the first.
+    let again = || {
+        let mut stream = Stream::new(seed);
+        (0..samples).map(move |_| carried(&mut stream))
+    };
+    let found = hotelling(again, &exact, error);
+    conclude(&found, samples, level)
+}
+
+fn conclude(found: &Components, samples: usize, level: f64) -> Outcome {
+    let Components { used, rank, p_value, statistic } = *found;
+    if rank == 0 && !p_value.is_nan() {
+        return Outcome::new("moments", Verdict::Equivalent, "no light outside delta lobes");
+    }
+    let detectable = detectable_chi_square(samples as f64, used.max(1) as f64, level);
+    let verdict = match judge(p_value, level, detectable, MARGIN) {
+        Verdict::Equivalent if used == 0 => Verdict::Inconclusive,
+        verdict => verdict,
+    };
+    let message = format!(
+        "T² = {statistic:.1} for {used} components, p = {p_value:.3e}; {} of {rank} are too heavy-tailed or too fine to \
+         use; would find a shift of {detectable:.4} standard deviations",
+        rank - used,
+    );
+    let outcome = Outcome::new("moments", verdict, message)
+        .detectable(detectable)
+        .figure("statistic", statistic)
+        .figure("components", used as f64)
+        .figure("left_out", (rank - used) as f64);
+    if used > 0 || p_value.is_nan() { outcome.p_value(p_value) } else { outcome }
+}

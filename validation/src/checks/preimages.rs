@@ -1,0 +1,280 @@
+//! Sampling as a map from the unit square to directions: its Jacobian, its lobes, and its inverse.
+
+use crate::{
+    quadrature::Integral,
+    scatterer::{DVec3, Scatterer},
+    statistics::Stream,
+};
+
+/// Directions nearer than this are the same draw; the map is evaluated twice with the same numbers.
+const SAME: f64 = 1e-12;
+
+/// First numbers that are tried to find the lobes at a point of the square.
+const SCAN: usize = 32;
+
+/// The largest number below 1.
+const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// Points of the square in the table that inverses start from, and starts from each part of the first numbers.
+const TABLE: usize = 4096;
+const STARTS: usize = 5;
+
+/// Preimages in one lobe nearer than this in stretched coordinates are one.
+const NEAR: f64 = 1e-3;
+
+/// The draws from one direction, without delta lobes.
+pub(super) struct Map<'a> {
+    pub scatterer: &'a dyn Scatterer,
+    pub wo: DVec3,
+}
+
+impl Map<'_> {
+    pub fn at(&self, lobe: f64, v: [f64; 2]) -> Option<DVec3> {
+        let sample = self.scatterer.sample(self.wo, [lobe, v[0], v[1]])?;
+        (!sample.delta && sample.wi.is_finite()).then_some(sample.wi)
+    }
+
+    /// The density of directions that the lobe of `lobe` makes about its direction of `v`, with a relative error.
+    pub fn density(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
+        let (share, middle) = self.share(lobe, v)?;
+        let area = self.area_factor(middle, v)?;
+        Some(Integral { value: share / area.value, error: area.error })
+    }
+
+    /// How many of all first numbers lead from `v` to the direction that `lobe` leads to, and the middle of those
+    /// about `lobe`.
+    fn share(&self, lobe: f64, v: [f64; 2]) -> Option<(f64, f64)> {
+        let target = self.at(lobe, v)?;
+        let same = |number: f64| self.at(number, v).is_some_and(|wi| (wi - target).length() <= SAME);
+        let mut numbers: Vec<f64> = (0..=SCAN).map(|i| (i as f64 / SCAN as f64).min(LAST)).collect();
+        numbers.push(lobe);
+        numbers.sort_by(f64::total_cmp);
+        let (mut share, mut own, mut start) = (0.0, [0.0, 1.0], same(numbers[0]).then_some(0.0));
+        let mut close = |start: f64, end: f64| {
+            share += end - start;
+            if start <= lobe && lobe <= end {
+                own = [start, end];
+            }
+        };
+        for pair in numbers.windows(2) {
+            let inside = same(pair[1]);
+            if inside != start.is_some() {
+                let edge = edge(pair[0], pair[1], |number| same(number) == inside);
+                if let Some(start) = start {
+                    close(start, edge);
+                }
+                start = inside.then_some(edge);
+            }
+        }
+        if let Some(start) = start {
+            close(start, 1.0);
+        }
+        Some((share, 0.5 * (own[0] + own[1])))
+    }
+
+    /// Every direction that `v` leads to, with a first number that leads there, in the order of these numbers.
+    fn directions(&self, v: [f64; 2]) -> Vec<(f64, DVec3)> {
+        let mut found: Vec<(f64, DVec3)> = vec![];
+        for number in (0..=SCAN).map(|i| (i as f64 / SCAN as f64).min(LAST)) {
+            if let Some(wi) = self.at(number, v)
+                && found.iter().all(|(_, other)| (*other - wi).length() > SAME)
+            {
+                found.push((number, wi));
+            }
+        }
+        found
+    }
+
+    /// |∂ω/∂u × ∂ω/∂v| and its relative error. Steps are halved until the sixth-order differences agree or rounding
+    /// makes them disagree more.
+    fn area_factor(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
+        let mut steps = v.map(|x| (0.25 * x.min(1.0 - x)).min(1.0 / 32.0));
+        let mut best = Integral { value: f64::NAN, error: f64::INFINITY };
+        let mut last = f64::NAN;
+        for _ in 0..18 {
+            if let (Some(du), Some(dv)) = (self.slope(lobe, v, 0, steps[0]), self.slope(lobe, v, 1, steps[1]))
+            {
+                let value = du.cross(dv).length();
+                let error = ((value - last) / value).abs();
+                if error < best.error {
+                    best = Integral { value, error };
+                }
+                last = value;
+            }
+            if best.error < 1e-9 {
+                break;
+            }
+            steps = steps.map(|step| 0.5 * step);
+        }
+        (best.value > 0.0).then_some(best)
+    }
+
+    /// ∂ω along one axis by (−1, 9, −45, 0, 45, −9, 1)/60.
+    fn slope(&self, lobe: f64, v: [f64; 2], axis: usize, step: f64) -> Option<DVec3> {
+        let difference = |by: f64| {
+            let moved = |by: f64| {
+                let mut v = v;
+                v[axis] += by;
+                self.at(lobe, v)
+            };
+            Some(moved(by)? - moved(-by)?)
+        };
+        let sum = 45.0 * difference(step)? - 9.0 * difference(2.0 * step)? + difference(3.0 * step)?;
+        Some(sum / (60.0 * step))
+    }
+}
+
+/// Where `beyond` begins to hold between `low`, where it does not, and `high`.
+fn edge(mut low: f64, mut high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if beyond(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// A coordinate of the square stretched over all numbers, so that the ends have room.
+fn stretched(v: [f64; 2]) -> [f64; 2] {
+    v.map(|x| libm::log(x / (1.0 - x)))
+}
+
+fn unstretched(t: [f64; 2]) -> [f64; 2] {
+    t.map(|t| 1.0 / (1.0 + libm::exp(-t)))
+}
+
+struct Entry {
+    lobe: f64,
+    t: [f64; 2],
+    wi: DVec3,
+}
+
+/// Where directions come from, if more than one lobe makes them.
+pub(super) struct Preimages {
+    /// By the part of the first numbers in which a lobe begins.
+    lobes: Vec<Vec<Entry>>,
+}
+
+impl Preimages {
+    pub fn new(map: &Map, stream: &mut Stream) -> Self {
+        if !several_lobes(map, stream) {
+            return Self { lobes: vec![] };
+        }
+        let mut lobes: Vec<Vec<Entry>> = (0..=SCAN).map(|_| vec![]).collect();
+        for i in 0..TABLE {
+            // Half of them evenly, half far into the tails.
+            let t = [0, 1].map(|_| match i % 2 {
+                0 => stretched([stream.uniform(); 2])[0],
+                _ => 24.0 * (stream.uniform() - 0.5),
+            });
+            if t.iter().all(|t| t.is_finite()) {
+                for (lobe, wi) in map.directions(unstretched(t)) {
+                    lobes[(lobe * SCAN as f64).round() as usize].push(Entry { lobe, t, wi });
+                }
+            }
+        }
+        Self { lobes }
+    }
+
+    /// Whether a direction may come from more than one lobe.
+    pub fn several(&self) -> bool {
+        !self.lobes.is_empty()
+    }
+
+    /// The density at `wi` of all preimages found, to which `own` at `v` belongs, as soon as it meets `stated`.
+    pub fn sum(&self, map: &Map, wi: DVec3, own: f64, v: [f64; 2], stated: f64, tolerance: f64) -> f64 {
+        let mut found = vec![(stretched(v), own)];
+        for entry in self.lobes.iter().flat_map(|entries| nearest(entries, wi)) {
+            let Some(t) = invert(map, entry, wi) else { continue };
+            // The same place, and this lobe leads from there to the same direction.
+            let same = |other: [f64; 2]| {
+                (0..2).all(|i| (other[i] - t[i]).abs() < NEAR)
+                    && map.at(entry.lobe, unstretched(other)).is_some_and(|w| (w - wi).length() < NEAR)
+            };
+            if found.iter().any(|(other, _)| same(*other)) {
+                continue;
+            }
+            if let Some(density) = map.density(entry.lobe, unstretched(t)) {
+                found.push((t, density.value));
+            }
+            let total: f64 = found.iter().map(|part| part.1).sum();
+            if total > stated * (1.0 - tolerance) {
+                return total;
+            }
+        }
+        found.iter().map(|part| part.1).sum()
+    }
+}
+
+/// Whether some point of the square leads to two directions outside delta lobes.
+fn several_lobes(map: &Map, stream: &mut Stream) -> bool {
+    (0..64).any(|_| map.directions([stream.uniform(), stream.uniform()]).len() > 1)
+}
+
+fn nearest(entries: &[Entry], wi: DVec3) -> Vec<&Entry> {
+    let distance = |entry: &Entry| (entry.wi - wi).length_squared();
+    let mut best: Vec<(f64, &Entry)> = vec![];
+    for entry in entries {
+        let distance = distance(entry);
+        if best.len() < STARTS || distance < best[best.len() - 1].0 {
+            let place = best.partition_point(|(other, _)| *other <= distance);
+            best.insert(place, (distance, entry));
+            best.truncate(STARTS);
+        }
+    }
+    best.into_iter().map(|(_, entry)| entry).collect()
+}
+
+/// Newton's method with halved steps in stretched coordinates, from a table entry to the preimage of `wi`.
+fn invert(map: &Map, entry: &Entry, wi: DVec3) -> Option<[f64; 2]> {
+    const STEP: f64 = 1e-5;
+    let at = |t: [f64; 2]| map.at(entry.lobe, unstretched(t));
+    let mut t = entry.t;
+    let mut rest = wi - at(t)?;
+    for _ in 0..40 {
+        let slope = |axis: usize| {
+            let moved = |by: f64| {
+                let mut t = t;
+                t[axis] += by;
+                at(t)
+            };
+            Some((moved(STEP)? - moved(-STEP)?) / (2.0 * STEP))
+        };
+        let (a, b) = (slope(0)?, slope(1)?);
+        // Least squares in the tangent plane.
+        let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
+        let determinant = aa * bb - ab * ab;
+        let (ra, rb) = (a.dot(rest), b.dot(rest));
+        let step = [(bb * ra - ab * rb) / determinant, (aa * rb - ab * ra) / determinant];
+        let length = step[0].abs().max(step[1].abs());
+        if !length.is_finite() {
+            return None;
+        }
+        if length < 1e-9 {
+            return (rest.length() <= 1e-7 * (aa + bb).sqrt()).then_some(t);
+        }
+        let mut factor = (2.0 / length).min(1.0);
+        let better = loop {
+            let next = [t[0] + factor * step[0], t[1] + factor * step[1]];
+            if let Some(moved) = at(next).map(|found| wi - found).filter(|r| r.length() < rest.length()) {
+                break Some((next, moved));
+            }
+            factor *= 0.5;
+            if factor < 1e-3 {
+                break None;
+            }
+        };
+        match better {
+            Some((next, moved)) => (t, rest) = (next, moved),
+            // As near as rounding lets it come, or stuck.
+            None => return (rest.length() <= 1e-7 * (aa + bb).sqrt()).then_some(t),
+        }
+    }
+    None
+}

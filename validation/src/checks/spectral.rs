@@ -1,0 +1,57 @@
+//! Does the value at a wavelength depend on the company it travels in?
+//!
+//! A path carries several wavelengths at once. What it says about one of them must not depend on the others: values must be
+//! the same number, and so must the flux that samples carry in expectation, although lobes may be chosen with other
+//! probabilities. Blind to models that know one wavelength only.
+
+use super::{
+    Check, Effort, draw,
+    fluxes::{compare, fluxes},
+    relative_difference, show,
+};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Scatterer},
+    statistics::{Stream, Verdict, seed_for},
+};
+
+pub(super) const CHECK: Check = Check {
+    name: "spectral",
+    about: "value and flux at a wavelength do not depend on the wavelengths beside it",
+    applies: |scatterer| !scatterer.companions().is_empty(),
+    run,
+};
+
+/// The difference of a flux that is none.
+const MARGIN: f64 = 0.0025;
+
+/// Enough samples for the margin where they vary as much as dispersion makes them: a variance of 8 a lane.
+const LEAST: usize = 1 << 18;
+
+fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+    let companions = scatterer.companions();
+    let mut stream = Stream::new(seed_for("pairs", seed));
+    for _ in 0..effort.samples.div_ceil(256) {
+        let Some(wi) = draw(scatterer, wo, &mut stream).filter(|s| !s.delta).map(|s| s.wi) else { continue };
+        let own = scatterer.value(wo, wi);
+        for companion in &companions {
+            let value = companion.value(wo, wi);
+            let error = relative_difference(own, value);
+            if error.is_nan() || error > effort.tolerance {
+                let message = format!("the value is {own} or {value} at {}, as the company has it", show(wi));
+                return Outcome::new("spectral", Verdict::Different, message);
+            }
+        }
+    }
+    let samples = if effort.thorough { effort.samples.max(32 * LEAST) } else { effort.samples };
+    let own = fluxes(scatterer, wo, seed, samples);
+    let level = crate::statistics::sidak(effort.level, companions.len());
+    let effort = Effort { level, ..*effort };
+    let answers = companions
+        .iter()
+        .map(|companion| compare(&own, &fluxes(companion.as_ref(), wo, seed, samples), MARGIN, &effort));
+    let worst = answers.max_by_key(|(verdict, _)| *verdict);
+    let (verdict, message) =
+        worst.unwrap_or((Verdict::Inconclusive, "it knows of no other wavelength".into()));
+    Outcome::new("spectral", verdict, message)
+}
