@@ -35,6 +35,7 @@ const KNOWN: &[Known] = &[
     ("mask[1]", [0.0, 3e-3], MASKING),
     ("blendbsdf[0]", [0.0, 2e-3], MASKING),
     ("blendbsdf[2]", [1e-4, 2e-3], TRANSMITTANCE),
+    ("bumpmap[1]", [0.0, 3e-3], MASKING),
 ];
 
 fn main() {
