@@ -13,6 +13,7 @@ mod owners;
 pub mod params;
 pub mod registry;
 pub mod transform;
+mod upgrade;
 pub mod xml;
 
 use crate::bsdf::{AnyMaterial, Traits};

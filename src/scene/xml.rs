@@ -2,6 +2,7 @@
 //! interpreted yet. Every piece remembers where it stood.
 
 use super::error::{SceneError, Source, Span};
+use super::upgrade;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -185,7 +186,7 @@ impl Reader {
             let value_span = span(a.range_value());
             let mut value = self.substitute(a.value(), &value_span)?;
             let name = if file.version < 2 && a.name() == "name" {
-                value = upgrade_name(&value, node);
+                value = upgrade::name(&value, node);
                 a.name()
             } else {
                 a.name()
@@ -225,7 +226,7 @@ impl Reader {
             search: file.search.clone(),
         };
         if file.version < 2 {
-            upgrade_texture_offsets(&mut element);
+            upgrade::texture_offsets(&mut element);
         }
         Ok(element)
     }
@@ -364,57 +365,6 @@ fn offset(text: &str, position: roxmltree::TextPos) -> std::ops::Range<usize> {
     start..(start + text[start..].chars().next().map_or(0, char::len_utf8))
 }
 
-/// Mitsuba 0.6 wrote `specularReflectance` where 2.0 and later write `specular_reflectance`.
-fn upgrade_name(name: &str, node: roxmltree::Node) -> String {
-    let mut result = String::new();
-    let mut previous = ' ';
-    for c in name.chars() {
-        if c.is_ascii_uppercase() && previous.is_ascii_lowercase() {
-            result.push('_');
-        }
-        let follows = result.ends_with('_') || previous.is_ascii_uppercase();
-        result.push(if c.is_ascii_uppercase() && follows { c.to_ascii_lowercase() } else { c });
-        previous = c;
-    }
-    let parent = node.parent().and_then(|p| p.attribute("type"));
-    if result == "diffuse_reflectance" && parent == Some("diffuse") { "reflectance".into() } else { result }
-}
-
-/// Mitsuba 0.6 placed bitmaps by `uoffset`, `voffset`, `uscale`, `vscale`; later versions by one `to_uv`.
-fn upgrade_texture_offsets(element: &mut Element) {
-    let value = |name: &str| {
-        let child = element.children.iter().find(|c| c.name() == Some(name) && c.tag == "float")?;
-        child.attribute("value").map(|a| a.value.clone())
-    };
-    let found = ["uoffset", "voffset", "uscale", "vscale"].map(value);
-    if found.iter().all(Option::is_none) {
-        return;
-    }
-    let [u, v, su, sv] = found;
-    let operation = |tag: &str, x: Option<String>, y: Option<String>, rest: &str| {
-        let attribute = |name: &str, value: String| Attribute {
-            name: name.into(),
-            value,
-            name_span: element.span.clone(),
-            value_span: element.span.clone(),
-        };
-        let values = [("x", x), ("y", y)];
-        let attributes = values.map(|(n, v)| attribute(n, v.unwrap_or_else(|| rest.into()))).to_vec();
-        Element { tag: tag.into(), attributes, children: vec![], ..element.clone() }
-    };
-    let children = vec![operation("translate", u, v, "0"), operation("scale", su, sv, "1")];
-    let mut transform = Element { tag: "transform".into(), attributes: vec![], children, ..element.clone() };
-    transform.attributes = vec![Attribute {
-        name: "name".into(),
-        value: "to_uv".into(),
-        name_span: element.span.clone(),
-        value_span: element.span.clone(),
-    }];
-    let old = ["uoffset", "voffset", "uscale", "vscale"];
-    element.children.retain(|c| !c.name().is_some_and(|n| old.contains(&n)));
-    element.children.push(transform);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -430,17 +380,6 @@ mod tests {
         assert!(error(text).message.contains("undefined parameter `$b`"));
         let document = read_text("t", &text.replace(",$b", "")).unwrap();
         assert_eq!(document.root.children[0].attribute("value").unwrap().value, "2,1");
-    }
-
-    #[test]
-    fn names_of_old_versions_are_upgraded() {
-        let text = r#"<scene version="0.6.0"><bsdf type="diffuse"><rgb name="diffuseReflectance" value="1"/></bsdf>
-            <transform name="toWorld"/><texture type="bitmap"><float name="uscale" value="4"/></texture></scene>"#;
-        let root = read_text("t", text).unwrap().root;
-        assert_eq!(root.children[0].children[0].name(), Some("reflectance"));
-        assert_eq!(root.children[1].name(), Some("to_world"));
-        assert_eq!(root.children[2].children[0].name(), Some("to_uv"));
-        assert_eq!(root.children[2].children[0].children[1].attribute("x").unwrap().value, "4");
     }
 
     #[test]

@@ -1,0 +1,70 @@
+//! What files of Mitsuba 0.6 say in other words, as Mitsuba itself upgrades them.
+
+use super::xml::{Attribute, Element};
+
+/// Mitsuba 0.6 wrote `specularReflectance` where 2.0 and later write `specular_reflectance`.
+pub fn name(name: &str, node: roxmltree::Node) -> String {
+    let mut result = String::new();
+    let mut previous = ' ';
+    for c in name.chars() {
+        if c.is_ascii_uppercase() && previous.is_ascii_lowercase() {
+            result.push('_');
+        }
+        let follows = result.ends_with('_') || previous.is_ascii_uppercase();
+        result.push(if c.is_ascii_uppercase() && follows { c.to_ascii_lowercase() } else { c });
+        previous = c;
+    }
+    let parent = node.parent().and_then(|p| p.attribute("type"));
+    if result == "diffuse_reflectance" && parent == Some("diffuse") { "reflectance".into() } else { result }
+}
+
+/// Mitsuba 0.6 placed bitmaps by `uoffset`, `voffset`, `uscale`, `vscale`; later versions by one `to_uv`.
+pub fn texture_offsets(element: &mut Element) {
+    let value = |name: &str| {
+        let child = element.children.iter().find(|c| c.name() == Some(name) && c.tag == "float")?;
+        child.attribute("value").map(|a| a.value.clone())
+    };
+    let found = ["uoffset", "voffset", "uscale", "vscale"].map(value);
+    if found.iter().all(Option::is_none) {
+        return;
+    }
+    let [u, v, su, sv] = found;
+    let operation = |tag: &str, x: Option<String>, y: Option<String>, rest: &str| {
+        let attribute = |name: &str, value: String| Attribute {
+            name: name.into(),
+            value,
+            name_span: element.span.clone(),
+            value_span: element.span.clone(),
+        };
+        let values = [("x", x), ("y", y)];
+        let attributes = values.map(|(n, v)| attribute(n, v.unwrap_or_else(|| rest.into()))).to_vec();
+        Element { tag: tag.into(), attributes, children: vec![], ..element.clone() }
+    };
+    let children = vec![operation("translate", u, v, "0"), operation("scale", su, sv, "1")];
+    let mut transform = Element { tag: "transform".into(), attributes: vec![], children, ..element.clone() };
+    transform.attributes = vec![Attribute {
+        name: "name".into(),
+        value: "to_uv".into(),
+        name_span: element.span.clone(),
+        value_span: element.span.clone(),
+    }];
+    let old = ["uoffset", "voffset", "uscale", "vscale"];
+    element.children.retain(|c| !c.name().is_some_and(|n| old.contains(&n)));
+    element.children.push(transform);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::xml;
+
+    #[test]
+    fn names_of_old_versions_are_upgraded() {
+        let text = r#"<scene version="0.6.0"><bsdf type="diffuse"><rgb name="diffuseReflectance" value="1"/></bsdf>
+            <transform name="toWorld"/><texture type="bitmap"><float name="uscale" value="4"/></texture></scene>"#;
+        let root = xml::read_text("t", text).unwrap().root;
+        assert_eq!(root.children[0].children[0].name(), Some("reflectance"));
+        assert_eq!(root.children[1].name(), Some("to_world"));
+        assert_eq!(root.children[2].children[0].name(), Some("to_uv"));
+        assert_eq!(root.children[2].children[0].children[1].attribute("x").unwrap().value, "4");
+    }
+}
