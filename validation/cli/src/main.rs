@@ -1,10 +1,10 @@
-//! The command line of the harness: `validate bsdf`, `images`, `scenes`.
+//! The command line of the harness: `validate bsdf`, `images`, `scenes`, `museum`.
 
 use clap::Parser;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use validate::{materials, references};
+use validate::{materials, museum, references};
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -61,6 +61,8 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
+    /// Whether the tests notice bugs, those of `validation/museum` or mutants
+    Museum(museum::command::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -115,6 +117,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             }
             finish(Report::new("scenes", outcomes), json)
         }
+        Command::Museum(arguments) => Ok(museum::command::run(arguments)?),
     }
 }
 
