@@ -4,7 +4,7 @@ use super::plant::Place;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 /// A compiled test program.
 #[derive(Clone, Debug)]
@@ -17,69 +17,62 @@ pub struct Program {
 }
 
 /// Programs that cannot see a bug of the renderer, or that watch over the museum itself.
-const BLIND: [&str; 2] = ["validation", "validate::museum"];
+const BLIND: [&str; 3] = ["validation", "validate", "validate::museum"];
 
-fn run(scratch: &Path, arguments: &[&str]) -> Result<Output, String> {
-    Command::new("nice")
-        .args(["-n", "15", "cargo"])
-        .args(arguments)
-        .args(["--release", "--message-format=json"])
+/// What the compiler says of a scratch copy.
+pub enum Compiled {
+    /// The test programs of the workspace.
+    Programs(Vec<Program>),
+    /// The changes that it refuses, by index.
+    Refused(BTreeSet<usize>),
+}
+
+/// Compiles all test programs. An error outside of the changes is an error.
+pub fn compile(scratch: &Path, places: &[Place]) -> Result<Compiled, String> {
+    let output = Command::new("nice")
+        .args(["-n", "15", "cargo", "test", "--workspace", "--no-run", "--release", "--message-format=json"])
         .env("CARGO_TARGET_DIR", scratch.join("build"))
         .current_dir(scratch.join("tree"))
         .stderr(Stdio::inherit())
         .output()
-        .map_err(|e| format!("cargo: {e}"))
+        .map_err(|e| format!("cargo: {e}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let messages = || text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    if output.status.success() {
+        return Ok(Compiled::Programs(messages().filter_map(|message| program(scratch, &message)).collect()));
+    }
+    let errors: Vec<Value> = messages().map(|m| m["message"].clone()).filter(|m| m["level"] == "error").collect();
+    let refused: BTreeSet<usize> = errors.iter().flat_map(|error| met(error, places)).collect();
+    if refused.is_empty() {
+        let told: Vec<&str> = errors.iter().filter_map(|error| error["rendered"].as_str()).collect();
+        return Err(format!("the scratch copy does not compile:\n{}", told.join("\n")));
+    }
+    Ok(Compiled::Refused(refused))
 }
 
-fn messages(output: &Output) -> Vec<Value> {
-    String::from_utf8_lossy(&output.stdout).lines().filter_map(|l| serde_json::from_str(l).ok()).collect()
+/// The changes in which an error lies.
+fn met(error: &Value, places: &[Place]) -> Vec<usize> {
+    let primary = error["spans"].as_array().into_iter().flatten().filter(|span| span["is_primary"] == true);
+    let lies = |span: &Value, (file, range): &Place| {
+        let start = span["byte_start"].as_u64().unwrap_or(0) as usize;
+        span["file_name"] == file.as_str() && range.contains(&start)
+    };
+    primary.flat_map(|span| (0..places.len()).filter(|&i| lies(span, &places[i]))).collect()
 }
 
-/// Which changes the compiler refuses, by index. An error elsewhere is an error.
-pub fn refused(scratch: &Path, places: &[Place]) -> Result<BTreeSet<usize>, String> {
-    let output = run(scratch, &["build", "--package", "etalon", "--lib"])?;
-    let mut refused = BTreeSet::new();
-    for message in messages(&output).iter().map(|m| &m["message"]).filter(|m| m["level"] == "error") {
-        let before = refused.len();
-        let spans = message["spans"].as_array().into_iter().flatten();
-        for span in spans.filter(|span| span["is_primary"] == true) {
-            let (start, file) = (span["byte_start"].as_u64().unwrap_or(0) as usize, &span["file_name"]);
-            let met = |(name, range): &Place| file == name.as_str() && range.contains(&start);
-            refused.extend((0..places.len()).filter(|&i| met(&places[i])));
-        }
-        let summary = message["spans"].as_array().is_none_or(|spans| spans.is_empty());
-        if refused.len() == before && !summary && refused.is_empty() {
-            return Err(message["rendered"].to_string());
-        }
-    }
-    match output.status.success() || !refused.is_empty() {
-        true => Ok(refused),
-        false => Err("the scratch copy does not compile".into()),
-    }
-}
-
-/// Compiles all test programs of the workspace.
-pub fn test_programs(scratch: &Path) -> Result<Vec<Program>, String> {
-    let output = run(scratch, &["test", "--workspace", "--no-run"])?;
-    if !output.status.success() {
-        return Err("the tests of the scratch copy do not compile".into());
-    }
-    let programs = messages(&output).into_iter().filter_map(|message| {
-        let path = PathBuf::from(message["executable"].as_str()?);
-        let test = message["profile"]["test"] == true && message["target"]["kind"][0] != "bench";
-        let manifest = PathBuf::from(message["manifest_path"].as_str()?);
-        let folder = manifest.parent()?.to_owned();
-        let package = match folder.strip_prefix(scratch.join("tree")).ok()?.to_str()? {
-            "" => "etalon",
-            "validation/cli" => "validate",
-            other => other,
-        };
-        let kind = message["target"]["kind"][0].as_str()?;
-        let name = match kind {
-            "lib" => package.to_owned(),
-            _ => format!("{package}::{}", message["target"]["name"].as_str()?),
-        };
-        (test && matches!(kind, "lib" | "test")).then_some(Program { name, path, folder })
-    });
-    Ok(programs.filter(|program| !BLIND.contains(&program.name.as_str())).collect())
+/// The test program that a message of cargo's tells of.
+fn program(scratch: &Path, message: &Value) -> Option<Program> {
+    let path = PathBuf::from(message["executable"].as_str()?);
+    let kind = message["target"]["kind"][0].as_str().filter(|kind| ["lib", "test"].contains(kind))?;
+    let folder = Path::new(message["manifest_path"].as_str()?).parent()?.to_owned();
+    let package = match folder.strip_prefix(scratch.join("tree")).ok()?.to_str()? {
+        "" => "etalon",
+        "validation/cli" => "validate",
+        other => other,
+    };
+    let name = match kind {
+        "lib" => package.to_owned(),
+        _ => format!("{package}::{}", message["target"]["name"].as_str()?),
+    };
+    (message["profile"]["test"] == true && !BLIND.contains(&name.as_str())).then_some(Program { name, path, folder })
 }

@@ -14,8 +14,9 @@ pub mod mutants;
 pub mod plant;
 pub mod suite;
 
+use cargo::{Compiled, Program};
 use findings::{Fate, Finding};
-use plant::{Change, Tree};
+use plant::Change;
 use std::path::{Path, PathBuf};
 use suite::Suite;
 
@@ -42,9 +43,9 @@ pub fn examine(
         if !together.iter().any(|change| wanted(&change.name)) {
             continue;
         }
-        let (planted, refused) = build(together, scratch)?;
+        let (planted, refused, programs) = build(together, scratch)?;
         refused.iter().try_for_each(|change| tell(Finding::new(change, Fate::DoesNotCompile)))?;
-        let mut suite = Suite::new(cargo::test_programs(scratch)?, jobs);
+        let mut suite = Suite::new(programs, jobs);
         for (index, change) in planted.iter().enumerate().filter(|(_, change)| wanted(&change.name)) {
             tell(Finding::new(change, suite.judge(index + 1, &change.file)?))?;
         }
@@ -52,16 +53,15 @@ pub fn examine(
     Ok(())
 }
 
-/// Builds the tree with all changes but those that the compiler refuses; gives both kinds.
-fn build(mut changes: Vec<Change>, scratch: &Path) -> Result<(Vec<Change>, Vec<Change>), String> {
+/// Builds the tree with all changes but those that the compiler refuses; gives both kinds and the test programs.
+fn build(mut changes: Vec<Change>, scratch: &Path) -> Result<(Vec<Change>, Vec<Change>, Vec<Program>), String> {
     let mut refused = vec![];
     loop {
-        let tree = Tree::copy(&root(), scratch)?;
-        let places = tree.plant(&changes)?;
-        let bad = cargo::refused(scratch, &places)?;
-        if bad.is_empty() {
-            return Ok((changes, refused));
-        }
+        let places = plant::plant(&root(), &scratch.join("tree"), &changes)?;
+        let bad = match cargo::compile(scratch, &places)? {
+            Compiled::Programs(programs) => return Ok((changes, refused, programs)),
+            Compiled::Refused(bad) => bad,
+        };
         let (wrong, right) = changes.into_iter().enumerate().partition::<Vec<_>, _>(|(i, _)| bad.contains(i));
         refused.extend(wrong.into_iter().map(|(_, change)| change));
         changes = right.into_iter().map(|(_, change)| change).collect();

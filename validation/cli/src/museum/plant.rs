@@ -1,7 +1,7 @@
 //! The scratch copy of the sources, and how bugs get into it.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 /// An expression and its replacement.
@@ -50,12 +50,6 @@ codegen-units = 16
 debug = false
 ";
 
-/// The scratch copy.
-pub struct Tree {
-    from: PathBuf,
-    to: PathBuf,
-}
-
 /// Divides changes into those that can be planted together and the rest, which overlap them.
 pub fn apart(changes: Vec<Change>) -> (Vec<Change>, Vec<Change>) {
     let (mut together, mut later): (Vec<Change>, Vec<Change>) = (vec![], vec![]);
@@ -66,60 +60,53 @@ pub fn apart(changes: Vec<Change>) -> (Vec<Change>, Vec<Change>) {
     (together, later)
 }
 
-impl Tree {
-    /// Copies the files that git knows to `scratch/tree`, those that are new and not ignored as well. A file that has
-    /// not changed is left alone, so that cargo sees what has.
-    pub fn copy(from: &Path, scratch: &Path) -> Result<Self, String> {
-        let to = scratch.join("tree");
-        let output = Command::new("git")
-            .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
-            .current_dir(from)
-            .output()
-            .map_err(|e| format!("git: {e}"))?;
-        for name in output.stdout.split(|byte| *byte == 0).filter(|name| !name.is_empty()) {
-            let name = String::from_utf8_lossy(name);
-            let source = from.join(&*name);
-            if source.is_file() {
-                let bytes = std::fs::read(&source).map_err(|e| format!("{}: {e}", source.display()))?;
-                let extra = if name == "Cargo.toml" { PROFILE } else { "" };
-                write_if_new(&to.join(&*name), &[&bytes, extra.as_bytes()].concat())?;
-            }
+/// Copies the files that git knows, those that are new and not ignored as well, from `from` to `to`, with the changes in
+/// them; bug `i + 1` of the variable is `changes[i]`. Tells where each has come to lie. A file that is the same as
+/// in an earlier copy is left alone, so that cargo compiles only what differs.
+pub fn plant(from: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, String> {
+    let output = Command::new("git")
+        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+        .current_dir(from)
+        .output()
+        .map_err(|e| format!("git: {e}"))?;
+    let names = output.stdout.split(|byte| *byte == 0).filter(|name| !name.is_empty());
+    let mut places = vec![(String::new(), 0..0); changes.len()];
+    for name in names.map(|name| String::from_utf8_lossy(name).into_owned()) {
+        let source = from.join(&name);
+        if !source.is_file() {
+            continue;
         }
-        Ok(Self { from: from.to_owned(), to })
+        let mut bytes = std::fs::read(&source).map_err(|e| format!("{}: {e}", source.display()))?;
+        let own: Vec<usize> = (0..changes.len()).filter(|&i| changes[i].file == name).collect();
+        if !own.is_empty() {
+            let text = String::from_utf8(bytes).map_err(|e| format!("{name}: {e}"))?;
+            bytes = with_choices(&text, changes, own, &mut places).into_bytes();
+        }
+        bytes.extend_from_slice(match name.as_str() {
+            "Cargo.toml" => PROFILE.as_bytes(),
+            "src/lib.rs" => SWITCH.as_bytes(),
+            _ => &[],
+        });
+        write_if_new(&to.join(&name), &bytes)?;
     }
+    Ok(places)
+}
 
-    /// Writes the changed files; bug `i + 1` of the variable is `changes[i]`. Tells where each has come to lie.
-    pub fn plant(&self, changes: &[Change]) -> Result<Vec<Place>, String> {
-        let mut places = vec![(String::new(), 0..0); changes.len()];
-        let mut files: Vec<&str> = changes.iter().map(|c| c.file.as_str()).collect();
-        files.push("src/lib.rs");
-        files.sort_unstable();
-        files.dedup();
-        for file in files {
-            let path = self.from.join(file);
-            let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-            let mut own: Vec<usize> = (0..changes.len()).filter(|&i| changes[i].file == file).collect();
-            own.sort_by_key(|&i| changes[i].range.start);
-            let (mut changed, mut done) = (String::new(), 0);
-            for i in own {
-                let Change { range, replace, .. } = &changes[i];
-                changed.push_str(&text[done..range.start]);
-                let start = changed.len();
-                let (number, right) = (i + 1, &text[range.clone()]);
-                changed.push_str(&format!(
-                    "(if crate::museum_switch::on({number}) {{ {replace} }} else {{ {right} }})"
-                ));
-                places[i] = (file.to_owned(), start..changed.len());
-                done = range.end;
-            }
-            changed.push_str(&text[done..]);
-            if file == "src/lib.rs" {
-                changed.push_str(SWITCH);
-            }
-            write_if_new(&self.to.join(file), changed.as_bytes())?;
-        }
-        Ok(places)
+/// The text of a file with its `own` changes as choices.
+fn with_choices(text: &str, changes: &[Change], mut own: Vec<usize>, places: &mut [Place]) -> String {
+    own.sort_by_key(|&i| changes[i].range.start);
+    let (mut changed, mut done) = (String::new(), 0);
+    for i in own {
+        let Change { range, replace, file, .. } = &changes[i];
+        changed.push_str(&text[done..range.start]);
+        let start = changed.len();
+        let (number, right) = (i + 1, &text[range.clone()]);
+        changed
+            .push_str(&format!("(if crate::museum_switch::on({number}) {{ {replace} }} else {{ {right} }})"));
+        places[i] = (file.to_owned(), start..changed.len());
+        done = range.end;
     }
+    changed + &text[done..]
 }
 
 fn write_if_new(path: &Path, bytes: &[u8]) -> Result<(), String> {
@@ -152,17 +139,12 @@ mod tests {
 
     #[test]
     fn expressions_become_choices() {
-        let folder = std::env::temp_dir().join(format!("museum-{}", std::process::id()));
-        let (from, to) = (folder.join("from"), folder.join("to"));
-        write_if_new(&from.join("src/lib.rs"), b"").unwrap();
-        write_if_new(&from.join("a.rs"), b"f(1, 1)").unwrap();
-        let tree = Tree { from, to: to.clone() };
-        let places = tree.plant(&[change("x", 5..6), change("y", 2..3)]).unwrap();
-        let text = std::fs::read_to_string(to.join("a.rs")).unwrap();
+        let mut places = vec![(String::new(), 0..0); 2];
+        let changes = [change("x", 5..6), change("y", 2..3)];
+        let text = with_choices("f(1, 1)", &changes, vec![0, 1], &mut places);
         let choice = |n| format!("(if crate::museum_switch::on({n}) {{ 2 }} else {{ 1 }})");
         assert_eq!(text, format!("f({}, {})", choice(2), choice(1)));
         assert_eq!(&text[places[0].1.clone()], choice(1));
-        assert!(std::fs::read_to_string(to.join("src/lib.rs")).unwrap().contains(VARIABLE));
-        std::fs::remove_dir_all(folder).unwrap();
+        assert!(SWITCH.contains(VARIABLE));
     }
 }

@@ -3,6 +3,7 @@
 use super::cargo::Program;
 use super::findings::Fate;
 use super::plant::VARIABLE;
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -31,32 +32,39 @@ pub struct Suite {
 
 struct Stage {
     program: Program,
-    spent: Duration,
-    kills: u32,
+    /// Time spent on the bugs of each module, and how many were found.
+    record: BTreeMap<String, (Duration, u32)>,
+}
+
+impl Stage {
+    fn cost(&self, module: &str) -> Duration {
+        self.record.get(module).map_or(Duration::ZERO, |(spent, kills)| *spent / (kills + 1))
+    }
 }
 
 impl Suite {
     pub fn new(programs: Vec<Program>, jobs: usize) -> Self {
-        let stage = |program| Stage { program, spent: Duration::ZERO, kills: 0 };
+        let stage = |program| Stage { program, record: BTreeMap::new() };
         Self { stages: programs.into_iter().map(stage).collect(), jobs }
     }
 
     /// Lets bug number `bug`, which is in `file`, out on the suite. First come all tests that bear the name of the
-    /// file or of its module, then all, in the order of what a find has cost so far.
+    /// file or of its module, then all, in the order of what a find in this module has cost so far.
     pub fn judge(&mut self, bug: usize, file: &str) -> Result<Fate, String> {
         let start = Instant::now();
-        self.stages.sort_by_key(|stage| stage.spent / (stage.kills + 1));
         let [module, name] = names(file);
+        self.stages.sort_by_key(|stage| stage.cost(&module));
         for filter in [Some(name), Some(format!("{module}::")), None] {
             let filter: Vec<String> = filter.into_iter().collect();
             for stage in &mut self.stages {
                 let before = Instant::now();
                 let end = run(&stage.program, &filter, bug, self.jobs)?;
-                stage.spent += before.elapsed();
+                let (spent, kills) = stage.record.entry(module.clone()).or_default();
+                *spent += before.elapsed();
                 if end == End::Passed {
                     continue;
                 }
-                stage.kills += 1;
+                *kills += 1;
                 let program = stage.program.name.clone();
                 let test = confirmed(&stage.program, end, &filter, self.jobs)?;
                 return Ok(Fate::Killed { program, test, seconds: start.elapsed().as_secs_f64().round() });
