@@ -355,3 +355,35 @@ fn parameters_and_includes_are_held_to_account() {
     folder.refused_given(&["-D", "novalue"], &["NAME=VALUE"]);
     folder.refused_given(&["-D", "=3"], &["expected a name"]);
 }
+
+#[test]
+fn groups_instances_and_maps_say_what_they_cannot_be() {
+    let group = |member: &str| format!(r#"<shape type="shapegroup" id="g">{member}</shape>"#);
+    let ball = r#"<shape type="sphere"/>"#;
+    let instance = |inside: &str| format!("<shape type=\"instance\">\n{inside}</shape>");
+    let map =
+        |kind: &str| format!("{BALL}<bsdf type=\"{kind}\"><bsdf type=\"diffuse\"/>\n{BOARD}</bsdf></shape>");
+    const BALL: &str = r#"<shape type="sphere">"#;
+    const BOARD: &str = r#"<texture name="normalmap" type="checkerboard"/>"#;
+    let lamp = format!("{BALL}\n<emitter type=\"area\"/></shape>");
+    let tiny = format!("{}<transform name=\"to_world\">\n<scale value=\"1e-150\"/></transform>", group(ball));
+    all_refused(&[
+        ("<emitter", &group(&lamp), &["a shape in a group cannot shine"]),
+        ("shapegroup", &group(&group(ball).replace("\"g\"", "\"h\"")), &["cannot be grouped again"]),
+        ("instance", &group(&instance(&group(ball).replace("\"g\"", "\"h\""))), &["cannot be grouped again"]),
+        ("instance", &instance(""), &["an instance of nothing", "shapegroup"]),
+        ("sphere", &instance(ball), &["an instance of a shape that is no group"]),
+        ("<transform", &instance(&tiny), &["this transform overflows"]),
+        ("checkerboard", &map("normalmap"), &["holds no normals", "three channels"]),
+        ("checkerboard", &map("bumpmap"), &["has no slope", "bitmap"]),
+    ]);
+}
+
+/// Every instance's primitives have numbers of their own, and numbers are `u32`.
+#[test]
+fn primitives_are_counted_over_instances() {
+    let group = format!("<shape type=\"shapegroup\" id=\"g\">{}", "<shape type=\"sphere\"/>".repeat(1 << 15));
+    let instances = "<shape type=\"instance\"><ref id=\"g\"/></shape>\n".repeat((1 << 17) + 1);
+    let scene = format!("<scene version=\"3.0.0\">\n{SENSOR}\n{group}</shape>\n{instances}</scene>\n");
+    Folder::new(scene.as_bytes()).refused(&["4294967296 primitives", "fewer than 4294967295"]);
+}

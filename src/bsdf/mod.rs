@@ -9,6 +9,7 @@ pub mod fresnel;
 mod ior;
 mod metal;
 pub mod microfacet;
+mod shading_normal;
 mod slope;
 mod transmittance;
 
@@ -233,6 +234,8 @@ materials! {
     twosided::TwoSided,
     mask::Mask,
     blendbsdf::Blend,
+    normalmap::NormalMap,
+    bumpmap::BumpMap,
 }
 
 pub use twosided::TwoSided;

@@ -33,6 +33,7 @@ impl Arguments {
             "sensor": scene.sensor.camera.name(),
             "film": [scene.sensor.film.size.0, scene.sensor.film.size.1],
             "shapes": scene.shapes.len(),
+            "instances": scene.instances.len(),
             "primitives": scene.accel.primitives(),
             "search": if scene.accel.node_count() == 0 { "none: every block is tried" } else { "tree of eight-wide nodes" },
             "nodes": scene.accel.node_count(),

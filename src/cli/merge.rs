@@ -21,9 +21,9 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        let read = |path: PathBuf| image::read_exr(&path).map(|image| (path, image));
-        let images = self.parts.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        let merged = image::merge(images)?;
+        let outputs = [Some(&self.output), self.png.as_ref()];
+        outputs.into_iter().flatten().try_for_each(|path| image::check_writable(path))?;
+        let merged = image::merge_files(self.parts)?;
         image::write_exr(&self.output, &merged)?;
         if let Some(path) = &self.png {
             image::write_png(path, &image::develop(&merged)?.0)?;

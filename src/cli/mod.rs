@@ -6,6 +6,8 @@ mod plugins;
 mod render;
 mod replay;
 mod size;
+mod summary;
+mod watch;
 
 use clap::Parser;
 use etalon::scene::{self, Scene};
@@ -17,11 +19,18 @@ use std::process::ExitCode;
 /// Exit code for input or usage that cannot be used.
 pub const BAD_INPUT: u8 = 2;
 
+/// Exit code for an error that was asked for and is not attained.
+const UNATTAINED: u8 = 3;
+
+/// Exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
+const INTERRUPTED: u8 = 130;
+
 type Outcome = Result<ExitCode, Box<dyn Error>>;
 
 /// A spectral path tracer that is its own measuring stick.
 ///
-/// Exit codes: 0 done; 1 done, but samples were not finite; 2 bad input or usage.
+/// Exit codes: 0 done; 1 done, but samples were not finite; 2 bad input or usage; 3 done, but the error that was asked for is
+/// not attained; 130 interrupted.
 #[derive(Parser)]
 #[command(version)]
 pub enum Command {

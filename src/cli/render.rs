@@ -1,16 +1,20 @@
 //! `etalon render`
 
-use super::size::{parse_samples, parse_window};
-use super::{Outcome, SceneArguments, peak_memory};
+use super::size::{parse_positive, parse_samples, parse_share, parse_window};
+use super::summary::{self, Summary};
+use super::watch::Watch;
+use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED};
 use etalon::image::{self, Image, Window};
-use etalon::render::{Progress, Report, Settings, render};
+use etalon::integrator::kernel_for;
+use etalon::render::passes::Partial;
+use etalon::render::pilot::{self, NoCount, Pilot, Quality};
+use etalon::render::sample::Camera;
+use etalon::render::{Progress, Report, Settings, checkpoint, memory};
 use etalon::scene::Scene;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Renders a scene to an OpenEXR file
 #[derive(clap::Args)]
@@ -19,19 +23,37 @@ pub struct Arguments {
     scene: SceneArguments,
     /// OpenEXR file to write
     #[arg(short, long, value_name = "OUT.exr")]
-    output: PathBuf,
+    pub output: PathBuf,
     /// Also write an 8-bit picture
     #[arg(long, value_name = "OUT.png")]
     png: Option<PathBuf>,
     /// Samples a pixel, instead of the scene's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "samples")]
     spp: Option<u32>,
+    /// Render for about this long; prints the number of samples that makes the image again
+    #[arg(long, value_name = "SECONDS", value_parser = parse_positive, conflicts_with_all = ["spp", "samples", "resume"])]
+    time: Option<f64>,
+    /// Render until the image's mean has this relative standard error, such as 0.5% or 0.005; prints the number of samples
+    #[arg(long, value_name = "E", value_parser = parse_share, conflicts_with_all = ["spp", "samples", "resume", "time"])]
+    target_error: Option<f64>,
     /// Only these samples of every pixel; the file can be merged with others
     #[arg(long, value_name = "A..B", value_parser = parse_samples)]
     samples: Option<Range<u64>>,
     /// Only this part of the film
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_window)]
     crop: Option<Window>,
+    /// Save the render in this file now and then, so that it can go on after an end of any kind
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Seconds between two savings; by default as often as costs at most 1 %
+    #[arg(long, value_name = "SECONDS", value_parser = parse_positive, requires = "checkpoint")]
+    pub checkpoint_every: Option<f64>,
+    /// Go on from the checkpoint, if there is one yet
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+    /// Show the render in the image viewer tev, which listens at port 14158
+    #[arg(long, value_name = "HOST:PORT")]
+    pub preview: Option<String>,
     /// Threads; one for each processor by default
     #[arg(long, value_name = "T", default_value_t = 0)]
     threads: usize,
@@ -48,27 +70,74 @@ impl Arguments {
         let start = Instant::now();
         let scene = self.scene.load()?;
         let load_seconds = start.elapsed().as_secs_f64();
-        let settings = self.settings(&scene)?;
-        [Some(&self.output), self.png.as_ref()]
-            .into_iter()
-            .flatten()
-            .try_for_each(|path| require_place(path))?;
+        let mut settings = self.settings(&scene)?;
+        let files = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
+        files.into_iter().flatten().try_for_each(|path| image::check_writable(path))?;
+        let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
+        let passes = self.in_passes() || self.time.is_some() || self.target_error.is_some();
+        memory::check(&settings, channels, passes, memory::available())?;
+        let resumed = self.resumed(&scene, &settings)?;
+        let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();
-        let (image, report) = self.watched(&scene, &settings).ok_or("the render was stopped")?;
+        let progress = Progress::default();
+        let watch = Watch::new(&self, self.says_little(), &progress)?;
+        let pilot = watch.aside(|| self.pilot(&scene, &settings, &progress))?;
+        let pilot_seconds = start.elapsed().as_secs_f64();
+        if let Some(pilot) = &pilot {
+            settings.samples = 0..pilot.count;
+            self.tell_count(pilot);
+        }
+        let ending = watch.render(&scene, &settings, resumed)?;
         let seconds = start.elapsed().as_secs_f64();
-        image::write_exr(&self.output, &image)?;
-        if let Some(path) = &self.png {
-            let (picture, _) = image::develop(&image)?;
-            image::write_png(path, &picture)?;
-        }
-        let quality = Quality::of(&image);
+        let Some((image, report)) = ending else {
+            eprintln!("interrupted; no file was touched. With --checkpoint FILE a render can go on.");
+            return Ok(ExitCode::from(INTERRUPTED));
+        };
+        self.write(&image).map_err(|error| watch.keep(&scene, &settings, error))?;
+        let summary = Summary {
+            scene: &scene,
+            image: &image,
+            asked: settings.samples.clone(),
+            report: &report,
+            quality: Quality::of_image(&image),
+            seconds,
+            load_seconds,
+            begun,
+            pilot: pilot.map(|pilot| (pilot, pilot_seconds)),
+            target_error: self.target_error,
+        };
         if self.json {
-            println!("{}", summary(&scene, &settings, &report, &quality, seconds, load_seconds));
+            println!("{}", summary.document());
         } else if !self.quiet {
-            print(&report, &quality, seconds, load_seconds);
+            summary.print();
         }
-        self.report_non_finite(&report);
-        Ok(ExitCode::from(u8::from(report.non_finite > 0)))
+        self.warn(&summary);
+        if summary.interrupted() {
+            eprintln!("interrupted: the image has samples {:?} of {:?}", summary.samples(), settings.samples);
+            if let Some(path) = &self.checkpoint {
+                let count =
+                    if pilot.is_some() { format!("--spp {} ", settings.samples.end) } else { String::new() };
+                eprintln!(
+                    "go on with: the same scene and options, {count}--checkpoint {} --resume",
+                    path.display()
+                );
+            }
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        watch.finish();
+        if report.non_finite > 0 {
+            return Ok(ExitCode::from(1));
+        }
+        Ok(ExitCode::from(if summary.attained() == Some(false) { UNATTAINED } else { 0 }))
+    }
+
+    /// Whether the render must stop between passes, or can run through.
+    pub fn in_passes(&self) -> bool {
+        self.checkpoint.is_some() || self.preview.is_some()
+    }
+
+    fn says_little(&self) -> bool {
+        self.quiet || self.json
     }
 
     fn settings(&self, scene: &Scene) -> Result<Settings, String> {
@@ -94,28 +163,72 @@ impl Arguments {
         })
     }
 
-    /// Renders with a progress bar beside it.
-    fn watched(&self, scene: &Scene, settings: &Settings) -> Option<(Image, Report)> {
-        let progress = Progress::default();
-        if self.quiet || self.json {
-            return render(scene, settings, &progress);
+    /// What the checkpoint holds. Without `--resume` nothing, and then an existing one will be replaced.
+    fn resumed(&self, scene: &Scene, settings: &Settings) -> Result<Option<Partial>, image::ImageError> {
+        let Some(path) = self.checkpoint.as_ref().filter(|_| self.resume) else {
+            return Ok(None);
+        };
+        if !path.exists() {
+            eprintln!("{}: there is no checkpoint yet; the render begins at the beginning", path.display());
+            return Ok(None);
         }
-        let pixels = settings.window.pixels() as u64;
-        let bar = ProgressBar::new(pixels * (settings.samples.end - settings.samples.start));
-        let template = "{bar:40} {percent:>3} %  {elapsed} elapsed, {eta} to go  {per_sec}";
-        bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
-        std::thread::scope(|threads| {
-            let worker = threads.spawn(|| render(scene, settings, &progress));
-            while !worker.is_finished() {
-                bar.set_position(progress.done.load(Ordering::Relaxed));
-                std::thread::sleep(Duration::from_millis(50));
-            }
-            bar.finish_and_clear();
-            worker.join().ok().flatten()
-        })
+        checkpoint::load(path, scene, settings).map(Some)
     }
 
-    fn report_non_finite(&self, report: &Report) {
+    fn pilot(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Option<Pilot>, String> {
+        let count = match (self.time, self.target_error) {
+            (Some(seconds), _) => pilot::for_time(scene, settings, seconds, progress),
+            (_, Some(target)) => pilot::for_error(scene, settings, target, progress),
+            _ => return Ok(None),
+        };
+        match count {
+            Ok(pilot) => Ok(Some(pilot)),
+            // The render will be stopped in the same way.
+            Err(NoCount::Stopped) => Ok(None),
+            Err(NoCount::Black) => {
+                Err("--target-error: the pilot saw no light, and an error is relative to it; use --spp"
+                    .into())
+            }
+            Err(NoCount::NonFinite) => {
+                Err("--target-error: samples of the pilot are not finite; use --spp, which lists them".into())
+            }
+            Err(NoCount::TooMany) => {
+                Err("--target-error: more samples would be needed than a pixel can have".into())
+            }
+        }
+    }
+
+    /// Says the number as soon as it is known: a render that is killed can then go on.
+    fn tell_count(&self, pilot: &Pilot) {
+        if !self.says_little() {
+            println!(
+                "pilot of {} samples a pixel, {} rays: --spp {}",
+                pilot.samples, pilot.rays, pilot.count
+            );
+        }
+        if self.target_error.is_some() && pilot.quality.heavy_tailed() {
+            eprintln!("warning: {}", summary::heavy(&pilot.quality, "the pilot's"));
+        }
+    }
+
+    fn write(&self, image: &Image) -> Result<(), image::ImageError> {
+        image::write_exr(&self.output, image)?;
+        match &self.png {
+            Some(path) => image::write_png(path, &image::develop(image)?.0),
+            None => Ok(()),
+        }
+    }
+
+    fn warn(&self, summary: &Summary) {
+        let report: &Report = summary.report;
+        if self.target_error.is_some() && summary.quality.heavy_tailed() {
+            eprintln!("warning: {}", summary::heavy(&summary.quality, "the image's"));
+        }
         if report.cut > 0 {
             eprintln!(
                 "warning: {} paths were cut at {} vertices",
@@ -132,88 +245,4 @@ impl Arguments {
             eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.scene.display());
         }
     }
-}
-
-/// Refuses a file that could not be written, before hours of rendering and not after.
-fn require_place(path: &Path) -> Result<(), String> {
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(format!(
-            "error: cannot write {}: there is no folder {}",
-            path.display(),
-            folder.display()
-        ));
-    }
-    if path.is_dir() {
-        return Err(format!("error: cannot write {}: it is a folder", path.display()));
-    }
-    Ok(())
-}
-
-/// How good an image is, over its first three channels.
-struct Quality {
-    mean: [f64; 3],
-    /// Root mean square over pixels of the standard error, relative to the image's mean.
-    relative_standard_error: f64,
-    /// Standard error of the image's mean, relative to it.
-    relative_standard_error_of_mean: f64,
-}
-
-impl Quality {
-    fn of(image: &Image) -> Self {
-        let n = image.crop.pixels() as f64;
-        let sum = |values: &[f32]| values.iter().map(|&v| v as f64).sum::<f64>();
-        let mut mean = [0.0; 3];
-        let mut variance = 0.0;
-        for (m, channel) in mean.iter_mut().zip(&image.channels) {
-            *m = sum(&channel.mean) / n;
-            variance += channel.variance.as_deref().map_or(f64::INFINITY, sum) / n;
-        }
-        let scale = mean.iter().sum::<f64>() / 3.0;
-        let relative = (variance / 3.0).sqrt() / scale;
-        Self { mean, relative_standard_error: relative, relative_standard_error_of_mean: relative / n.sqrt() }
-    }
-}
-
-fn print(report: &Report, quality: &Quality, seconds: f64, load_seconds: f64) {
-    let million = |count: u64| count as f64 / seconds / 1e6;
-    let [r, g, b] = quality.mean;
-    println!(
-        "{:.2} s rendering, {load_seconds:.2} s loading, {} threads, kernel `{}`",
-        seconds, report.threads, report.kernel
-    );
-    println!("{:.3} million paths/s, {:.2} million rays/s", million(report.samples), million(report.rays));
-    println!("mean ({r:.5}, {g:.5}, {b:.5})");
-    println!("relative standard error {:.3} % a pixel", 100.0 * quality.relative_standard_error);
-    println!("relative standard error {:.4} % of the mean", 100.0 * quality.relative_standard_error_of_mean);
-}
-
-fn summary(
-    scene: &Scene,
-    settings: &Settings,
-    report: &Report,
-    quality: &Quality,
-    seconds: f64,
-    load_seconds: f64,
-) -> serde_json::Value {
-    serde_json::json!({
-        "seconds": seconds,
-        "load_seconds": load_seconds,
-        "samples": report.samples,
-        "samples_per_pixel": settings.samples.end - settings.samples.start,
-        "rays": report.rays,
-        "kernel": report.kernel,
-        "threads": report.threads,
-        "peak_memory_bytes": peak_memory(),
-        "mean": quality.mean,
-        "relative_standard_error": quality.relative_standard_error,
-        "relative_standard_error_of_mean": quality.relative_standard_error_of_mean,
-        "non_finite_samples": report.non_finite,
-        "cut_paths": report.cut,
-        "color": scene.mode.name(),
-        "integrator": scene.integrator.name(),
-        "scene_hash": scene.hash,
-        "seed": settings.seed,
-        "version": env!("CARGO_PKG_VERSION"),
-    })
 }

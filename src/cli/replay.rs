@@ -35,7 +35,7 @@ impl Arguments {
         println!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
         for (i, event) in counters.log.iter().flatten().enumerate() {
             let (shape, local) = scene.shape_of(event.hit.primitive);
-            let index = scene.shapes.iter().position(|s| std::ptr::eq(s, shape)).unwrap_or(0);
+            let index = scene.index_of(shape);
             println!(
                 "vertex {} at {:?}, shape {index}, primitive {local}, t = {:?}",
                 i + 1,

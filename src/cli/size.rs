@@ -39,6 +39,22 @@ pub fn parse_samples(text: &str) -> Result<Range<u64>, String> {
     Ok(a..b)
 }
 
+/// A finite number above zero.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(number),
+        _ => Err("expected a number above 0".into()),
+    }
+}
+
+/// A number above zero, or percents.
+pub fn parse_share(text: &str) -> Result<f64, String> {
+    match text.strip_suffix('%') {
+        Some(percents) => parse_positive(percents.trim_end()).map(|number| number / 100.0),
+        None => parse_positive(text),
+    }
+}
+
 /// `X,Y`.
 pub fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
     let parsed =
@@ -61,5 +77,12 @@ mod tests {
         assert!(parse_samples("8..8").is_err() && parse_samples("0..5000000000").is_err());
         assert_eq!(parse_window("1,2,3,4"), Ok(Window { x: 1, y: 2, width: 3, height: 4 }));
         assert!(parse_window("1,2,0,4").is_err());
+        assert_eq!(
+            [parse_share("0.5%"), parse_share("0.005"), parse_share("2 %")],
+            [0.005, 0.005, 0.02].map(Ok)
+        );
+        for nonsense in ["0", "-1", "nan", "inf", "1e400", "", "%", "x"] {
+            assert!(parse_share(nonsense).is_err() && parse_positive(nonsense).is_err(), "{nonsense}");
+        }
     }
 }

@@ -2,32 +2,82 @@
 
 use super::ImageError;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Replaces the file at `path` by one with these bytes.
+/// Replaces the file at `path` by one with these bytes, as [`write_file_with`] does.
+pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    write_file_with(path, |file| file.write_all(bytes))
+}
+
+/// Replaces the file at `path` by what `write` writes.
 ///
 /// The bytes go to the sibling `path.partial`, which is flushed to the disk and then renamed. On an error the partial file
 /// is removed and an existing file at `path` stays as it was. A link is followed; a device or pipe, which cannot
 /// be renamed over, is written directly.
-pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
-    // Fails where nothing exists yet, and then `path` itself is the target.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let special = fs::metadata(&target).is_ok_and(|metadata| !metadata.is_file());
-    let result = if special { fs::write(&target, bytes) } else { replace(&target, bytes) };
+pub(crate) fn write_file_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), ImageError> {
+    let target = target(path);
+    let result = if is_special(&target) {
+        File::create(&target).and_then(|file| buffered(&file, write))
+    } else {
+        replace(&target, write)
+    };
     result.map_err(|error| ImageError::new(format!("cannot write: {error}")).at(path))
 }
 
-fn replace(target: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// Finds out whether the file at `path` could be written, and leaves no trace. That there will be space is not promised.
+///
+/// # Errors
+/// With the reason why it could not be: no folder, no permission, a folder in its place.
+pub fn check_writable(path: &Path) -> Result<(), ImageError> {
+    let target = target(path);
+    let cannot = |why: String| ImageError::new(format!("cannot write: {why}")).at(path);
+    if target.is_dir() {
+        return Err(cannot("it is a folder".into()));
+    }
+    let folder = target.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(cannot(format!("there is no folder {}", folder.display())));
+    }
+    if is_special(&target) {
+        return Ok(());
+    }
+    let partial = partial(&target);
+    let tried = File::create(&partial).and_then(|_| fs::remove_file(&partial));
+    tried.map_err(|error| cannot(error.to_string()))
+}
+
+/// What a path stands for. Links cannot be followed where nothing exists yet, and then it stands for itself.
+fn target(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn is_special(target: &Path) -> bool {
+    fs::metadata(target).is_ok_and(|metadata| !metadata.is_file())
+}
+
+fn partial(target: &Path) -> PathBuf {
     let mut partial = target.as_os_str().to_owned();
     partial.push(".partial");
-    let partial = PathBuf::from(partial);
-    File::create(&partial).and_then(|mut file| {
-        let synced = file.write_all(bytes).and_then(|()| file.sync_all());
-        synced.and_then(|()| fs::rename(&partial, target)).inspect_err(|_| {
-            // The first error is the one to report; that the partial file may stay behind is secondary.
-            let _ = fs::remove_file(&partial);
-        })
+    partial.into()
+}
+
+fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(1 << 20, file);
+    write(&mut writer)?;
+    writer.flush()
+}
+
+fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let partial = partial(target);
+    let file = File::create(&partial)?;
+    let written = buffered(&file, write).and_then(|()| file.sync_all());
+    written.and_then(|()| fs::rename(&partial, target)).inspect_err(|_| {
+        // The first error is the one to report; that the partial file may stay behind is secondary.
+        let _ = fs::remove_file(&partial);
     })
 }
 
@@ -58,6 +108,39 @@ mod tests {
         assert!(error.to_string().contains("out.exr: cannot write"), "{error}");
         assert_eq!(fs::read_to_string(&path)?, "old");
         Ok(())
+    }
+
+    #[test]
+    fn half_a_file_is_taken_back() -> io::Result<()> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("out.exr");
+        fs::write(&path, "old")?;
+        let error = write_file_with(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        });
+        assert!(error.is_err_and(|e| e.to_string().contains("out.exr: cannot write")));
+        assert_eq!(fs::read_to_string(&path)?, "old");
+        assert_eq!(fs::read_dir(folder.path())?.count(), 1);
+        Ok(())
+    }
+
+    #[test]
+    fn whether_a_file_could_be_written_is_found_out_without_a_trace() -> io::Result<()> {
+        let folder = tempfile::tempdir()?;
+        assert_eq!(check_writable(&folder.path().join("new")), Ok(()));
+        assert_eq!(fs::read_dir(folder.path())?.count(), 0);
+        assert!(check_writable(folder.path()).is_err_and(|e| e.cause.contains("it is a folder")));
+        let missing = folder.path().join("no").join("out.exr");
+        assert!(check_writable(&missing).is_err_and(|e| e.cause.contains("there is no folder")));
+        Ok(())
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_an_error() {
+        let error = write_file(Path::new("/dev/full"), b"new").expect_err("the device is full");
+        assert!(error.to_string().starts_with("/dev/full: cannot write: "), "{error}");
     }
 
     #[test]

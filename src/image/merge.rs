@@ -5,9 +5,28 @@
 //! result does not depend on the division or on the order, and equals that of one run bit for bit.
 
 use super::coverage::{Part, check_coverage};
+use super::exr::{read_exr, read_head};
 use super::{Channel, Image, ImageError, Window};
 use crate::film::{Accumulators, BLOCK};
 use std::path::{Path, PathBuf};
+
+/// Merges files into one image, a shard if they are shards. Whether they fit is known from their heads; then they are read one
+/// after the other, so that only one of them is in memory beside the result.
+///
+/// # Errors
+/// As [`merge`] has them; and if a file cannot be read, or changes meanwhile.
+pub fn merge_files(paths: Vec<PathBuf>) -> Result<Image, ImageError> {
+    let heads = paths.into_iter().map(|path| read_head(&path).map(|head| (path, head)));
+    let heads = heads.collect::<Result<Vec<_>, _>>()?;
+    let load = |(path, head): (PathBuf, Image)| {
+        let image = read_exr(&path)?;
+        let same = image.crop == head.crop
+            && image.provenance == head.provenance
+            && image.accumulators.is_some() == head.accumulators.is_some();
+        if same { Ok(image) } else { Err(ImageError::new("the file has changed").at(&path)) }
+    };
+    merge_parts(heads, load)
+}
 
 /// Merges images into one, a shard if they are shards. The paths name the images in error messages.
 ///
@@ -15,11 +34,19 @@ use std::path::{Path, PathBuf};
 /// If there is no image; if two of them differ in scene, seed, version, kernel, integrator, film or channels, or overlap;
 /// if a pixel or a range of samples is missing; or if images that are not shards hold different samples.
 pub fn merge(images: Vec<(PathBuf, Image)>) -> Result<Image, ImageError> {
-    let Some((first_path, first)) = images.first() else {
+    merge_parts(images, |(_, image)| Ok(image))
+}
+
+/// Merges what `load` makes of heads, one after the other. Of a head the values are not looked at.
+fn merge_parts(
+    heads: Vec<(PathBuf, Image)>,
+    mut load: impl FnMut((PathBuf, Image)) -> Result<Image, ImageError>,
+) -> Result<Image, ImageError> {
+    let Some((first_path, first)) = heads.first() else {
         return Err(ImageError::new("there is nothing to merge"));
     };
     let mut parts = Vec::new();
-    for (path, image) in &images {
+    for (path, image) in &heads {
         if let Some(reason) = incompatibility(first, image)? {
             return Err(refusal(first_path, path, &reason));
         }
@@ -49,8 +76,8 @@ pub fn merge(images: Vec<(PathBuf, Image)>) -> Result<Image, ImageError> {
         accumulators: shard.then(|| Accumulators::new(window.width, window.height, first.channels.len())),
     };
     // Each part is released as soon as it has been added.
-    for (_, image) in images {
-        place(&mut result, &image);
+    for head in heads {
+        place(&mut result, &load(head)?);
     }
     let Some(accumulators) = result.accumulators.take() else {
         return Ok(result);

@@ -17,7 +17,9 @@ mod sheet;
 pub mod srgb;
 
 pub use self::exr::{read_exr, write_exr};
-pub use merge::merge;
+pub use atomic::check_writable;
+pub(crate) use atomic::write_file_with;
+pub use merge::{merge, merge_files};
 pub use png::{Rgb8, develop, encode_srgb, write_png};
 pub use provenance::{Attribute, Provenance};
 pub use sheet::contact_sheet;
@@ -59,6 +61,20 @@ pub struct Channel {
     pub variance: Option<Vec<f32>>,
 }
 
+impl Channel {
+    /// The channels of accumulated samples, of which every pixel has as many as told.
+    pub(crate) fn all(names: &[String], accumulators: &Accumulators, samples: u64) -> Vec<Channel> {
+        let channel = |(index, name): (usize, &String)| Channel {
+            name: name.clone(),
+            mean: accumulators.channel(index).map(|channel| channel.mean(samples) as f32).collect(),
+            variance: Some(
+                accumulators.channel(index).map(|channel| channel.variance(samples) as f32).collect(),
+            ),
+        };
+        names.iter().enumerate().map(channel).collect()
+    }
+}
+
 /// A rendered image, whole or a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
@@ -86,14 +102,7 @@ impl Image {
         shard: bool,
     ) -> Image {
         let samples = provenance.samples.end.saturating_sub(provenance.samples.start);
-        let channel = |(index, name): (usize, &String)| Channel {
-            name: name.clone(),
-            mean: accumulators.channel(index).map(|channel| channel.mean(samples) as f32).collect(),
-            variance: Some(
-                accumulators.channel(index).map(|channel| channel.variance(samples) as f32).collect(),
-            ),
-        };
-        let channels = names.iter().enumerate().map(channel).collect();
+        let channels = Channel::all(names, &accumulators, samples);
         let accumulators = shard.then_some(accumulators);
         Image { full, crop, channels, provenance: Some(provenance), accumulators }
     }

@@ -81,7 +81,6 @@ impl Aov {
         values.fill(0.0);
         let Some(hit) = scene.accel.closest(ray) else { return };
         let (shape, point) = scene.surface::<true>(ray, &hit);
-        let index = scene.shapes.iter().position(|s| std::ptr::eq(s, shape)).unwrap_or(0);
         let mut values = values.iter_mut();
         for (_, property, suffixes) in &self.outputs {
             let v = match property {
@@ -91,8 +90,8 @@ impl Aov {
                 Property::GeometricNormal => point.ng.to_array(),
                 Property::ShadingNormal => point.ns.to_array(),
                 Property::Tangent => point.dp_du.to_array(),
-                Property::PrimitiveIndex => [(hit.primitive - shape.first_primitive) as f64, 0.0, 0.0],
-                Property::ShapeIndex => [index as f64, 0.0, 0.0],
+                Property::PrimitiveIndex => [scene.shape_of(hit.primitive).1 as f64, 0.0, 0.0],
+                Property::ShapeIndex => [scene.index_of(shape) as f64, 0.0, 0.0],
             };
             for (value, to) in v.iter().zip(values.by_ref().take(suffixes.len())) {
                 *to = *value;

@@ -1,6 +1,11 @@
 //! Who computes what, and when. Nothing here can change a pixel: every camera sample is a function of the scene, the
 //! seed, its pixel and its number ([`sample`]), and pixels add up in an order that does not matter ([`crate::film`]).
 
+pub mod checkpoint;
+pub mod memory;
+pub mod passes;
+pub mod pilot;
+pub mod preview;
 pub mod sample;
 
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
@@ -57,6 +62,14 @@ pub struct Report {
     pub threads: usize,
 }
 
+impl Report {
+    /// Keeps of the non-finite samples the first in order of pixel and sample.
+    fn list_first(&mut self) {
+        self.first_non_finite.sort_by_key(|n| (n.pixel.1, n.pixel.0, n.sample));
+        self.first_non_finite.truncate(LISTED);
+    }
+}
+
 /// Shared between a render and whoever watches it.
 #[derive(Debug, Default)]
 pub struct Progress {
@@ -100,11 +113,15 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         report.non_finite += tile.non_finite;
         report.first_non_finite.extend(&tile.first_non_finite);
     }
-    report.first_non_finite.sort_by_key(|n| (n.pixel.1, n.pixel.0, n.sample));
-    report.first_non_finite.truncate(LISTED);
+    report.list_first();
     let count = settings.samples.end - settings.samples.start;
     report.samples = count * settings.window.pixels() as u64;
-    let provenance = Provenance {
+    let provenance = provenance(scene, settings, kernel);
+    Some((assemble(scene, settings, names, tiles, provenance), report))
+}
+
+fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Provenance {
+    Provenance {
         version: env!("CARGO_PKG_VERSION").into(),
         scene: scene.hash.clone(),
         seed: settings.seed as u64,
@@ -112,8 +129,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         kernel: kernel.name.into(),
         integrator: scene.integrator.name().into(),
         extra: BTreeMap::new(),
-    };
-    Some((assemble(scene, settings, names, tiles, provenance), report))
+    }
 }
 
 fn tiles(window: Window) -> impl Iterator<Item = Window> {

@@ -1,6 +1,7 @@
 //! From a document to a [`Scene`].
 
 use super::error::{SceneError, known};
+use super::instances::{Group, Instances};
 use super::loader::Loader;
 use super::owners::Owners;
 use super::params::{Params, Usage};
@@ -10,10 +11,10 @@ use super::{Features, Overrides, Scene, Shape, Side, overrides};
 use crate::bsdf::AnyMaterial;
 use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
-use crate::math::{DVec3, length};
+use crate::math::{DVec3, Ray, Transform, length};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
-use crate::shape::{Geometry, SHAPES};
+use crate::shape::{Declared, Geometry, SHAPES};
 use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::collections::BTreeMap;
@@ -40,6 +41,11 @@ pub fn load_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, Scene
 struct Builder<'a, 'd> {
     loader: &'a Loader<'d>,
     shapes: Vec<Shape>,
+    instances: Instances,
+    /// The groups that were read, by their element.
+    known_groups: BTreeMap<*const Element, u32>,
+    /// Of all shapes and instances.
+    primitives: u64,
     materials: Vec<AnyMaterial>,
     /// What both sides wear of the materials that were read, by their element: shapes share them.
     known: BTreeMap<*const Element, [Side; 2]>,
@@ -58,6 +64,9 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let mut builder = Builder {
         loader: &loader,
         shapes: vec![],
+        instances: Instances::default(),
+        known_groups: BTreeMap::new(),
+        primitives: 0,
         materials: vec![],
         known: BTreeMap::new(),
         emitters: vec![],
@@ -110,43 +119,41 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let hash = hash(document, &loader, mode)?;
     let features = features(&builder, &integrator);
     let geometries: Vec<&Geometry> = builder.shapes.iter().map(|s| &s.geometry).collect();
-    let accel = Accel::new(&geometries);
-    let (lo, hi) = geometries
-        .iter()
-        .map(|g| g.bounds())
-        .fold((DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)), |(lo, hi), (a, b)| {
-            (lo.min(a), hi.max(b))
-        });
-    let radius = if geometries.is_empty() { 1.0 } else { 0.5 * length(hi - lo) };
-    let Builder { shapes, materials, emitters, .. } = &mut builder;
+    let accel = Accel::with_instances(&geometries, builder.instances.trees());
+    let (lo, hi) = accel.bounds();
+    let radius = if accel.primitives() == 0 { 1.0 } else { 0.5 * length(hi - lo) };
+    let Builder { shapes, instances, materials, emitters, .. } = &mut builder;
     let emitters = Emitters::new(std::mem::take(emitters), radius, |i| &shapes[i as usize].geometry);
     let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));
     let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
-    Ok(Scene { shapes, owners, materials, emitters, accel, sensor, integrator, mode, features, hash })
+    let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
+    Ok(Scene {
+        shapes,
+        owners,
+        instances,
+        materials,
+        emitters,
+        accel,
+        sensor,
+        integrator,
+        mode,
+        features,
+        hash,
+    })
 }
 
 impl<'a, 'd> Builder<'a, 'd> {
     fn shape(&mut self, element: &'d Element) -> Result<(), SceneError> {
-        let kind = element.require("type")?;
-        let entry = SHAPES.iter().find(|e| e.name == kind.value).ok_or_else(|| {
-            let names: Vec<&str> = SHAPES.iter().map(|e| e.name).collect();
-            SceneError::at(
-                &kind.value_span,
-                format!("unknown shape `{}`", kind.value),
-                known(&kind.value, &names),
-            )
-        })?;
         let mut params = Params::new(element, self.loader, Usage::Unbounded)?;
-        let mut geometry = (entry.parse)(&mut params)?;
-        let material = params
-            .object("bsdf", "what the surface is made of; by default matte grey, or black if it shines")?;
-        let emitter = params.object("emitter", "what the surface emits")?;
-        params.finish()?;
-        check_extent(&geometry, element)?;
-        let sides = match material {
-            Some(element) => self.material(element)?,
-            None => self.default_sides(emitter.is_some()),
-        };
+        match declared(&mut params)? {
+            Declared::Geometry(geometry) => self.surface(geometry, params),
+            Declared::Group => self.group(element, params).map(drop),
+            Declared::Instance(to_world) => self.instance(to_world, element, params),
+        }
+    }
+
+    fn surface(&mut self, mut geometry: Geometry, mut params: Params<'_, 'd>) -> Result<(), SceneError> {
+        let (sides, emitter) = self.attachments(&geometry, &mut params)?;
         let emitter = match emitter {
             None => None,
             Some(element) => {
@@ -162,9 +169,87 @@ impl<'a, 'd> Builder<'a, 'd> {
                 Some(self.emitters.len() as u32 - 1)
             }
         };
-        let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
+        let first_primitive = self.primitives as u32;
+        self.count(geometry.primitives(), params.element)?;
         self.shapes.push(Shape { geometry, first_primitive, sides, emitter });
         Ok(())
+    }
+
+    /// What a surface wears, and what it shall emit.
+    fn attachments(
+        &mut self,
+        geometry: &Geometry,
+        params: &mut Params<'_, 'd>,
+    ) -> Result<([Side; 2], Option<&'d Element>), SceneError> {
+        let material = params
+            .object("bsdf", "what the surface is made of; by default matte grey, or black if it shines")?;
+        let emitter = params.object("emitter", "what the surface emits")?;
+        params.finish()?;
+        check_extent(geometry.bounds(), geometry.primitives(), params.element)?;
+        let sides = match material {
+            Some(element) => self.material(element)?,
+            None => self.default_sides(emitter.is_some()),
+        };
+        Ok((sides, emitter))
+    }
+
+    /// Reads a group, once, and answers with its number. As in Mitsuba, its shapes neither shine nor are groups or
+    /// instances themselves.
+    fn group(&mut self, element: &'d Element, params: Params<'_, 'd>) -> Result<u32, SceneError> {
+        params.finish()?;
+        if let Some(number) = self.known_groups.get(&(element as *const Element)) {
+            return Ok(*number);
+        }
+        let mut shapes: Vec<Shape> = vec![];
+        for child in &element.children {
+            let member = self.loader.resolve(child)?;
+            let mut params = Params::new(member, self.loader, Usage::Unbounded)?;
+            let Declared::Geometry(geometry) = declared(&mut params)? else {
+                let message = "groups and instances cannot be grouped again";
+                return Err(SceneError::at(&child.span, message, "expected a shape with a surface"));
+            };
+            let (sides, emitter) = self.attachments(&geometry, &mut params)?;
+            if let Some(emitter) = emitter {
+                let message = "a shape in a group cannot shine";
+                return Err(SceneError::at(&emitter.span, message, "put the shape outside of the group"));
+            }
+            let first_primitive = shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
+            check_count(u64::from(first_primitive) + u64::from(geometry.primitives()), member)?;
+            shapes.push(Shape { geometry, first_primitive, sides, emitter: None });
+        }
+        let number = self.instances.add_group(Group::new(shapes));
+        self.known_groups.insert(element, number);
+        Ok(number)
+    }
+
+    fn instance(
+        &mut self,
+        to_world: Transform,
+        element: &'d Element,
+        params: Params<'_, 'd>,
+    ) -> Result<(), SceneError> {
+        params.finish()?;
+        for child in &element.children {
+            let nested = self.loader.resolve(child)?;
+            if nested.tag == "shape" {
+                let mut params = Params::new(nested, self.loader, Usage::Unbounded)?;
+                let Declared::Group = declared(&mut params)? else {
+                    let message = "an instance of a shape that is no group";
+                    return Err(SceneError::at(&child.span, message, "expected a `shapegroup`"));
+                };
+                let group = self.group(nested, params)?;
+                let (bounds, primitives) = self.instances.place(group, to_world);
+                check_extent(bounds, primitives, element)?;
+                self.count(primitives, element)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts further primitives.
+    fn count(&mut self, primitives: u32, element: &Element) -> Result<(), SceneError> {
+        self.primitives += u64::from(primitives);
+        check_count(self.primitives, element)
     }
 
     /// Adds a material. A two-sided one at the top is resolved here, once and for all.
@@ -219,13 +304,35 @@ impl<'a, 'd> Builder<'a, 'd> {
     }
 }
 
+/// Reads what a `<shape>` is by itself.
+fn declared(params: &mut Params) -> Result<Declared, SceneError> {
+    let kind = params.element.require("type")?;
+    let entry = SHAPES.iter().find(|e| e.name == kind.value).ok_or_else(|| {
+        let names: Vec<&str> = SHAPES.iter().map(|e| e.name).collect();
+        SceneError::at(
+            &kind.value_span,
+            format!("unknown shape `{}`", kind.value),
+            known(&kind.value, &names),
+        )
+    })?;
+    (entry.parse)(params)
+}
+
+/// Refuses more primitives than can be numbered.
+fn check_count(primitives: u64, element: &Element) -> Result<(), SceneError> {
+    if primitives < u64::from(Ray::FREE) {
+        return Ok(());
+    }
+    let message = format!("{primitives} primitives, those of every instance counted");
+    Err(SceneError::at(&element.span, message, format!("expected fewer than {}", Ray::FREE)))
+}
+
 /// Refuses shapes whose coordinates overflow.
-fn check_extent(geometry: &Geometry, element: &Element) -> Result<(), SceneError> {
-    let (lo, hi) = geometry.bounds();
+fn check_extent((lo, hi): (DVec3, DVec3), primitives: u32, element: &Element) -> Result<(), SceneError> {
     /// The largest coordinate whose square is still finite in f64 and which f32 vertices can hold.
     const LARGEST: f64 = 1e37;
     let largest = lo.abs().max(hi.abs()).max_element();
-    if geometry.primitives() > 0 && (largest.is_nan() || largest >= LARGEST) {
+    if primitives > 0 && (largest.is_nan() || largest >= LARGEST) {
         return Err(SceneError::at(
             &element.span,
             "the shape's coordinates overflow",

@@ -6,6 +6,7 @@
 mod build;
 pub mod catalogue;
 pub mod error;
+pub mod instances;
 pub mod loader;
 mod overrides;
 mod owners;
@@ -24,6 +25,7 @@ use crate::shape::{Geometry, Hit, SurfacePoint};
 use crate::spectrum::ColorMode;
 pub use build::load;
 pub use build::load_text;
+use instances::Instances;
 use owners::Owners;
 
 /// A surface: its geometry, what it is made of and what it emits.
@@ -65,6 +67,8 @@ pub struct Overrides {
 pub struct Scene {
     pub shapes: Vec<Shape>,
     owners: Owners,
+    /// Looks of groups of further shapes.
+    pub instances: Instances,
     pub materials: Vec<AnyMaterial>,
     pub emitters: Emitters,
     pub accel: Accel,
@@ -108,6 +112,9 @@ impl Scene {
     /// The shape that a primitive belongs to, and its number there.
     #[inline]
     pub fn shape_of(&self, primitive: u32) -> (&Shape, u32) {
+        if self.instances.have(primitive) {
+            return self.instances.shape_of(primitive);
+        }
         let shape = &self.shapes[self.owners.of(primitive)];
         (shape, primitive - shape.first_primitive)
     }
@@ -115,16 +122,26 @@ impl Scene {
     /// The surface at a hit.
     #[inline(always)]
     pub fn surface<const UV: bool>(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
+        if self.instances.have(hit.primitive) {
+            return self.instances.surface::<UV>(ray, hit);
+        }
         let (shape, local) = self.shape_of(hit.primitive);
         (shape, shape.geometry.point::<UV>(ray, hit, local))
     }
 
+    /// A number for each shape: those of groups come after the others.
+    pub fn index_of(&self, shape: &Shape) -> usize {
+        let mut all = self.shapes.iter().chain(self.instances.shapes());
+        all.position(|s| std::ptr::eq(s, shape)).unwrap_or(0)
+    }
+
     /// Bytes of geometry, search structure and textures are counted where they are largest: here, the first two.
     pub fn geometry_bytes(&self) -> usize {
-        let meshes = self.shapes.iter().map(|s| match &s.geometry {
+        let all = self.shapes.iter().chain(self.instances.shapes());
+        let meshes = all.map(|s| match &s.geometry {
             Geometry::Mesh(mesh) => mesh.bytes(),
             _ => size_of::<Geometry>(),
         });
-        meshes.sum::<usize>() + self.accel.bytes()
+        meshes.sum::<usize>() + self.accel.bytes() + self.instances.search_bytes()
     }
 }

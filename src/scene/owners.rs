@@ -30,6 +30,12 @@ impl Owners {
         Self { shapes: shapes.collect(), starts, shift }
     }
 
+    /// The first primitive of a shape.
+    #[inline]
+    pub fn start(&self, shape: usize) -> u32 {
+        self.starts[shape]
+    }
+
     /// The index of the shape.
     #[inline]
     pub fn of(&self, primitive: u32) -> usize {

@@ -19,6 +19,8 @@ pub enum Usage {
     Emission,
     /// A spectrum that is neither, such as an index of refraction.
     Unbounded,
+    /// Three numbers that are no colour, such as a direction: no mode makes a spectrum of them.
+    Vector,
 }
 
 /// One row of a model's parameter table.

@@ -104,12 +104,13 @@ impl Cylinder {
         let n = if self.inward { -outward } else { outward };
         let p = self.start + self.axis * z + outward * self.radius;
         if !UV {
-            return SurfacePoint { p, ng: n, ns: n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+            return SurfacePoint::plain(p, n, n);
         }
         let (x, y) = (outward.dot(self.x), outward.dot(self.y));
         let turn = 0.5 * INV_PI * atan2(y, x);
         let uv = DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, z / self.length);
-        SurfacePoint { p, ng: n, ns: n, uv, dp_du: (self.y * x - self.x * y) * (2.0 * PI * self.radius) }
+        let dp_du = (self.y * x - self.x * y) * (2.0 * PI * self.radius);
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length }
     }
 
     pub fn area(&self) -> f64 {

@@ -4,7 +4,7 @@ use super::mesh_data::MeshData;
 use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
 use crate::math::function::acos;
-use crate::math::{DVec2, DVec3, Discrete, Transform, warp};
+use crate::math::{DVec2, DVec3, Discrete, Frame, Transform, warp};
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
 #[derive(Debug)]
@@ -75,20 +75,25 @@ impl Mesh {
                 if n.length_squared() > 0.0 { unit(n) } else { ng }
             }
         };
-        let (uv, dp_du) = match &self.uvs {
-            _ if !UV => (DVec2::ZERO, DVec3::ZERO),
-            None => (DVec2::new(u, v), e1),
+        let (uv, dp_du, dp_dv) = match &self.uvs {
+            _ if !UV => (DVec2::ZERO, DVec3::ZERO, DVec3::ZERO),
+            None => (DVec2::new(u, v), e1, e2),
             Some(uvs) => {
                 let [t0, t1, t2] =
                     indices.map(|i| DVec2::new(uvs[i as usize][0] as f64, uvs[i as usize][1] as f64));
                 let (d1, d2) = (t1 - t0, t2 - t0);
                 let determinant = d1.x * d2.y - d1.y * d2.x;
-                let dp_du =
-                    if determinant != 0.0 { (e1 * d2.y - e2 * d1.y) / determinant } else { DVec3::ZERO };
-                (t0 + d1 * u + d2 * v, dp_du)
+                let (dp_du, dp_dv) = if determinant != 0.0 {
+                    ((e1 * d2.y - e2 * d1.y) / determinant, (e2 * d1.x - e1 * d2.x) / determinant)
+                } else {
+                    // Any two directions along the surface: Mitsuba takes the same.
+                    let frame = Frame::about(ng);
+                    (frame.s, frame.t)
+                };
+                (t0 + d1 * u + d2 * v, dp_du, dp_dv)
             }
         };
-        SurfacePoint { p: p0 + e1 * u + e2 * v, ng, ns, uv, dp_du }
+        SurfacePoint { p: p0 + e1 * u + e2 * v, ng, ns, uv, dp_du, dp_dv }
     }
 
     fn triangle_area(&self, triangle: u32) -> f64 {
@@ -189,6 +194,7 @@ mod tests {
         let point = Mesh::new(triangle(true), &Transform::IDENTITY, false, false).point::<true>(0, 0.25, 0.5);
         assert_eq!((point.p, point.uv), (DVec3::new(0.25, 0.5, 0.0), DVec2::new(0.5, 2.0)));
         assert_eq!(point.dp_du, DVec3::new(0.5, 0.0, 0.0));
+        assert_eq!(point.dp_dv, DVec3::new(0.0, 0.25, 0.0));
     }
 
     #[test]

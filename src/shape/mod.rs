@@ -7,6 +7,7 @@ pub mod accel;
 mod cube;
 mod cylinder;
 mod disk;
+mod instance;
 pub mod mesh;
 pub mod mesh_data;
 mod mesh_file;
@@ -15,6 +16,7 @@ mod patch;
 mod ply;
 mod rectangle;
 mod serialized;
+mod shapegroup;
 mod sphere;
 
 use crate::math::{DVec2, DVec3, Frame, Ray, Transform, length};
@@ -27,18 +29,40 @@ pub use mesh::Mesh;
 pub use patch::Patch;
 pub use sphere::Sphere;
 
+/// What a `<shape>` in a scene file may declare.
+#[derive(Debug)]
+pub enum Declared {
+    /// A surface.
+    Geometry(Geometry),
+    /// Surfaces, nested in the element, that are seen only through instances.
+    Group,
+    /// Another look of the group nested in the element, placed in the world.
+    Instance(Transform),
+}
+
 macro_rules! shapes {
-    ($($module:ident),* $(,)?) => {
+    ($($module:ident => $declared:expr),* $(,)?) => {
         /// Every shape.
-        pub static SHAPES: &[Entry<Geometry>] = &[$(Entry {
+        pub static SHAPES: &[Entry<Declared>] = &[$(Entry {
             name: $module::NAME,
             about: $module::ABOUT,
             examples: $module::EXAMPLES,
-            parse: $module::parse,
+            parse: |params| $module::parse(params).map($declared),
         }),*];
     };
 }
-shapes!(rectangle, sphere, disk, cube, cylinder, obj, ply, serialized);
+shapes! {
+    rectangle => Declared::Geometry,
+    sphere => Declared::Geometry,
+    disk => Declared::Geometry,
+    cube => Declared::Geometry,
+    cylinder => Declared::Geometry,
+    obj => Declared::Geometry,
+    ply => Declared::Geometry,
+    serialized => Declared::Geometry,
+    shapegroup => |()| Declared::Group,
+    instance => Declared::Instance,
+}
 
 /// The surface of a shape in world space.
 #[derive(Debug)]
@@ -72,13 +96,20 @@ pub struct SurfacePoint {
     pub uv: DVec2,
     /// ∂p/∂u, the preferred direction of anisotropic materials.
     pub dp_du: DVec3,
+    /// ∂p/∂v.
+    pub dp_dv: DVec3,
 }
 
 impl SurfacePoint {
+    /// A point whose texture coordinates are not asked for.
+    pub fn plain(p: DVec3, ng: DVec3, ns: DVec3) -> Self {
+        Self { p, ng, ns, uv: DVec2::ZERO, dp_du: DVec3::ZERO, dp_dv: DVec3::ZERO }
+    }
+
     /// A point in the plane z = 0 with its normal along +z, for a look at a material alone.
     pub fn flat() -> Self {
         let n = DVec3::Z;
-        Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X }
+        Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X, dp_dv: DVec3::Y }
     }
 
     /// The local frame in which materials work.
@@ -108,7 +139,7 @@ impl Geometry {
         }
     }
 
-    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the tangent
+    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the tangents
     /// along them are left out: on quadrics they cost more than all the rest.
     #[inline(always)]
     pub fn point<const UV: bool>(&self, ray: &Ray, hit: &Hit, local: u32) -> SurfacePoint {

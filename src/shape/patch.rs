@@ -4,6 +4,7 @@ use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
 use crate::math::function::{atan2, sin_cos_turn};
 use crate::math::{DVec2, DVec3, INV_PI, Transform, warp};
+use std::f64::consts::PI;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
@@ -31,7 +32,7 @@ impl Patch {
         let (e1, e2) = (to_world.vector(DVec3::X), to_world.vector(DVec3::Y));
         let unit_area = match outline {
             Outline::Square => 4.0,
-            Outline::Circle => std::f64::consts::PI,
+            Outline::Circle => PI,
         };
         Self {
             centre: to_world.point(DVec3::ZERO),
@@ -59,18 +60,19 @@ impl Patch {
     pub fn point<const UV: bool>(&self, x: f64, y: f64) -> SurfacePoint {
         let p = self.centre + self.e1 * x + self.e2 * y;
         if !UV {
-            return SurfacePoint { p, ng: self.n, ns: self.n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+            return SurfacePoint::plain(p, self.n, self.n);
         }
-        let (uv, dp_du) = match self.outline {
-            Outline::Square => (DVec2::new(0.5 * (x + 1.0), 0.5 * (y + 1.0)), self.e1 * 2.0),
+        let (uv, dp_du, dp_dv) = match self.outline {
+            Outline::Square => (DVec2::new(0.5 * (x + 1.0), 0.5 * (y + 1.0)), self.e1 * 2.0, self.e2 * 2.0),
             Outline::Circle => {
                 let r = (x * x + y * y).sqrt();
                 let turn = 0.5 * INV_PI * atan2(y, x);
                 let radial = if r > 0.0 { self.e1 * (x / r) + self.e2 * (y / r) } else { self.e1 };
-                (DVec2::new(r, if turn < 0.0 { turn + 1.0 } else { turn }), radial)
+                let around = (self.e2 * x - self.e1 * y) * (2.0 * PI);
+                (DVec2::new(r, if turn < 0.0 { turn + 1.0 } else { turn }), radial, around)
             }
         };
-        SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du }
+        SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du, dp_dv }
     }
 
     #[inline(always)]

@@ -53,14 +53,22 @@ impl Sphere {
         let n = if self.inward { -outward } else { outward };
         let p = self.centre + outward * self.radius;
         if !UV {
-            return SurfacePoint { p, ng: n, ns: n, uv: DVec2::ZERO, dp_du: DVec3::ZERO };
+            return SurfacePoint::plain(p, n, n);
         }
         let local = DVec3::from(self.axes.map(|axis| axis.dot(outward)));
         let turn = 0.5 * INV_PI * atan2(local.y, local.x);
         let uv =
             DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, INV_PI * acos(local.z.clamp(-1.0, 1.0)));
         let dp_du = (self.axes[1] * local.x - self.axes[0] * local.y) * (2.0 * PI * self.radius);
-        SurfacePoint { p, ng: n, ns: n, uv, dp_du }
+        // With ρ the distance from the axis: ∂p/∂θ = (z cos φ, z sin φ, −ρ), and v = θ/π.
+        let rho = (local.x * local.x + local.y * local.y).sqrt();
+        let around = if rho > 0.0 {
+            self.axes[0] * (local.x / rho) + self.axes[1] * (local.y / rho)
+        } else {
+            self.axes[0]
+        };
+        let dp_dv = (around * local.z - self.axes[2] * rho) * (PI * self.radius);
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv }
     }
 
     pub fn area(&self) -> f64 {
@@ -72,14 +80,15 @@ impl Sphere {
         AreaSample { p: surface.p, n: surface.ng, uv: surface.uv, pdf: 1.0 / self.area() }
     }
 
-    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside.
+    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose outside is its
+    /// back: points of its own wall are inside, although rounding puts half of them outside.
     ///
     /// With s = r/d: 1 − √(1 − s²) = s²/(1 + √(1 − s²)).
     #[inline]
     pub fn cone(&self, p: DVec3) -> Option<f64> {
         let d2 = (p - self.centre).length_squared();
         let s2 = self.radius * self.radius / d2;
-        (s2 < 1.0).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
+        (s2 < 1.0 && !self.inward).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
     }
 
     /// A visible point chosen uniformly in solid angle from `p` outside, and its density in sr⁻¹.
@@ -98,5 +107,20 @@ impl Sphere {
 
     pub fn bounds(&self) -> (DVec3, DVec3) {
         (self.centre - self.radius, self.centre + self.radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hollow_sphere_has_no_cone_even_where_its_wall_is_rounded_outwards() {
+        let hollow = Sphere::new(&Transform::IDENTITY, DVec3::ZERO, 1.0, true);
+        let wall =
+            (0..100).map(|i| hollow.point::<false>(warp::sphere(DVec2::new(0.37, i as f64 / 100.0))).p);
+        let outside = wall.clone().filter(|p| p.length_squared() > 1.0).count();
+        assert!(outside > 0, "nothing is rounded outwards");
+        assert!(wall.into_iter().all(|p| hollow.cone(p).is_none()));
     }
 }

@@ -4,7 +4,7 @@ use super::AnyTexture;
 use crate::image::srgb;
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
-use crate::scene::params::Params;
+use crate::scene::params::{Params, Usage};
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use std::path::Path;
@@ -99,7 +99,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let scalar: Arc<Vec<f32>> = Arc::new(scalar.collect());
     let texels = if pixels.channels == 1 {
         Texels::Grey(scalar.to_vec())
-    } else if params.loader.mode == ColorMode::Rgb {
+    } else if params.loader.mode == ColorMode::Rgb || params.usage == Usage::Vector {
         Texels::Rgb((0..count).map(|i| pixels.linear(i, raw)).collect())
     } else if raw {
         Texels::Grey(scalar.to_vec())
@@ -113,24 +113,26 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
 }
 
 impl Bitmap {
-    /// The texels about a place and their weights.
+    /// The four texels about a place, row by row, and how far it lies from the first towards the others.
     #[inline]
-    fn corners(&self, uv: DVec2) -> [(usize, f32); 4] {
+    fn square(&self, uv: DVec2) -> ([usize; 4], f64, f64) {
         let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
         let offset = if self.nearest { 0.0 } else { 0.5 };
         let (x, y) = (p.x * self.width as f64 - offset, p.y * self.height as f64 - offset);
         let (x0, y0) = (x.floor(), y.floor());
-        let (tx, ty) = if self.nearest { (0.0, 0.0) } else { ((x - x0) as f32, (y - y0) as f32) };
         let at = |dx: i64, dy: i64| {
             let column = self.wrapped(x0 as i64 + dx, self.width);
             self.wrapped(y0 as i64 + dy, self.height) * self.width + column
         };
-        [
-            (at(0, 0), (1.0 - tx) * (1.0 - ty)),
-            (at(1, 0), tx * (1.0 - ty)),
-            (at(0, 1), (1.0 - tx) * ty),
-            (at(1, 1), tx * ty),
-        ]
+        ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], x - x0, y - y0)
+    }
+
+    /// The texels about a place and their weights.
+    #[inline]
+    fn corners(&self, uv: DVec2) -> [(usize, f32); 4] {
+        let ([a, b, c, d], x, y) = self.square(uv);
+        let (tx, ty) = if self.nearest { (0.0, 0.0) } else { (x as f32, y as f32) };
+        [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
     }
 
     fn wrapped(&self, i: i64, size: usize) -> usize {
@@ -166,7 +168,77 @@ impl Bitmap {
         self.corners(uv).into_iter().map(|(texel, weight)| (self.scalar[texel] * weight) as f64).sum()
     }
 
+    /// The channels as they are; `None` unless there are three that no spectrum was made of.
+    pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
+        let Texels::Rgb(values) = &self.texels else { return None };
+        let weighted =
+            |(texel, weight): (usize, f32)| DVec3::from(values[texel].map(f64::from)) * weight as f64;
+        Some(self.corners(uv).into_iter().map(weighted).sum())
+    }
+
+    /// (∂/∂u, ∂/∂v) of the interpolated luminance; 0 where texels are not interpolated.
+    ///
+    /// With J the linear part of `to_uv` and (w, h) the size in texels, the gradient is Jᵀ (w ∂/∂x, h ∂/∂y).
+    pub fn gradient(&self, uv: DVec2) -> DVec2 {
+        if self.nearest {
+            return DVec2::ZERO;
+        }
+        let (texels, x, y) = self.square(uv);
+        let [a, b, c, d] = texels.map(|texel| self.scalar[texel] as f64);
+        let dx = ((b - a) * (1.0 - y) + (d - c) * y) * self.width as f64;
+        let dy = ((c - a) * (1.0 - x) + (d - b) * x) * self.height as f64;
+        let (u, v) = (self.to_uv.vector(DVec3::X), self.to_uv.vector(DVec3::Y));
+        DVec2::new(u.x * dx + u.y * dy, v.x * dx + v.y * dy)
+    }
+
     pub fn mean(&self) -> f64 {
         self.scalar.iter().map(|&v| v as f64).sum::<f64>() / self.scalar.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Five by three texels of no pattern, under a map that turns and stretches.
+    fn picture(nearest: bool) -> Bitmap {
+        let scalar: Vec<f32> = (0..15).map(|i| ((i * i * 7) % 11) as f32 / 11.0).collect();
+        let turn = Transform::rotate(DVec3::Z, 25.0).unwrap();
+        let to_uv = Transform::scale(DVec3::new(2.0, 0.5, 1.0)).unwrap().after(&turn);
+        let texels = Texels::Grey(scalar.clone());
+        let scalar = Arc::new(scalar);
+        Bitmap { texels, scalar, width: 5, height: 3, nearest, wrap: Wrap::Repeat, to_uv }
+    }
+
+    #[test]
+    fn gradients_are_differences() {
+        let bitmap = picture(false);
+        /// Bilinear in between texels, so that central differences are exact there but for `f32` weights.
+        const STEP: f64 = 1e-3;
+        let mut compared = 0;
+        for i in 0..400 {
+            let uv = DVec2::new((i % 20) as f64 / 20.0 + 0.013, (i / 20) as f64 / 20.0 + 0.007);
+            let around = [DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y].map(|d| uv + d * STEP);
+            if around.iter().any(|p| bitmap.square(*p).0 != bitmap.square(uv).0) {
+                continue;
+            }
+            compared += 1;
+            let [right, left, up, down] = around.map(|p| bitmap.eval_scalar(p));
+            let differences = DVec2::new(right - left, up - down) / (2.0 * STEP);
+            let gradient = bitmap.gradient(uv);
+            // Values of size 1 in f32 over a step of 2e-3: 2⁻²⁴/1e-3 in each of four terms.
+            assert!((gradient - differences).length() < 5e-4, "{uv}: {gradient} {differences}");
+        }
+        assert!(compared > 200, "{compared}");
+        assert_eq!(picture(true).gradient(DVec2::new(0.3, 0.4)), DVec2::ZERO);
+    }
+
+    #[test]
+    fn only_three_channels_make_a_vector() {
+        let mut bitmap = picture(true);
+        assert!(bitmap.eval_vector(DVec2::ZERO).is_none());
+        bitmap.to_uv = Transform::IDENTITY;
+        bitmap.texels = Texels::Rgb((0..15).map(|i| [i as f32, 0.5, -(i as f32)]).collect());
+        assert_eq!(bitmap.eval_vector(DVec2::new(0.5, 0.5)), Some(DVec3::new(7.0, 0.5, -7.0)));
     }
 }

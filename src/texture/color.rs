@@ -67,27 +67,31 @@ pub fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 /// Refuses reflectances beyond 0 to 1, and of anything else what is negative or more than f32 can hold.
 fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
-        Usage::Reflectance => (1.0, "expected 0 to 1"),
+        Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
         Usage::Emission | Usage::Unbounded => {
             (f64::from(f32::MAX), "expected no negative number, and none above 3.4e38")
         }
     };
-    let word = if usage == Usage::Reflectance { "reflectance" } else { "amount" };
+    let word = match usage {
+        Usage::Reflectance => "reflectance",
+        Usage::Vector => "encoded coordinate",
+        Usage::Emission | Usage::Unbounded => "amount",
+    };
     match values.iter().find(|v| !(0.0..=top).contains(*v)) {
         None => Ok(()),
         Some(v) => Err(SceneError::at(&place.value_span, format!("{v} is no {word}"), expected)),
     }
 }
 
-/// The spectrum of a linear sRGB colour.
+/// The spectrum of a linear sRGB colour, or three numbers where no colour is meant.
 pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunction {
-    if loader.mode == ColorMode::Rgb {
+    if loader.mode == ColorMode::Rgb || usage == Usage::Vector {
         return SpectralFunction::Rgb(rgb.map(|v| v as f32));
     }
     match usage {
         Usage::Reflectance => SpectralFunction::Sigmoid(loader.upsampler.fit(rgb.map(|v| v as f32))),
         Usage::Unbounded if rgb[0] == rgb[1] && rgb[1] == rgb[2] => SpectralFunction::Uniform(rgb[0] as f32),
-        Usage::Emission | Usage::Unbounded => {
+        Usage::Emission | Usage::Unbounded | Usage::Vector => {
             let (scale, color) = scaled(rgb);
             if scale == 0.0 {
                 return SpectralFunction::Uniform(0.0);

@@ -13,7 +13,7 @@ mod regular;
 mod srgb;
 mod uniform;
 
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
 use crate::scene::params::Usage;
@@ -84,6 +84,27 @@ impl AnyTexture {
             Self::Bitmap(bitmap) => bitmap.eval_scalar(uv),
             Self::Checkerboard(board) => board.scalar_side(uv).eval_scalar(uv),
             Self::UnderD65(product) => product.eval_scalar(uv),
+        }
+    }
+
+    /// The three numbers of a texture that was read for them ([`Usage::Vector`]); `None` if it has not three.
+    #[inline]
+    pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
+        match self {
+            Self::Constant(SpectralFunction::Rgb(v)) => Some(DVec3::from(v.map(f64::from))),
+            Self::Constant(function) => function.constant().map(|v| DVec3::splat(v as f64)),
+            Self::Bitmap(bitmap) => bitmap.eval_vector(uv),
+            Self::Checkerboard(_) | Self::UnderD65(_) => None,
+        }
+    }
+
+    /// (∂/∂u, ∂/∂v) of [`AnyTexture::eval_scalar`]; `None` if the texture jumps or is no number.
+    #[inline]
+    pub fn gradient(&self, uv: DVec2) -> Option<DVec2> {
+        match self {
+            Self::Constant(_) => Some(DVec2::ZERO),
+            Self::Bitmap(bitmap) => Some(bitmap.gradient(uv)),
+            Self::Checkerboard(_) | Self::UnderD65(_) => None,
         }
     }
 

@@ -116,6 +116,18 @@ pub const SCENES: &[Trial] = &[
           <shape type="sphere"><transform name="to_world"><scale value="0.2"/><translate x="1.2" y="0.5"/>{place}</transform>
           <emitter type="area"><rgb name="radiance" value="L(1, 2, 8)"/></emitter></shape>"#,
     },
+    Trial {
+        name: "instances with inclined normals",
+        mode: ColorMode::Spectral,
+        camera: CAMERA,
+        filter: r#"type="box""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="shapegroup" id="pair"><shape type="sphere"><transform name="to_world"><scale value="0.5"/></transform>
+          <bsdf type="normalmap"><rgb name="normalmap" value="0.6, 0.45, 0.9"/><bsdf type="plastic"/></bsdf></shape>
+          <shape type="cube"><transform name="to_world"><scale value="0.25"/><translate x="0.75"/></transform></shape></shape>
+          <shape type="instance"><ref id="pair"/><transform name="to_world"><rotate z="1" angle="30"/>{place}</transform></shape>
+          <shape type="instance"><ref id="pair"/><transform name="to_world"><scale x="-0.5" y="0.75" z="0.5"/><translate x="-1"/>{place}</transform></shape>"#,
+    },
 ];
 
 impl Trial {

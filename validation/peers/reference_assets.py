@@ -161,6 +161,20 @@ def sky(width=32, height=16):
     return picture
 
 
+def height_map(size=32):
+    """Humps and a ramp that jumps where the picture repeats, between 0 and 1."""
+    v, u = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size, indexing="ij")
+    return 0.5 + 0.3 * np.sin(4 * np.pi * u) * np.sin(2 * np.pi * v) + 0.15 * (u - 0.5) + 0.05 * np.cos(6 * np.pi * v)
+
+
+def normal_map(size=32):
+    """Normals of steeper humps, inclined by up to 55 degrees, as colours (n + 1) / 2."""
+    v, u = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size, indexing="ij")
+    slopes = 1.4 * np.cos(2 * np.pi * u) * np.sin(2 * np.pi * v), 0.9 * np.sin(4 * np.pi * u) * np.cos(2 * np.pi * v) + 0.3
+    n = np.stack([-slopes[0], -slopes[1], np.ones_like(u)], 2)
+    return 0.5 + 0.5 * n / np.linalg.norm(n, axis=2, keepdims=True)
+
+
 def main():
     import mitsuba as mi
     mi.set_variant("scalar_rgb")
@@ -186,6 +200,8 @@ def main():
     save("sky.exr", sky(), float32, gamma=False)
     holes = (0.15 + 0.8 * (np.indices((6, 6)).sum(0) % 2))[..., None]
     save("holes.png", holes, gamma=False)
+    save("heights.png", height_map()[..., None], gamma=False)
+    save("normals.png", normal_map(), gamma=False)
 
 
 if __name__ == "__main__":

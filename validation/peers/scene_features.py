@@ -13,7 +13,7 @@ REQUIRED = {
     "shapes": [f"{shape}{what}" for shape in ("rectangle", "sphere", "disk", "cube", "cylinder", "obj", "ply", "serialized")
                for what in (".to_world", ".flip_normals", ".mirrored")]
     + ["sphere.center", "sphere.radius", "cylinder.p0", "cylinder.p1", "cylinder.radius", "serialized.shape_index",
-       "ply.face_normals"],
+       "ply.face_normals", "shape:shapegroup", "instance.to_world", "instance.mirrored"],
     "bsdfs": """bsdf:diffuse diffuse.reflectance:rgb diffuse.reflectance:spectrum diffuse.reflectance:bitmap
         diffuse.reflectance:checkerboard conductor.material=Au conductor.material=Cu conductor.material=none
         conductor.eta conductor.k conductor.specular_reflectance dielectric.int_ior:float dielectric.int_ior:string
@@ -27,7 +27,9 @@ REQUIRED = {
         plastic.specular_reflectance roughplastic.distribution=ggx roughplastic.distribution=beckmann
         roughplastic.nonlinear=true roughplastic.int_ior:string roughplastic.diffuse_reflectance:bitmap bsdf:null
         twosided/1 twosided/2 mask.opacity:float mask.opacity:bitmap blendbsdf.weight:float
-        blendbsdf.weight:bitmap""".split(),
+        blendbsdf.weight:bitmap normalmap.normalmap:bitmap normalmap.flip_invalid_normals=false
+        normalmap.use_shadowing_function=false bsdf:bumpmap bumpmap.scale bumpmap.flip_invalid_normals=false
+        bumpmap.use_shadowing_function=false""".split(),
     "emitters": """area@rectangle area@sphere area@disk area@cylinder area@obj area@ply area.radiance:bitmap
         area.radiance:rgb point.position point.to_world spot.cutoff_angle spot.beam_width spot.texture:bitmap
         spot.to_world directional.direction directional.to_world emitter:constant envmap.filename envmap.to_world

@@ -3,12 +3,16 @@
 //! - [`statistics`]: p-values, multiplicity, equivalence and power.
 //! - [`image`]: are two noisy images of the same scene the same picture, and if not, where?
 //! - [`scatterer`] and [`checks`]: is a scattering distribution (BSDF, phase function) consistent with itself?
+//! - [`converge`]: error against run time.
+//! - [`peer`]: scattering distributions in other programs.
 //! - [`report`]: what a check found, as one JSON document.
 //!
 //! Every answer has three values, [`Verdict`]: a test that could not have noticed a fault says so instead of passing.
 
 pub mod checks;
+pub mod converge;
 pub mod image;
+pub mod peer;
 pub mod quadrature;
 pub mod report;
 pub mod scatterer;

@@ -11,6 +11,7 @@ mod samples;
 mod write;
 
 pub use read::read_exr;
+pub(super) use read::read_head;
 pub use write::write_exr;
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::{PREFIX, SHARD_PART, VARIANCE, word_name};
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::provenance::{Attribute, Provenance};
 use crate::image::{Channel, Image, ImageError, Window};
+use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, FlatSamples, IntegerBounds, Layer, LayerAttributes, Layers,
     ReadChannels, ReadLayers, Vec2, read,
@@ -22,6 +23,40 @@ pub fn read_exr(path: &Path) -> Result<Image, ImageError> {
     decode(file).map_err(|error| error.at(path))
 }
 
+/// An image without its values, as [`Image`] has them in memory: every channel is empty, and so are the accumulators.
+pub(in crate::image) fn read_head(path: &Path) -> Result<Image, ImageError> {
+    let file = std::fs::File::open(path).map_err(|error| ImageError::new(error).at(path))?;
+    let reader = exr::block::read(std::io::BufReader::new(file), false);
+    let headers = reader.map(|reader| reader.headers().to_vec());
+    headers.map_err(ImageError::new).and_then(|headers| head(&headers)).map_err(|error| error.at(path))
+}
+
+fn head(headers: &[Header]) -> Result<Image, ImageError> {
+    let is_shard =
+        |header: &&Header| header.own_attributes.layer_name.as_ref().is_some_and(|name| name.eq(SHARD_PART));
+    let picture = headers.iter().find(|header| !is_shard(header));
+    let picture = picture.ok_or_else(|| ImageError::new("the file has no picture"))?;
+    let film = picture.shared_attributes.display_window;
+    let names: Vec<String> = picture.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    let has = |name: &str| names.iter().any(|other| other == name);
+    let is_variance = |name: &str| name.strip_prefix(VARIANCE).is_some_and(has);
+    let mut channels = Vec::new();
+    for name in names.iter().filter(|name| !is_variance(name)) {
+        let variance = has(&format!("{VARIANCE}{name}")).then(Vec::new);
+        channels.push(Channel { name: name.clone(), mean: vec![], variance });
+    }
+    sort(&mut channels);
+    let provenance = provenance(&picture.own_attributes)?;
+    let shard = headers.iter().any(|header| is_shard(&header)) && provenance.is_some();
+    Ok(Image {
+        full: (film.size.width() as u32, film.size.height() as u32),
+        crop: window(film, &picture.own_attributes, picture.layer_size)?,
+        accumulators: shard.then(|| Accumulators::new(0, 0, channels.len())),
+        channels,
+        provenance,
+    })
+}
+
 fn decode(mut file: File) -> Result<Image, ImageError> {
     let film = file.attributes.display_window;
     let is_shard =
@@ -31,12 +66,14 @@ fn decode(mut file: File) -> Result<Image, ImageError> {
         return Err(ImageError::new("the file has no picture"));
     }
     let layer = file.layer_data.remove(0);
-    let crop = window(film, &layer)?;
+    let crop = window(film, &layer.attributes, layer.size)?;
     let provenance = provenance(&layer.attributes)?;
     let channels = channels(layer.channel_data, crop)?;
     let accumulators = match (shard, &provenance) {
         (Some(shard), Some(provenance)) => {
-            if window(film, &shard)? != crop || !provenance.samples.start.is_multiple_of(BLOCK) {
+            if window(film, &shard.attributes, shard.size)? != crop
+                || !provenance.samples.start.is_multiple_of(BLOCK)
+            {
                 return Err(ImageError::new("the accumulators do not fit the picture"));
             }
             Some(accumulators(shard.channel_data, crop, &channels)?)
@@ -50,8 +87,12 @@ fn decode(mut file: File) -> Result<Image, ImageError> {
 type Part = Layer<AnyChannels<FlatSamples>>;
 
 /// The data window relative to the upper left corner of the display window.
-fn window(film: IntegerBounds, layer: &Part) -> Result<Window, ImageError> {
-    let data = IntegerBounds::new(layer.attributes.layer_position, layer.size);
+fn window(
+    film: IntegerBounds,
+    attributes: &LayerAttributes,
+    size: Vec2<usize>,
+) -> Result<Window, ImageError> {
+    let data = IntegerBounds::new(attributes.layer_position, size);
     if !film.contains(data) {
         return Err(ImageError::new("the data window reaches beyond the display window"));
     }
@@ -104,9 +145,14 @@ fn channels(channels: AnyChannels<FlatSamples>, crop: Window) -> Result<Vec<Chan
             channels.push(Channel { name, mean, variance });
         }
     }
+    sort(&mut channels);
+    Ok(channels)
+}
+
+/// `R G B` first, the others in the order they have.
+fn sort(channels: &mut [Channel]) {
     channels
         .sort_by_key(|channel| ["R", "G", "B"].iter().position(|name| *name == channel.name).unwrap_or(3));
-    Ok(channels)
 }
 
 fn accumulators(

@@ -74,6 +74,32 @@ proptest! {
 }
 
 #[test]
+fn files_merge_like_images_and_errors_name_them() -> std::io::Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = |name: &str| folder.path().join(name);
+    for shard in [true, false] {
+        let parts = [(window(5, 0, 3, 4), "a"), (window(0, 0, 5, 2), "b"), (window(0, 2, 5, 2), "c")];
+        for (crop, name) in parts {
+            assert_eq!(super::super::write_exr(&path(name), &render(crop, 0..16, shard)), Ok(()));
+        }
+        let files = |names: &[&str]| names.iter().map(|name| path(name)).collect::<Vec<_>>();
+        let merged = merge_files(files(&["b", "a", "c"])).and_then(|image| encode(&image));
+        assert_eq!(merged, encode(&render(window(0, 0, 8, 4), 0..16, shard)));
+        let error = merge_files(files(&["a", "b", "b"])).map_err(|error| error.to_string());
+        let both = error.expect_err("they overlap");
+        assert!(both.contains("b and") && both.contains("the same samples"), "{both}");
+        // The head says what the file is; that the rest is missing shows when it is read.
+        let bytes = std::fs::read(path("c"))?;
+        std::fs::write(path("c"), &bytes[..bytes.len() - 9])?;
+        for names in [["a", "b", "c"], ["a", "b", "gone"]] {
+            let error = merge_files(files(&names)).expect_err("it cannot be read");
+            assert_eq!(error.path, Some(path(names[2])));
+        }
+    }
+    Ok(())
+}
+
+#[test]
 fn merging_can_be_nested() {
     let whole = window(0, 0, 4, 4);
     let shards = [0..8, 8..12, 12..24].map(|samples| render(whole, samples, true));

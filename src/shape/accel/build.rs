@@ -8,7 +8,7 @@ use super::patches::Patches;
 use super::space::Space;
 use super::spheres::Spheres;
 use super::triangles::Triangles;
-use super::{Accel, Mixed};
+use super::{Accel, Instance, Mixed};
 use crate::math::DVec3;
 use crate::math::ray::position_error;
 use crate::shape::{Geometry, Patch};
@@ -21,9 +21,10 @@ use obvhs::bvh2::builder::build_bvh2;
 /// Up to this many blocks are faster tried than searched.
 const FEW: usize = 8;
 
-/// A primitive by shape and place in it.
+/// A primitive by shape and place in it, or an instance.
 #[derive(Clone, Copy)]
 struct Item {
+    /// Instances are counted after the shapes.
     shape: u32,
     local: u32,
     primitive: u32,
@@ -32,6 +33,12 @@ struct Item {
 impl Accel {
     /// Numbers the primitives of all shapes in order and arranges them for searching.
     pub fn new(shapes: &[&Geometry]) -> Self {
+        Self::with_instances(shapes, vec![])
+    }
+
+    /// The same, with instances of other trees; their primitives come after those of the shapes. All together must
+    /// be fewer than [`Ray::FREE`](crate::math::Ray::FREE).
+    pub fn with_instances(shapes: &[&Geometry], mut instances: Vec<Instance>) -> Self {
         let mut items = vec![];
         let mut bounds = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
         for (shape, geometry) in shapes.iter().enumerate() {
@@ -40,6 +47,13 @@ impl Accel {
             for local in 0..geometry.primitives() {
                 items.push(Item { shape: shape as u32, local, primitive: items.len() as u32 });
             }
+        }
+        let mut primitives = items.len() as u32;
+        for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
+            let (lo, hi) = instance.bounds();
+            bounds = (bounds.0.min(lo), bounds.1.max(hi));
+            items.push(Item { shape: (shapes.len() + i) as u32, local: 0, primitive: primitives });
+            primitives = instance.number(primitives);
         }
         let space = if items.is_empty() {
             Space::new(DVec3::ZERO, DVec3::ZERO)
@@ -55,7 +69,9 @@ impl Accel {
             spheres: vec![],
             cylinders: vec![],
             mixed: vec![],
-            primitives: items.len() as u32,
+            instances,
+            primitives,
+            bounds,
         };
         // Sorted by kind, so that blocks are full.
         let kind = |item: &Item| match shapes[item.shape as usize] {
@@ -65,7 +81,7 @@ impl Accel {
             Geometry::Cylinder(_) => 3,
         };
         let of_kind = |k: i32| items.iter().filter(|i| kind(i) == k).copied().collect::<Vec<Item>>();
-        if items.len() <= 4 * FEW {
+        if accel.instances.is_empty() && items.len() <= 4 * FEW {
             let [triangles, patches, spheres, cylinders] = [0, 1, 2, 3].map(of_kind);
             let (outer, inner) = patches.iter().partition(|patch| is_outer(shapes, patch.shape as usize));
             let kinds: [Vec<Item>; 5] = [inner, outer, triangles, spheres, cylinders];
@@ -80,7 +96,10 @@ impl Accel {
         let boxes: Vec<Aabb> = items
             .iter()
             .map(|item| {
-                let (lo, hi) = primitive_bounds(shapes[item.shape as usize], item.local);
+                let (lo, hi) = match shapes.get(item.shape as usize) {
+                    Some(shape) => primitive_bounds(shape, item.local),
+                    None => accel.instances[item.shape as usize - shapes.len()].bounds(),
+                };
                 let (lo, hi) = space.enclose(lo, hi);
                 Aabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
             })
@@ -139,9 +158,14 @@ impl Accel {
         let mut triangles = Triangles::empty();
         let mut triangle_count = 0;
         let (mut patches, mut spheres) = (vec![], vec![]);
+        let mut instances = vec![];
         let first_cylinder = self.cylinders.len() as u32;
         for item in items {
-            match shapes[item.shape as usize] {
+            let Some(shape) = shapes.get(item.shape as usize) else {
+                instances.push(item.shape - shapes.len() as u32);
+                continue;
+            };
+            match shape {
                 Geometry::Mesh(mesh) => {
                     let corners = mesh.triangles[item.local as usize].map(|i| mesh.positions[i as usize]);
                     triangles.set(triangle_count, corners, item.primitive);
@@ -152,7 +176,8 @@ impl Accel {
                 Geometry::Cylinder(cylinder) => self.cylinders.push((*cylinder, item.primitive)),
             }
         }
-        let mut mixed = Mixed { cylinders: first_cylinder..self.cylinders.len() as u32, ..Mixed::default() };
+        let cylinders = first_cylinder..self.cylinders.len() as u32;
+        let mut mixed = Mixed { cylinders, instances, ..Mixed::default() };
         if triangle_count > 0 {
             mixed.triangles = Some(self.triangles.len() as u32);
             self.triangles.push(triangles);

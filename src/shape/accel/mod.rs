@@ -8,22 +8,26 @@
 //! A handful of primitives needs no tree at all.
 
 mod build;
+mod instances;
 mod node;
 mod packet;
 mod patches;
 mod space;
 mod spheres;
+mod stack;
 mod triangles;
 
 use super::{Cylinder, Hit};
-use crate::math::Ray;
 use crate::math::ray::Ends;
 use crate::math::simd::F64x4;
+use crate::math::{DVec3, Ray};
+pub use instances::Instance;
 use node::{Node, NodeRef, Target};
 use packet::Packet;
 use patches::Patches;
-use space::Space;
+use space::{LocalRay, Space};
 use spheres::Spheres;
+use stack::Stack;
 use triangles::{Sheared, Triangles};
 
 /// The leaf of a tree whose primitives are not all triangles.
@@ -33,6 +37,7 @@ struct Mixed {
     patches: Option<u32>,
     spheres: Option<u32>,
     cylinders: std::ops::Range<u32>,
+    instances: Vec<u32>,
 }
 
 /// All primitives of a scene, ready to be met by rays.
@@ -47,7 +52,11 @@ pub struct Accel {
     spheres: Vec<Spheres>,
     cylinders: Vec<(Cylinder, u32)>,
     mixed: Vec<Mixed>,
+    /// Where there are any, there is a tree.
+    instances: Vec<Instance>,
     primitives: u32,
+    /// The corners of a box around all.
+    bounds: (DVec3, DVec3),
 }
 
 /// The best hit so far, and the primitive that cannot be met again.
@@ -96,9 +105,6 @@ impl Rays {
         }
     }
 }
-
-/// Nodes that wait: the deepest tree pushes seven siblings a level.
-const STACK: usize = 512;
 
 impl Accel {
     /// The first primitive along the ray, between its start and end.
@@ -166,7 +172,12 @@ impl Accel {
         self.primitives
     }
 
-    /// Bytes that nodes and blocks take.
+    /// The corners of a box around all primitives; of nothing where there are none.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds
+    }
+
+    /// Bytes that nodes and blocks take, without those of instanced groups.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.nodes)
             + size_of_val(&*self.triangles)
@@ -235,33 +246,13 @@ impl Accel {
     fn traverse<const ANY: bool>(&self, search: &mut Search) {
         let Some(mut local) = self.space.enter(search.ray) else { return };
         let sheared = Sheared::new(search.ray);
-        let mut stack = [(NodeRef::EMPTY, 0.0f32); STACK];
-        let mut depth = 0;
-        let mut next = NodeRef::ROOT;
-        loop {
-            match next.target() {
-                Target::Node(index) => {
-                    let (mut hits, entry) = self.nodes[index].intersect(&local);
-                    if hits != 0 {
-                        let first_pushed = depth;
-                        while hits != 0 {
-                            let lane = hits.trailing_zeros() as usize;
-                            hits &= hits - 1;
-                            stack[depth] = (self.nodes[index].children[lane], entry[lane]);
-                            depth += 1;
-                            if !ANY {
-                                // Farthest first, so that the nearest comes off the stack first.
-                                let mut at = depth - 1;
-                                while at > first_pushed && stack[at - 1].1 < stack[at].1 {
-                                    stack.swap(at - 1, at);
-                                    at -= 1;
-                                }
-                            }
-                        }
-                    }
-                }
+        let mut stack = Stack::new();
+        let mut next = Some(NodeRef::ROOT);
+        while let Some(node) = next {
+            match node.target() {
+                Target::Node(index) => self.push_children::<ANY>(&self.nodes[index], &local, &mut stack),
                 Target::Triangles(index) => self.triangles[index].intersect(&sheared, search),
-                Target::Mixed(index) => self.intersect_mixed(&self.mixed[index], &sheared, search),
+                Target::Mixed(index) => self.intersect_mixed::<ANY>(&self.mixed[index], &sheared, search),
             }
             if search.found() {
                 if ANY {
@@ -269,20 +260,34 @@ impl Accel {
                 }
                 local.shorten(&self.space, search.best.t);
             }
-            loop {
-                if depth == 0 {
-                    return;
-                }
-                depth -= 1;
-                if stack[depth].1 <= local.limit {
-                    next = stack[depth].0;
-                    break;
-                }
-            }
+            next = stack.pop(local.limit);
         }
     }
 
-    fn intersect_mixed(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
+    /// Lets the children that the ray enters wait, the nearest last.
+    #[inline(always)]
+    fn push_children<const ANY: bool>(&self, node: &Node, local: &LocalRay, stack: &mut Stack) {
+        let (mut hits, entry) = node.intersect(local);
+        let mut entered = [(NodeRef::EMPTY, 0.0); 8];
+        let mut count = 0;
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize;
+            hits &= hits - 1;
+            let child = (node.children[lane], entry[lane]);
+            let mut at = count;
+            while !ANY && at > 0 && entered[at - 1].1 < child.1 {
+                entered[at] = entered[at - 1];
+                at -= 1;
+            }
+            entered[at] = child;
+            count += 1;
+        }
+        for (child, entry) in &entered[..count] {
+            stack.push(*child, *entry);
+        }
+    }
+
+    fn intersect_mixed<const ANY: bool>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
         }
@@ -295,6 +300,9 @@ impl Accel {
         }
         for cylinder in &self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize] {
             intersect_cylinder(cylinder, search);
+        }
+        for &instance in &mixed.instances {
+            self.instances[instance as usize].intersect::<ANY>(search);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Nodes with eight children.
 
 use super::space::LocalRay;
+use crate::math::simd::F32x8;
 
 /// A child: a node, a block of triangles, a mixed leaf, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,23 +70,16 @@ impl Node {
     /// Which boxes the ray enters (a bit each) and where.
     #[inline(always)]
     pub fn intersect(&self, ray: &LocalRay) -> (u32, [f32; 8]) {
-        let mut entry = [0.0f32; 8];
-        let mut exit = [ray.limit; 8];
+        let mut entry = F32x8::splat(0.0);
+        let mut exit = F32x8::splat(ray.limit);
         for axis in 0..3 {
-            let near = &self.planes[ray.negative[axis]][axis];
-            let far = &self.planes[1 - ray.negative[axis]][axis];
-            let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
-            for i in 0..8 {
-                let a = (near[i] - origin) * inverse;
-                let b = (far[i] - origin) * inverse * LocalRay::SLACK;
-                entry[i] = if a > entry[i] { a } else { entry[i] };
-                exit[i] = if b < exit[i] { b } else { exit[i] };
-            }
+            let near = F32x8::new(&self.planes[ray.negative[axis]][axis]);
+            let far = F32x8::new(&self.planes[1 - ray.negative[axis]][axis]);
+            let (origin, inverse) = (F32x8::splat(ray.origin[axis]), F32x8::splat(ray.inverse[axis]));
+            let slack = F32x8::splat(LocalRay::SLACK);
+            entry = ((near - origin) * inverse).max(entry);
+            exit = ((far - origin) * inverse * slack).min(exit);
         }
-        let mut hits = 0;
-        for i in 0..8 {
-            hits |= u32::from(entry[i] <= exit[i]) << i;
-        }
-        (hits, entry)
+        (entry.at_most(exit), entry.to_array())
     }
 }

@@ -4,7 +4,8 @@ use clap::Parser;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use validate::{materials, museum, references};
+use std::time::Duration;
+use validate::{closed_forms, converge, materials, metamorphic, museum, peers, references, renderers};
 use validation::image::{self, Settings};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
@@ -17,8 +18,14 @@ use validation::{Outcome, Report, Verdict};
 enum Command {
     /// All checks on all materials, or on one
     Bsdf {
-        /// Only this material
+        /// Only this material; of a peer, configurations whose name contains this
         name: Option<String>,
+        /// Judge another program's BSDFs, over the protocol of docs/peer-protocol.md
+        #[arg(long, value_name = "COMMAND")]
+        peer: Option<String>,
+        /// Seconds a peer may take for one answer
+        #[arg(long, default_value_t = 60)]
+        timeout: u64,
         /// Samples a check
         #[arg(long, default_value_t = 1 << 18)]
         samples: usize,
@@ -28,6 +35,33 @@ enum Command {
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+    },
+    /// Error against run time of any renderers of renderers.toml
+    Converge {
+        scene: PathBuf,
+        /// May be repeated; the others are compared with the first
+        #[arg(long = "renderer", default_values = ["etalon", "mitsuba-llvm_ad_spectral"])]
+        renderers: Vec<String>,
+        /// Another file of renderers
+        #[arg(long, value_name = "FILE")]
+        file: Option<PathBuf>,
+        /// Sample counts
+        #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"])]
+        spp: Vec<u32>,
+        #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
+        seeds: u32,
+        /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
+        #[arg(long)]
+        reference_spp: Option<u32>,
+        /// All unless given
+        #[arg(long, default_value_t = 0)]
+        threads: usize,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Write a page with plots
+        #[arg(long, value_name = "FILE")]
+        html: Option<PathBuf>,
     },
     /// Whether two images have the same expectation
     Images {
@@ -44,7 +78,7 @@ enum Command {
         #[arg(long, value_name = "PNG")]
         map: Option<PathBuf>,
     },
-    /// Etalon against the stored references
+    /// Etalon against the stored references, closed forms and metamorphic relations
     Scenes {
         /// Only scenes whose name contains this
         name: Option<String>,
@@ -57,6 +91,12 @@ enum Command {
         /// Another number, other seeds
         #[arg(long, default_value_t = 0)]
         number: u64,
+        /// 64 times the samples of closed forms; relations four times as fine
+        #[arg(long)]
+        thorough: bool,
+        /// Write the tables of closed forms and relations
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
@@ -77,7 +117,12 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
     match command {
-        Command::Bsdf { name, samples, number, json } => {
+        Command::Bsdf { name, peer: Some(command), timeout, samples, number, json } => {
+            let limit = Duration::from_secs(timeout);
+            let settings = peers::Settings { name: name.as_deref(), samples, number, limit };
+            finish(peers::run(&command, &settings, print)?, json)
+        }
+        Command::Bsdf { name, samples, number, json, .. } => {
             let trials = materials::trials(name.as_deref());
             if trials.is_empty() {
                 return Err("there is no such material; see `etalon plugins`".into());
@@ -93,6 +138,41 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             }
             finish(Report::new("materials", outcomes), json)
         }
+        Command::Converge {
+            scene,
+            renderers: names,
+            file,
+            spp,
+            seeds,
+            reference_spp,
+            threads,
+            json,
+            html,
+        } => {
+            let known = renderers::load(&file.unwrap_or_else(renderers::file))?;
+            let chosen: Result<Vec<_>, String> = names
+                .iter()
+                .map(|name| {
+                    Ok((name.clone(), known.get(name).ok_or(format!("no renderer `{name}`"))?.clone()))
+                })
+                .collect();
+            let longest = spp.iter().copied().max().unwrap_or(1);
+            let reference_samples = reference_spp.unwrap_or(8 * longest);
+            let settings = converge::Settings { ladder: spp, seeds, reference_samples, threads };
+            let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
+            std::fs::create_dir_all(&folder)?;
+            let study = converge::study(&scene, &chosen?, &settings, &folder, |step| eprintln!("{step}"));
+            std::fs::remove_dir_all(&folder)?;
+            let study = study?;
+            if let Some(path) = json {
+                std::fs::write(path, to_json(&study)?)?;
+            }
+            if let Some(path) = html {
+                std::fs::write(path, study.html())?;
+            }
+            print!("{}", study.text());
+            Ok(Verdict::Equivalent)
+        }
         Command::Images { a, b, margin, json, map } => {
             let settings = Settings::with_margin(margin);
             let (first, second) = (image::load(&a)?, image::load(&b)?);
@@ -106,7 +186,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             println!("{}: {}", comparison.verdict, comparison.message);
             Ok(comparison.verdict)
         }
-        Command::Scenes { name, spp, margin, number, json } => {
+        Command::Scenes { name, spp, margin, number, thorough, markdown, json } => {
             let mut outcomes = vec![];
             for reference in references::references(&references::folder())? {
                 if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
@@ -114,6 +194,25 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
                     print(&outcome);
                     outcomes.push(outcome);
                 }
+            }
+            let chosen = |other: &str| name.as_ref().is_none_or(|n| other.contains(n));
+            let effort = if thorough { 64 } else { 1 };
+            let (mut table, mut related) = (vec![], vec![]);
+            for case in closed_forms::cases().into_iter().filter(|c| chosen(&c.name)) {
+                let outcome = case.check(effort, number)?;
+                print(&outcome);
+                outcomes.push(outcome.clone());
+                table.push((case, outcome));
+            }
+            for relation in metamorphic::relations().into_iter().filter(|r| chosen(&r.name)) {
+                let relation = if thorough { relation.thorough() } else { relation };
+                let outcome = relation.check(1, number)?;
+                print(&outcome);
+                outcomes.push(outcome.clone());
+                related.push(outcome);
+            }
+            if let Some(path) = markdown {
+                std::fs::write(path, closed_forms::markdown(&table, &related))?;
             }
             finish(Report::new("scenes", outcomes), json)
         }

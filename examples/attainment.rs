@@ -1,0 +1,139 @@
+//! How often `--target-error` attains what it says, and how often the intervals of the standard errors hold the truth, over
+//! many seeds and several scenes. The truth is the mean over all seeds.
+//!
+//! ```sh
+//! cargo run --release --example attainment
+//! cargo run --release --example attainment -- --runs 200 --target 2% scenes/prism.xml
+//! ```
+
+use clap::Parser;
+use etalon::film::BLOCK;
+use etalon::render::pilot::{Pilot, Quality, for_error};
+use etalon::render::{Progress, Settings, render};
+use etalon::scene::{Overrides, Scene, load};
+use etalon::spectrum::ColorMode;
+use std::error::Error;
+use std::path::PathBuf;
+
+const SCENES: [&str; 8] = [
+    "scenes/cornell-spheres.xml",
+    "scenes/cornell-glossy.xml",
+    "scenes/lens-row.xml",
+    "scenes/prism.xml",
+    "scenes/assignment/spheres.xml",
+    "validation/references/scenes/textures.xml",
+    "validation/references/scenes/envmap.xml",
+    "validation/references/scenes/roughdielectric.xml",
+];
+
+#[derive(Parser)]
+struct Arguments {
+    /// Scenes, instead of those of the repository
+    scenes: Vec<PathBuf>,
+    /// Seeds of each scene
+    #[arg(long, default_value_t = 200)]
+    runs: u32,
+    /// Relative standard error that is asked for, in percent
+    #[arg(long, default_value = "1%", value_parser = percent)]
+    target: f64,
+    /// Width of the film; its height is three quarters of it
+    #[arg(long, default_value_t = 32)]
+    width: u32,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.strip_suffix('%').and_then(|n| n.parse().ok());
+    number.filter(|n| *n > 0.0).map(|n| n / 100.0).ok_or("expected such as 1%".into())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let scenes = if arguments.scenes.is_empty() {
+        SCENES.iter().map(|scene| root.join(scene)).collect()
+    } else {
+        arguments.scenes
+    };
+    println!(
+        "| scene | samples | pilot | attained | true error / asked for | heavy tails announced | 95 % of means | 95 % of pixels |"
+    );
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|");
+    for path in scenes {
+        let size = Some((arguments.width, (arguments.width * 3 / 4).max(1)));
+        let scene = load(&path, &[], ColorMode::Spectral, &Overrides { size, ..Overrides::default() })?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let runs: Result<Vec<Run>, String> =
+            (0..arguments.runs).map(|seed| run(&scene, seed, arguments.target)).collect();
+        match runs {
+            Ok(runs) => println!("| {name} {}", row(&runs, arguments.target)),
+            Err(why) => println!("| {name} | {why} |"),
+        }
+    }
+    Ok(())
+}
+
+/// One seed: the pilot, and the image that its number of samples makes.
+struct Run {
+    pilot: Pilot,
+    quality: Quality,
+    /// Value and variance of the pixels' green.
+    green: Vec<(f64, f64)>,
+}
+
+fn run(scene: &Scene, seed: u32, target: f64) -> Result<Run, String> {
+    let window = scene.sensor.film.crop;
+    let settings = Settings { samples: 0..BLOCK, seed, window, threads: 0, shard: false, kernel: None };
+    let progress = Progress::default();
+    let pilot = for_error(scene, &settings, target, &progress).map_err(|why| format!("{why:?}"))?;
+    let settings = Settings { samples: 0..pilot.count, ..settings };
+    let (image, _) = render(scene, &settings, &progress).ok_or("no threads")?;
+    let green = image.channel("G").ok_or("no green")?;
+    let variance = green.variance.as_ref().ok_or("no variance")?;
+    let green = green.mean.iter().zip(variance).map(|(&m, &v)| (f64::from(m), f64::from(v))).collect();
+    Ok(Run { pilot, quality: Quality::of_image(&image), green })
+}
+
+fn row(runs: &[Run], target: f64) -> String {
+    let count = runs.len() as f64;
+    let share =
+        |holds: &dyn Fn(&Run) -> bool| 100.0 * runs.iter().filter(|r| holds(r)).count() as f64 / count;
+    let attained = share(&|r| r.quality.relative_standard_error_of_mean <= target);
+    let announced = share(&|r| r.pilot.quality.heavy_tailed() || r.quality.heavy_tailed());
+    let mean = |r: &Run| r.quality.mean.iter().sum::<f64>() / 3.0;
+    let centre = runs.iter().map(mean).sum::<f64>() / count;
+    let scatter = runs.iter().map(|r| (mean(r) - centre) * (mean(r) - centre)).sum::<f64>() / (count - 1.0);
+    let mut counts: Vec<u64> = runs.iter().map(|r| r.pilot.count).collect();
+    counts.sort_unstable();
+    let pilots = runs.iter().map(|r| r.pilot.samples as f64 / r.pilot.count as f64).sum::<f64>() / count;
+    format!(
+        "| {} to {} | {:.0} % | {attained:.1} % | {:.2} | {announced:.0} % | {:.1} % | {:.1} % |",
+        counts[0],
+        counts[counts.len() - 1],
+        100.0 * pilots,
+        scatter.sqrt() / centre / target,
+        100.0 * coverage(&runs.iter().map(image_mean).collect::<Vec<_>>()),
+        100.0 * pixel_coverage(runs)
+    )
+}
+
+/// Mean over the image's green, and the variance of it.
+fn image_mean(run: &Run) -> (f64, f64) {
+    let n = run.green.len() as f64;
+    let (sum, variance) = run.green.iter().fold((0.0, 0.0), |(s, v), green| (s + green.0, v + green.1));
+    (sum / n, variance / (n * n))
+}
+
+/// The share of values whose 95 % interval holds the mean of all.
+fn coverage(values: &[(f64, f64)]) -> f64 {
+    const NORMAL_95: f64 = 1.959_963_984_540_054;
+    let truth = values.iter().map(|v| v.0).sum::<f64>() / values.len() as f64;
+    let held = |v: &&(f64, f64)| (v.0 - truth).abs() <= NORMAL_95 * v.1.sqrt();
+    values.iter().filter(held).count() as f64 / values.len() as f64
+}
+
+/// The same pixel by pixel, over those that are not always the same.
+fn pixel_coverage(runs: &[Run]) -> f64 {
+    let pixels = (0..runs[0].green.len()).map(|i| runs.iter().map(|r| r.green[i]).collect::<Vec<_>>());
+    let noisy: Vec<_> = pixels.filter(|values| values.iter().any(|v| v.1 > 0.0)).collect();
+    noisy.iter().map(|values| coverage(values)).sum::<f64>() / noisy.len() as f64
+}

@@ -1,0 +1,129 @@
+//! What is said of a render when it is over.
+
+use super::peak_memory;
+use etalon::image::Image;
+use etalon::render::Report;
+use etalon::render::pilot::{Pilot, Quality};
+use etalon::scene::Scene;
+use std::ops::Range;
+
+/// A render that has been written.
+pub struct Summary<'a> {
+    pub scene: &'a Scene,
+    pub image: &'a Image,
+    /// The samples that were asked for; the image has fewer if the render was interrupted.
+    pub asked: Range<u64>,
+    pub report: &'a Report,
+    pub quality: Quality,
+    pub seconds: f64,
+    pub load_seconds: f64,
+    /// The sample at which a resumed render began.
+    pub begun: Option<u64>,
+    /// The pilot that chose the number of samples, and the seconds it took.
+    pub pilot: Option<(Pilot, f64)>,
+    pub target_error: Option<f64>,
+}
+
+impl Summary<'_> {
+    /// The samples that the image has.
+    pub fn samples(&self) -> Range<u64> {
+        self.image.provenance.as_ref().map_or(0..0, |p| p.samples.clone())
+    }
+
+    pub fn interrupted(&self) -> bool {
+        self.samples() != self.asked
+    }
+
+    /// Whether the error that was asked for was found, if one was asked for.
+    pub fn attained(&self) -> Option<bool> {
+        self.target_error.map(|target| self.quality.relative_standard_error_of_mean <= target)
+    }
+
+    /// The samples that this run took, which are fewer than the image has if it was resumed.
+    fn taken(&self) -> u64 {
+        let before = self.begun.map_or(0, |end| end - self.asked.start);
+        self.report.samples - before * self.image.crop.pixels() as u64
+    }
+
+    pub fn print(&self) {
+        let (report, quality) = (self.report, &self.quality);
+        let million = |count: f64| count / self.seconds / 1e6;
+        let taken = self.taken() as f64;
+        let rays = report.rays as f64 * if report.samples > 0 { taken / report.samples as f64 } else { 0.0 };
+        let [r, g, b] = quality.mean;
+        println!(
+            "{:.2} s rendering, {:.2} s loading, {} threads, kernel `{}`",
+            self.seconds, self.load_seconds, report.threads, report.kernel
+        );
+        if let Some(begun) = self.begun {
+            println!("resumed at sample {begun}");
+        }
+        println!("{:.3} million paths/s, {:.2} million rays/s", million(taken), million(rays));
+        println!("mean ({r:.5}, {g:.5}, {b:.5})");
+        println!("relative standard error {:.3} % a pixel", 100.0 * quality.relative_standard_error);
+        println!(
+            "relative standard error {:.4} % of the mean",
+            100.0 * quality.relative_standard_error_of_mean
+        );
+        if let (Some(target), Some(attained)) = (self.target_error, self.attained()) {
+            let words = if attained { "attained" } else { "NOT attained" };
+            println!("the {:.4} % that were asked for are {words}", 100.0 * target);
+        }
+        if self.pilot.is_some() {
+            println!("the same image again: --spp {}", self.asked.end);
+        }
+    }
+
+    pub fn document(&self) -> serde_json::Value {
+        let (report, quality, samples) = (self.report, &self.quality, self.samples());
+        let mut document = serde_json::json!({
+            "seconds": self.seconds,
+            "load_seconds": self.load_seconds,
+            "samples": report.samples,
+            "samples_per_pixel": samples.end - samples.start,
+            "rays": report.rays,
+            "kernel": report.kernel,
+            "threads": report.threads,
+            "peak_memory_bytes": peak_memory(),
+            "mean": quality.mean,
+            "relative_standard_error": quality.relative_standard_error,
+            "relative_standard_error_of_mean": quality.relative_standard_error_of_mean,
+            "effective_pixels": quality.effective_pixels,
+            "heavy_tailed": quality.heavy_tailed(),
+            "non_finite_samples": report.non_finite,
+            "cut_paths": report.cut,
+            "color": self.scene.mode.name(),
+            "integrator": self.scene.integrator.name(),
+            "scene_hash": self.scene.hash,
+            "seed": self.image.provenance.as_ref().map(|p| p.seed),
+            "version": env!("CARGO_PKG_VERSION"),
+            "interrupted": self.interrupted(),
+        });
+        if let Some(begun) = self.begun {
+            document["resumed_at"] = begun.into();
+        }
+        if let Some((pilot, seconds)) = &self.pilot {
+            document["reproduce"] = format!("--spp {}", self.asked.end).into();
+            document["pilot"] = serde_json::json!({
+                "seconds": seconds,
+                "samples_per_pixel": pilot.samples,
+                "rays": pilot.rays,
+                "effective_pixels": pilot.quality.effective_pixels,
+                "heavy_tailed": pilot.quality.heavy_tailed(),
+            });
+        }
+        if let (Some(target), Some(attained)) = (self.target_error, self.attained()) {
+            document["target_error"] = target.into();
+            document["attained"] = attained.into();
+        }
+        document
+    }
+}
+
+/// Why an estimate is not to be believed.
+pub fn heavy(quality: &Quality, whose: &str) -> String {
+    format!(
+        "heavy tails: {whose} noise is that of about {:.0} of {} pixels; the standard error may be underestimated",
+        quality.effective_pixels, quality.pixels
+    )
+}

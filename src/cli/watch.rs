@@ -1,0 +1,193 @@
+//! Beside a render: the progress bar, the checkpoint, the preview, and Ctrl-C.
+
+use super::render::Arguments;
+use etalon::image::{Image, ImageError};
+use etalon::render::passes::{Partial, render_passes};
+use etalon::render::preview::Preview;
+use etalon::render::{Progress, Report, Settings, checkpoint, render};
+use etalon::scene::Scene;
+use indicatif::{ProgressBar, ProgressStyle};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::cell::RefCell;
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// No checkpoint is saved more often unless told.
+const SELDOM: Duration = Duration::from_secs(5);
+
+/// A checkpoint may cost this part of the time.
+const SHARE: f64 = 0.01;
+
+/// Bytes a second at which checkpoints are written, until it is known.
+const SPEED: f64 = 1e8;
+
+/// Watches one render.
+pub struct Watch<'a> {
+    arguments: &'a Arguments,
+    silent: bool,
+    progress: &'a Progress,
+    /// Ctrl-C was pressed, or the system asked for an end.
+    interrupted: Arc<AtomicBool>,
+    /// The complete sums, kept until the image is safely written.
+    complete: RefCell<Option<Partial>>,
+}
+
+impl<'a> Watch<'a> {
+    pub fn new(
+        arguments: &'a Arguments,
+        silent: bool,
+        progress: &'a Progress,
+    ) -> Result<Self, Box<dyn Error>> {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            // In this order: the first signal sets the flag, the second finds it set.
+            flag::register_conditional_shutdown(signal, i32::from(super::INTERRUPTED), interrupted.clone())?;
+            flag::register(signal, interrupted.clone())?;
+        }
+        Ok(Self { arguments, silent, progress, interrupted, complete: RefCell::new(None) })
+    }
+
+    /// Does something that has no passes and that Ctrl-C stops at once.
+    pub fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.beside(None, true, work)
+    }
+
+    /// Renders, from the checkpoint if there is one. An interrupted render has an image of fewer samples than were
+    /// asked for, or none.
+    pub fn render(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        resumed: Option<Partial>,
+    ) -> Result<Option<(Image, Report)>, ImageError> {
+        let done = resumed.as_ref().map_or(0, |partial| partial.report.samples);
+        self.progress.done.store(done, Ordering::Relaxed);
+        let pixels = settings.window.pixels() as u64;
+        let bar = ProgressBar::new(pixels * (settings.samples.end - settings.samples.start));
+        let template = "{bar:40} {percent:>3} %  {elapsed} elapsed, {eta} to go  {per_sec}";
+        bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
+        let bar = (!self.silent).then_some(bar);
+        if !self.arguments.in_passes() {
+            return Ok(self.beside(bar, true, || render(scene, settings, self.progress)));
+        }
+        let begun = resumed.unwrap_or_else(|| Partial::new(scene, settings));
+        let preview = self.arguments.preview.as_ref().and_then(|address| {
+            let name = self.arguments.output.display().to_string();
+            let film = scene.sensor.film.size;
+            Preview::connect(address, &name, film, settings.window, &begun.channels)
+                .inspect_err(|error| eprintln!("warning: no preview at {address}: {error}"))
+                .ok()
+        });
+        let mut saver = Saver::new(self.arguments, settings, begun.channels.len());
+        let interrupted = &self.interrupted;
+        let partial = self.beside(bar, false, || {
+            render_passes(scene, settings, begun, self.progress, |partial| {
+                if let Some(preview) = &preview {
+                    preview.show(partial);
+                }
+                let ends = interrupted.load(Ordering::Relaxed);
+                let last = partial.samples.end == settings.samples.end;
+                if let Some(saver) = &mut saver
+                    && (ends || saver.is_due() && !last)
+                {
+                    saver.save(scene, settings, partial);
+                }
+                if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+        });
+        let Some(partial) = partial else { return Ok(None) };
+        if let Some(Err(error)) = preview.map(|preview| preview.finish(&partial)) {
+            eprintln!("warning: the preview broke off: {error}");
+        }
+        let (image, report) = (partial.image(scene, settings), partial.report.clone());
+        self.complete.replace(Some(partial));
+        Ok(Some((image, report)))
+    }
+
+    /// After the image could not be written: saves the sums, so that the work is not lost, and says so.
+    pub fn keep(&self, scene: &Scene, settings: &Settings, error: ImageError) -> String {
+        let (Some(path), Some(partial)) = (&self.arguments.checkpoint, &*self.complete.borrow()) else {
+            return error.to_string();
+        };
+        match checkpoint::save(path, scene, settings, partial) {
+            Ok(()) => format!("{error}\nthe render is kept in {}; --resume writes the image", path.display()),
+            Err(also) => format!("{error}\nthe checkpoint neither: {also}"),
+        }
+    }
+
+    /// After the image has been written: the checkpoint has served.
+    pub fn finish(&self) {
+        if let Some(path) = &self.arguments.checkpoint {
+            // It need not exist.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// Does something while another thread shows its progress. `at_once` says whether Ctrl-C stops it within a pass.
+    fn beside<T>(&self, bar: Option<ProgressBar>, at_once: bool, work: impl FnOnce() -> T) -> T {
+        let finished = AtomicBool::new(false);
+        let (interrupted, progress) = (&self.interrupted, self.progress);
+        std::thread::scope(|threads| {
+            let watcher = threads.spawn(|| {
+                while !finished.load(Ordering::Relaxed) {
+                    if at_once && interrupted.load(Ordering::Relaxed) {
+                        progress.stop.store(true, Ordering::Relaxed);
+                    }
+                    if let Some(bar) = &bar {
+                        bar.set_position(progress.done.load(Ordering::Relaxed));
+                    }
+                    std::thread::park_timeout(Duration::from_millis(50));
+                }
+            });
+            let result = work();
+            finished.store(true, Ordering::Relaxed);
+            watcher.thread().unpark();
+            if let Some(bar) = &bar {
+                bar.finish_and_clear();
+            }
+            result
+        })
+    }
+}
+
+/// Saves checkpoints, not too often.
+struct Saver<'a> {
+    path: &'a Path,
+    /// Pause that was asked for.
+    every: Option<Duration>,
+    last: Instant,
+    /// What a saving costs.
+    cost: Duration,
+    warned: bool,
+}
+
+impl<'a> Saver<'a> {
+    fn new(arguments: &'a Arguments, settings: &Settings, channels: usize) -> Option<Self> {
+        let path: &PathBuf = arguments.checkpoint.as_ref()?;
+        let cost = Duration::from_secs_f64(checkpoint::size(settings, channels) as f64 / SPEED);
+        let every = arguments.checkpoint_every.map(Duration::from_secs_f64);
+        Some(Self { path, every, last: Instant::now(), cost, warned: false })
+    }
+
+    fn is_due(&self) -> bool {
+        self.last.elapsed() >= self.every.unwrap_or(SELDOM.max(self.cost.div_f64(SHARE)))
+    }
+
+    /// A checkpoint that cannot be written does not end the render.
+    fn save(&mut self, scene: &Scene, settings: &Settings, partial: &Partial) {
+        let begin = Instant::now();
+        if let Err(error) = checkpoint::save(self.path, scene, settings, partial)
+            && !self.warned
+        {
+            eprintln!("warning: {error}");
+            self.warned = true;
+        }
+        self.cost = begin.elapsed();
+        self.last = Instant::now();
+    }
+}

@@ -1,0 +1,228 @@
+//! A render on its way, in a file: the exact sums so far and what they are sums of.
+//!
+//! The file is a magic number, the length of the head (`u64`), the head (JSON), the words of the accumulators pixel by
+//! pixel and channel by channel (`u32`), and the XXH3 of everything before (`u64`); all numbers little-endian. It
+//! is replaced whole or not at all, so a process may die at any time.
+
+use super::passes::Partial;
+use super::{NonFinite, Settings};
+use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
+use crate::image::{ImageError, write_file_with};
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+use xxhash_rust::xxh3::Xxh3;
+
+const MAGIC: &[u8; 8] = b"etalonCP";
+
+/// No head is longer, in bytes; it holds a name for each channel.
+const LONGEST_HEAD: u64 = 1 << 24;
+
+/// What a checkpoint says of itself before the sums.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    identity: Identity,
+    /// Samples of every pixel that are in the sums: from the beginning of the range to this one.
+    done: u64,
+    rays: u64,
+    cut: u64,
+    non_finite: u64,
+    /// Column, row, sample.
+    first_non_finite: Vec<(u32, u32, u64)>,
+}
+
+/// Everything that decides the image. Two equal ones are the same render; threads and the kernel decide nothing.
+#[derive(Serialize, Deserialize)]
+struct Identity {
+    version: String,
+    seed: u32,
+    samples: (u64, u64),
+    film: (u32, u32),
+    /// First column and row, columns, rows.
+    window: (u32, u32, u32, u32),
+    integrator: String,
+    channels: Vec<String>,
+    /// Hash of the scene. It covers the seed and the integrator too, so it says the least and comes last.
+    scene: String,
+}
+
+impl Identity {
+    fn new(scene: &Scene, settings: &Settings, channels: &[String]) -> Self {
+        let w = settings.window;
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed: settings.seed,
+            samples: (settings.samples.start, settings.samples.end),
+            film: scene.sensor.film.size,
+            window: (w.x, w.y, w.width, w.height),
+            integrator: scene.integrator.name().into(),
+            channels: channels.to_vec(),
+            scene: scene.hash.clone(),
+        }
+    }
+
+    /// What tells the checkpoint's render (`self`) from the one that is asked for.
+    fn difference(&self, asked: &Identity) -> Option<String> {
+        let list = |i: &Identity| {
+            let (x, y, width, height) = i.window;
+            [
+                ("version", i.version.clone()),
+                ("seed", i.seed.to_string()),
+                ("range of samples", format!("{}..{}", i.samples.0, i.samples.1)),
+                ("film", format!("{}x{}", i.film.0, i.film.1)),
+                ("crop", format!("{x},{y},{width},{height}")),
+                ("integrator", i.integrator.clone()),
+                ("list of channels", i.channels.join(" ")),
+                ("scene", i.scene.clone()),
+            ]
+        };
+        let pairs = list(self).into_iter().zip(list(asked));
+        pairs
+            .filter(|(ours, theirs)| ours.1 != theirs.1)
+            .map(|((name, ours), (_, theirs))| {
+                format!("it is of another {name}: `{ours}`, and `{theirs}` is asked for")
+            })
+            .next()
+    }
+}
+
+/// Length of the file in bytes, but for its head.
+pub fn size(settings: &Settings, channels: usize) -> u64 {
+    4 * (Accumulators::WORDS * channels * settings.window.pixels()) as u64
+}
+
+/// Saves a render on its way. An error leaves an older checkpoint as it was.
+pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), ImageError> {
+    let report = &partial.report;
+    let head = Head {
+        identity: Identity::new(scene, settings, &partial.channels),
+        done: partial.samples.end,
+        rays: report.rays,
+        cut: report.cut,
+        non_finite: report.non_finite,
+        first_non_finite: report.first_non_finite.iter().map(|n| (n.pixel.0, n.pixel.1, n.sample)).collect(),
+    };
+    let head = serde_json::to_vec(&head).map_err(|e| ImageError { path: None, cause: e.to_string() })?;
+    write_file_with(path, |file| {
+        let mut hash = Xxh3::new();
+        let mut put = |bytes: &[u8]| {
+            hash.update(bytes);
+            file.write_all(bytes)
+        };
+        put(MAGIC)?;
+        put(&(head.len() as u64).to_le_bytes())?;
+        put(&head)?;
+        let mut row = vec![];
+        for y in 0..partial.sums.height() {
+            row.clear();
+            for x in 0..partial.sums.width() {
+                for sum in partial.sums.pixel(x, y) {
+                    (0..Accumulators::WORDS).for_each(|i| row.extend(sum.word(i).to_le_bytes()));
+                }
+            }
+            put(&row)?;
+        }
+        let digest = hash.digest();
+        file.write_all(&digest.to_le_bytes())
+    })
+}
+
+/// Reads the checkpoint of a render.
+///
+/// # Errors
+/// If it cannot be read, is damaged, or is that of another render; with one sentence that names the file.
+pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, ImageError> {
+    let refusal = |cause| ImageError { path: Some(path.to_owned()), cause };
+    read(path, scene, settings).map_err(|refused| match refused {
+        Refused::Input(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
+            refusal("the checkpoint is damaged: it ends too early".into())
+        }
+        Refused::Input(e) => refusal(format!("the checkpoint cannot be read: {e}")),
+        Refused::Damaged(why) => refusal(format!("the checkpoint is damaged: {why}")),
+        Refused::Other(why) => refusal(format!("the checkpoint cannot be resumed: {why}")),
+    })
+}
+
+enum Refused {
+    Input(io::Error),
+    Damaged(&'static str),
+    Other(String),
+}
+
+impl From<io::Error> for Refused {
+    fn from(error: io::Error) -> Self {
+        Self::Input(error)
+    }
+}
+
+/// Reads and hashes.
+struct Hashed<R> {
+    reader: R,
+    hash: Xxh3,
+}
+
+impl<R: Read> Hashed<R> {
+    fn fill(&mut self, bytes: &mut [u8]) -> io::Result<()> {
+        self.reader.read_exact(bytes)?;
+        self.hash.update(bytes);
+        Ok(())
+    }
+}
+
+fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refused> {
+    let mut file = Hashed { reader: BufReader::with_capacity(1 << 20, File::open(path)?), hash: Xxh3::new() };
+    let mut word = [0; 8];
+    file.fill(&mut word)?;
+    if &word != MAGIC {
+        return Err(Refused::Other("it is no checkpoint of Etalon's".into()));
+    }
+    file.fill(&mut word)?;
+    let length = u64::from_le_bytes(word);
+    if length > LONGEST_HEAD {
+        return Err(Refused::Damaged("its head is too long"));
+    }
+    let mut head = vec![0; length as usize];
+    file.fill(&mut head)?;
+    let head: Head =
+        serde_json::from_slice(&head).map_err(|_| Refused::Damaged("its head cannot be understood"))?;
+    let mut partial = Partial::new(scene, settings);
+    if let Some(why) = head.identity.difference(&Identity::new(scene, settings, &partial.channels)) {
+        return Err(Refused::Other(why));
+    }
+    let range = &settings.samples;
+    let reachable = head.done == range.end || head.done.is_multiple_of(BLOCK) && range.contains(&head.done);
+    if !reachable {
+        return Err(Refused::Damaged("it claims samples beyond its range"));
+    }
+    let mut row = vec![0; 4 * Accumulators::WORDS * partial.channels.len() * settings.window.width as usize];
+    for y in 0..settings.window.height {
+        file.fill(&mut row)?;
+        let mut stored = row.chunks_exact(4 * Accumulators::WORDS);
+        for x in 0..settings.window.width {
+            for (sum, bytes) in partial.sums.pixel_mut(x, y).iter_mut().zip(&mut stored) {
+                let word = |i: usize| u32::from_le_bytes(std::array::from_fn(|b| bytes[4 * i + b]));
+                *sum = ChannelAccumulator::from_words(&std::array::from_fn(word))
+                    .ok_or(Refused::Damaged("a sum is none"))?;
+            }
+        }
+    }
+    file.reader.read_exact(&mut word)?;
+    if u64::from_le_bytes(word) != file.hash.digest() {
+        return Err(Refused::Damaged("its checksum is wrong"));
+    }
+    if file.reader.read(&mut word)? > 0 {
+        return Err(Refused::Damaged("something follows its end"));
+    }
+    partial.samples.end = head.done;
+    let report = &mut partial.report;
+    report.samples = (head.done - range.start) * settings.window.pixels() as u64;
+    (report.rays, report.cut, report.non_finite) = (head.rays, head.cut, head.non_finite);
+    let first = head.first_non_finite.into_iter();
+    report.first_non_finite = first.map(|(x, y, sample)| NonFinite { pixel: (x, y), sample }).collect();
+    Ok(partial)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,109 @@
+use super::*;
+use crate::render::Progress;
+use crate::render::passes::render_passes;
+use crate::scene::load_text;
+use crate::spectrum::ColorMode;
+use std::fs;
+use std::ops::ControlFlow;
+
+fn scene(radius: f64) -> Scene {
+    let text = format!(
+        r#"<scene version="3.0.0">
+        <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="9"/><integer name="height" value="7"/></film></sensor>
+        <shape type="sphere"><float name="radius" value="{radius}"/><transform name="to_world"><translate z="4"/></transform></shape>
+        <emitter type="constant"/></scene>"#
+    );
+    load_text("scene.xml", &text, ColorMode::Spectral).expect("it loads")
+}
+
+fn settings(scene: &Scene) -> Settings {
+    let window = scene.sensor.film.crop;
+    Settings { samples: 4..53, seed: 3, window, threads: 1, shard: false, kernel: None }
+}
+
+fn go_on(scene: &Scene, settings: &Settings, partial: Partial, passes: u32) -> Partial {
+    let mut left = passes;
+    let counted = |_: &Partial| {
+        left -= 1;
+        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    render_passes(scene, settings, partial, &Progress::default(), counted).expect("it renders")
+}
+
+/// A checkpoint after two passes, and its bytes.
+fn saved(folder: &tempfile::TempDir) -> (std::path::PathBuf, Vec<u8>) {
+    let (scene, path) = (scene(1.0), folder.path().join("c"));
+    let settings = settings(&scene);
+    let partial = go_on(&scene, &settings, Partial::new(&scene, &settings), 2);
+    save(&path, &scene, &settings, &partial).expect("written");
+    let bytes = fs::read(&path).expect("read");
+    (path, bytes)
+}
+
+#[test]
+fn a_render_goes_on_as_if_nothing_had_happened() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, bytes) = saved(&folder);
+    let scene = scene(1.0);
+    let settings = settings(&scene);
+    let resumed = load(&path, &scene, &settings).expect("it loads");
+    // How long the second pass is depends on the time that the first one took.
+    assert!(resumed.samples == (4..16) || resumed.samples == (4..12), "{:?}", resumed.samples);
+    assert!(bytes.len() as u64 > size(&settings, 3) && (bytes.len() as u64) < size(&settings, 3) + 1000);
+    let resumed = go_on(&scene, &settings, resumed, 100);
+    let (image, report) = (resumed.image(&scene, &settings), resumed.report);
+    let whole = go_on(&scene, &settings, Partial::new(&scene, &settings), 100);
+    let (expected, expected_report) = (whole.image(&scene, &settings), whole.report);
+    assert_eq!(image, expected);
+    assert_eq!((report.rays, report.samples), (expected_report.rays, expected_report.samples));
+}
+
+#[test]
+fn another_render_is_refused_by_what_differs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, _) = saved(&folder);
+    let (same, other) = (scene(1.0), scene(1.5));
+    let asked = settings(&same);
+    let mut crop = asked.window;
+    crop.width -= 1;
+    let cases = [
+        (&other, asked.clone(), "another scene"),
+        (&same, Settings { seed: 4, ..asked.clone() }, "another seed: `3`, and `4` is asked for"),
+        (&same, Settings { samples: 0..53, ..asked.clone() }, "another range of samples: `4..53`"),
+        (&same, Settings { samples: 4..57, ..asked.clone() }, "another range of samples"),
+        (&same, Settings { window: crop, ..asked.clone() }, "another crop: `0,0,9,7`"),
+    ];
+    for (scene, settings, words) in cases {
+        let error = match load(&path, scene, &settings) {
+            Ok(_) => panic!("{words}: it must be refused"),
+            Err(error) => error.to_string(),
+        };
+        assert!(error.contains(words) && error.contains("cannot be resumed"), "{error}");
+    }
+    let threads = Settings { threads: 2, ..asked };
+    assert!(load(&path, &same, &threads).is_ok());
+}
+
+#[test]
+fn every_damage_is_noticed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, bytes) = saved(&folder);
+    let scene = scene(1.0);
+    let settings = settings(&scene);
+    let refused = |damaged: &[u8]| {
+        fs::write(&path, damaged).expect("written");
+        load(&path, &scene, &settings).err().map(|error| error.to_string())
+    };
+    assert_eq!(refused(&bytes), None);
+    for length in [0, 7, 12, 100, bytes.len() / 2, bytes.len() - 1] {
+        let error = refused(&bytes[..length]).expect("truncated");
+        assert!(error.contains("it ends too early"), "{length}: {error}");
+    }
+    assert!(refused(&[&bytes[..], b"x"].concat()).is_some_and(|e| e.contains("something follows")));
+    for at in (0..bytes.len()).step_by(41).chain(bytes.len() - 8..bytes.len()) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x10;
+        assert!(refused(&damaged).is_some(), "byte {at}");
+    }
+    assert!(load(&folder.path().join("none"), &scene, &settings).is_err());
+}

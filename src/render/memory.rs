@@ -1,0 +1,97 @@
+//! Whether a render fits into memory, asked before it begins.
+
+use super::Settings;
+use crate::film::ChannelAccumulator;
+use std::fs;
+
+/// Bytes of the pixels of a render at its peak, which is when the file is made: `passes` says whether it is one in passes
+/// ([`super::passes`]). The scene and what threads need besides are not counted.
+pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
+    const MOMENTS: u64 = 2 * size_of::<f32>() as u64;
+    const SUMS: u64 = size_of::<ChannelAccumulator>() as u64;
+    // Either the tiles or the sums; the image; and the bytes of the file.
+    let kept = match (passes, settings.shard) {
+        (false, false) => MOMENTS,
+        (false, true) => 2 * SUMS,
+        (true, false) => SUMS,
+        (true, true) => 2 * SUMS,
+    };
+    let file = if settings.shard { MOMENTS + SUMS } else { MOMENTS };
+    (kept + MOMENTS + file).saturating_mul(settings.window.pixels() as u64).saturating_mul(channels as u64)
+}
+
+/// Bytes that this process may still take, where the system tells: the least of the machine's free memory and what the
+/// control group (a container, a batch job) leaves.
+pub fn available() -> Option<u64> {
+    let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| mem_available(&text));
+    let number = |name: &str| {
+        let text = fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?;
+        text.trim().parse::<u64>().ok()
+    };
+    let group = number("memory.max").map(|limit| limit.saturating_sub(number("memory.current").unwrap_or(0)));
+    machine.into_iter().chain(group).min()
+}
+
+fn mem_available(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kilobytes.checked_mul(1024)
+}
+
+/// Refuses a render whose pixels do not fit into the memory that is available.
+///
+/// # Errors
+/// With a sentence that says what is needed, what there is, and what to do.
+pub fn check(
+    settings: &Settings,
+    channels: usize,
+    passes: bool,
+    available: Option<u64>,
+) -> Result<(), String> {
+    let needed = estimate(settings, channels, passes);
+    match available {
+        Some(available) if needed > available => {
+            let gigabytes = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+            Err(format!(
+                "a film of {} × {} pixels with {channels} channels needs about {:.1} GiB, and {:.1} GiB are available; \
+                 render crops (--crop) and merge them",
+                settings.window.width,
+                settings.window.height,
+                gigabytes(needed),
+                gigabytes(available)
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Window;
+
+    fn settings(shard: bool) -> Settings {
+        let window = Window { x: 0, y: 0, width: 1000, height: 1000 };
+        Settings { samples: 0..4, seed: 0, window, threads: 1, shard, kernel: None }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        // A million pixels of three channels: 24 bytes a channel in one go.
+        assert_eq!(estimate(&settings(false), 3, false), 72_000_000);
+        assert!(estimate(&settings(false), 3, true) > 200_000_000);
+        assert!(estimate(&settings(true), 3, true) > estimate(&settings(false), 3, true));
+        assert_eq!(check(&settings(false), 3, false, Some(72_000_000)), Ok(()));
+        assert_eq!(check(&settings(false), 3, false, None), Ok(()));
+        let refused = check(&settings(false), 3, false, Some(71_999_999));
+        assert!(refused.is_err_and(|e| e.contains("needs about 0.1 GiB") && e.contains("--crop")));
+    }
+
+    #[test]
+    fn the_systems_figure_is_read() {
+        let text = "MemTotal:       24 kB\nMemFree: 1 kB\nMemAvailable:   23068672 kB\nBuffers: 1 kB\n";
+        assert_eq!(mem_available(text), Some(23_068_672 * 1024));
+        assert_eq!(mem_available("MemTotal: 1 kB\n"), None);
+        assert_eq!(mem_available("MemAvailable: x kB\n"), None);
+    }
+}

@@ -1,0 +1,207 @@
+//! From a time or an error that is asked for to a number of samples.
+//!
+//! A pilot renders a few samples with a seed of its own and is thrown away. The image is the plain render of samples 0..N
+//! with the seed that was asked for, so `--spp N` makes it again, and N is independent of the image's samples: no
+//! optional stopping, no weights that depend on the data, no bias.
+//!
+//! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its square. It falls as
+//! 1/n, so an error E needs N = n R²/E² samples. R² is uncertain itself. The variances v of the P pixels are
+//! independent estimates, so the variance of their sum is at most Σ v², that of the sum relative to it at most
+//! r² = Σ v²/(Σ v)²; and the mean by which it is divided has the relative error R, so its square 2R. The error found after the
+//! render is uncertain in the same way, less by n/N. With two standard deviations of all this,
+//!
+//! N = n R²/E² · (1 + 2 √(r² (1 + n/N) + 4 R²)).
+//!
+//! The pilot doubles until that uncertainty is small or the pilot has taken an eighth of N. 1/r² is the number of pixels
+//! that would make this much noise if all were alike. Where it is small the tails are heavy: a few samples decide the
+//! estimate, and the samples that nobody has seen yet may be larger.
+
+use super::passes::{Partial, render_passes};
+use super::{Progress, Settings};
+use crate::film::BLOCK;
+use crate::image::Image;
+use crate::scene::Scene;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// So few pixels with all the noise are taken for the work of a few samples.
+const FEW: f64 = 20.0;
+
+/// What the seed of a pilot differs in from that of the image.
+const OTHER_SEED: u32 = 0x8000_0000;
+
+/// The last possible sample of a pixel, rounded down to a block.
+const MOST: u64 = (u32::MAX as u64 / BLOCK) * BLOCK;
+
+/// Fewer blocks say nothing about an error, in samples.
+const FEWEST: u64 = 4 * BLOCK;
+
+/// Uncertainty of the estimated variance that ends a pilot.
+const CERTAIN: f64 = 0.05;
+
+/// The image's mean and how well it is known, over its first three channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Mean of each channel.
+    pub mean: [f64; 3],
+    /// Root mean square over pixels of the standard error, relative to the image's mean.
+    pub relative_standard_error: f64,
+    /// Standard error of the image's mean, relative to it.
+    pub relative_standard_error_of_mean: f64,
+    /// How many pixels, were they all alike, would make as uncertain a variance: (Σ v)²/Σ v².
+    pub effective_pixels: f64,
+    /// Number of pixels.
+    pub pixels: usize,
+}
+
+impl Quality {
+    /// Sums up values and variances of pixels, channel by channel; of more than three channels the first three.
+    pub fn new<C, V>(pixels: usize, channels: C) -> Self
+    where
+        C: IntoIterator<Item = V>,
+        V: IntoIterator<Item = (f64, f64)>,
+    {
+        let mut mean = [0.0; 3];
+        let mut variances = vec![0.0; pixels];
+        for (mean, channel) in mean.iter_mut().zip(channels) {
+            for (variance, (value, v)) in variances.iter_mut().zip(channel) {
+                *mean += value / pixels as f64;
+                *variance += v;
+            }
+        }
+        let sum: f64 = variances.iter().sum();
+        let squares: f64 = variances.iter().map(|v| v * v).sum();
+        let scale = mean.iter().sum::<f64>() / 3.0;
+        let relative = (sum / pixels as f64 / 3.0).sqrt() / scale;
+        Self {
+            mean,
+            relative_standard_error: relative,
+            relative_standard_error_of_mean: relative / (pixels as f64).sqrt(),
+            effective_pixels: if squares > 0.0 { sum * sum / squares } else { pixels as f64 },
+            pixels,
+        }
+    }
+
+    /// Of an image; without variances nothing is known, and the errors are infinite.
+    pub fn of_image(image: &Image) -> Self {
+        let channels = image.channels.iter().map(|channel| {
+            let variance = |i: usize| channel.variance.as_ref().map_or(f64::INFINITY, |v| f64::from(v[i]));
+            channel.mean.iter().enumerate().map(move |(i, &mean)| (f64::from(mean), variance(i)))
+        });
+        Self::new(image.crop.pixels(), channels)
+    }
+
+    fn of(partial: &Partial) -> Self {
+        let samples = partial.samples.end - partial.samples.start;
+        let channels = (0..partial.channels.len())
+            .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
+        Self::new(partial.sums.width() as usize * partial.sums.height() as usize, channels)
+    }
+
+    /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.
+    pub fn heavy_tailed(&self) -> bool {
+        self.effective_pixels < FEW && self.effective_pixels < self.pixels as f64 / 8.0
+    }
+}
+
+/// What a pilot did and what follows from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pilot {
+    /// Samples of every pixel to render.
+    pub count: u64,
+    /// Samples of every pixel that the pilot rendered.
+    pub samples: u64,
+    /// Rays that it traced.
+    pub rays: u64,
+    /// What it saw.
+    pub quality: Quality,
+}
+
+/// Why there is no number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoCount {
+    /// The render was stopped.
+    Stopped,
+    /// The pilot saw no light, so that no error is relative to anything.
+    Black,
+    /// A sample was not finite.
+    NonFinite,
+    /// More samples would be needed than a pixel can have.
+    TooMany,
+}
+
+/// The number of samples that brings the relative standard error of the image's mean to `target`.
+pub fn for_error(
+    scene: &Scene,
+    settings: &Settings,
+    target: f64,
+    progress: &Progress,
+) -> Result<Pilot, NoCount> {
+    let mut needed = f64::INFINITY;
+    let pilot = run(scene, settings, progress, |partial| {
+        let n = partial.samples.end as f64;
+        if partial.samples.end < FEWEST {
+            return ControlFlow::Continue(());
+        }
+        let quality = Quality::of(partial);
+        let relative = quality.relative_standard_error_of_mean;
+        let plain = n * (relative / target) * (relative / target);
+        let r2 = 1.0 / quality.effective_pixels;
+        let uncertainty = (r2 * (1.0 + (n / plain).min(1.0)) + 4.0 * relative * relative).sqrt();
+        needed = plain * (1.0 + 2.0 * uncertainty);
+        let hopeless = !needed.is_finite() || plain > MOST as f64;
+        if uncertainty <= CERTAIN || n * 8.0 >= plain || hopeless {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })?;
+    let quality = Quality::of(&pilot);
+    if pilot.report.non_finite > 0 {
+        return Err(NoCount::NonFinite);
+    }
+    if quality.mean.iter().sum::<f64>() == 0.0 {
+        return Err(NoCount::Black);
+    }
+    if needed.is_nan() || needed > MOST as f64 {
+        return Err(NoCount::TooMany);
+    }
+    // Two blocks are the fewest that have an error at all.
+    let count = (needed.ceil() as u64).next_multiple_of(BLOCK).max(2 * BLOCK);
+    Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality })
+}
+
+/// The number of samples that takes `seconds`, the pilot's time included. The only figure here that a clock decides.
+pub fn for_time(
+    scene: &Scene,
+    settings: &Settings,
+    seconds: f64,
+    progress: &Progress,
+) -> Result<Pilot, NoCount> {
+    let begin = Instant::now();
+    let pilot = run(scene, settings, progress, |_| {
+        if begin.elapsed().as_secs_f64() < seconds / 20.0 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    })?;
+    let spent = begin.elapsed().as_secs_f64();
+    let count = pilot.samples.end as f64 * ((seconds - spent) / spent).max(0.0);
+    let count = (count.min(MOST as f64) as u64 / BLOCK * BLOCK).max(BLOCK);
+    Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality: Quality::of(&pilot) })
+}
+
+fn run(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &Progress,
+    after_pass: impl FnMut(&Partial) -> ControlFlow<()>,
+) -> Result<Partial, NoCount> {
+    let settings = Settings { samples: 0..MOST, seed: settings.seed ^ OTHER_SEED, ..settings.clone() };
+    let begun = Partial::new(scene, &settings);
+    render_passes(scene, &settings, begun, progress, after_pass).ok_or(NoCount::Stopped)
+}
+
+#[cfg(test)]
+mod tests;

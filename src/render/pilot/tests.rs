@@ -1,0 +1,106 @@
+use super::*;
+use crate::render::render;
+use crate::scene::load_text;
+use crate::spectrum::ColorMode;
+
+fn scene(content: &str) -> Scene {
+    let text = format!(
+        r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="3"/></integrator>
+        <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="18"/></film></sensor>
+        {content}</scene>"#
+    );
+    load_text("scene.xml", &text, ColorMode::Spectral).expect("it loads")
+}
+
+const LIT: &str = r#"<emitter type="constant"/>
+    <shape type="sphere"><transform name="to_world"><translate z="4"/></transform></shape>
+    <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate x="2" y="2" z="8"/></transform>
+      <emitter type="area"><rgb name="radiance" value="4"/></emitter></shape>"#;
+
+fn settings(scene: &Scene, seed: u32) -> Settings {
+    let window = scene.sensor.film.crop;
+    Settings { samples: 0..BLOCK, seed, window, threads: 1, shard: false, kernel: None }
+}
+
+/// What `etalon render` prints of an image.
+fn printed(scene: &Scene, settings: &Settings) -> Quality {
+    let (image, _) = render(scene, settings, &Progress::default()).expect("it renders");
+    Quality::of_image(&image)
+}
+
+#[test]
+fn the_error_asked_for_is_attained() {
+    let scene = scene(LIT);
+    // With a chance of 95 % each, fewer than 50 of 60 come once in 3000 times.
+    let (runs, target) = (60, 0.001);
+    let mut counts = vec![];
+    let attained = (0..runs).filter(|&seed| {
+        let settings = settings(&scene, seed);
+        let pilot = for_error(&scene, &settings, target, &Progress::default()).expect("a count");
+        assert_eq!(pilot.count % BLOCK, 0);
+        assert!(!pilot.quality.heavy_tailed());
+        counts.push(pilot.count);
+        let quality = printed(&scene, &Settings { samples: 0..pilot.count, ..settings });
+        // Nor is far more rendered than is needed: half the error is four times the samples.
+        assert!(quality.relative_standard_error_of_mean > target / 2.0, "{quality:?}");
+        quality.relative_standard_error_of_mean <= target
+    });
+    let attained = attained.count();
+    assert!(attained >= 50, "{attained} of {runs}");
+    // The pilot does not know the image's samples, but it is a function of the seed.
+    assert!(counts.iter().any(|&c| c != counts[0]));
+    let again = for_error(&scene, &settings(&scene, 0), target, &Progress::default());
+    assert_eq!(again.map(|pilot| pilot.count), Ok(counts[0]));
+}
+
+#[test]
+fn a_smaller_error_needs_quadratically_more_samples() {
+    let scene = scene(LIT);
+    let count = |target| {
+        let pilot = for_error(&scene, &settings(&scene, 1), target, &Progress::default());
+        pilot.expect("a count").count as f64
+    };
+    let ratio = count(0.0005) / count(0.001);
+    // The margin differs, by what the two pilots know: at most 1 + 2 √(2 r² + 4 R²), and not below 1.
+    assert!(ratio > 3.0 && ratio < 5.3, "{ratio}");
+}
+
+#[test]
+fn what_has_no_error_has_no_count() {
+    let black = scene("");
+    let asked = |scene: &Scene, target| {
+        for_error(scene, &settings(scene, 0), target, &Progress::default()).map(|pilot| pilot.count)
+    };
+    assert_eq!(asked(&black, 0.01), Err(NoCount::Black));
+    assert_eq!(asked(&scene(LIT), 1e-12), Err(NoCount::TooMany));
+    let stopped = Progress::default();
+    stopped.stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    let scene = scene(LIT);
+    let pilot = for_error(&scene, &settings(&scene, 0), 0.01, &stopped);
+    assert_eq!(pilot.map(|pilot| pilot.count), Err(NoCount::Stopped));
+}
+
+#[test]
+fn a_time_becomes_whole_blocks() {
+    let scene = scene(LIT);
+    for seconds in [1e-9, 0.05] {
+        let pilot = for_time(&scene, &settings(&scene, 0), seconds, &Progress::default()).expect("a count");
+        assert!(pilot.count >= BLOCK && pilot.count.is_multiple_of(BLOCK));
+    }
+}
+
+#[test]
+fn few_pixels_with_all_the_variance_are_heavy_tails() {
+    let quality = |variances: &[f64]| {
+        let channel = || variances.iter().map(|&v| (1.0, v));
+        Quality::new(variances.len(), [channel(), channel(), channel()])
+    };
+    let even = quality(&[2.0; 1000]);
+    assert!((even.effective_pixels - 1000.0).abs() < 1e-6 && !even.heavy_tailed());
+    assert!((even.relative_standard_error - 2f64.sqrt()).abs() < 1e-12);
+    let mut outliers = [1e-6; 1000];
+    outliers[..3].fill(5.0);
+    let heavy = quality(&outliers);
+    assert!(heavy.heavy_tailed() && (heavy.effective_pixels - 3.0).abs() < 0.01);
+    assert!(!quality(&[0.0; 100]).heavy_tailed());
+}

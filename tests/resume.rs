@@ -1,0 +1,217 @@
+//! Nothing is lost: renders that are killed, interrupted or refused a place to write.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+const SCENE: &str = r#"<scene version="3.0.0">
+<integrator type="path"><integer name="max_depth" value="6"/></integrator>
+<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film></sensor>
+<shape type="sphere"><transform name="to_world"><translate z="4"/></transform><bsdf type="dielectric"/></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
+<emitter type="constant"/></scene>"#;
+
+/// A folder with a scene in which a render takes about a second and a half of one thread.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.xml"), SCENE).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn start(&self, arguments: &[&str]) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
+        command.current_dir(self.0.path()).args(["render", "scene.xml", "--threads", "1"]).args(arguments);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.start(arguments).wait_with_output().unwrap()
+    }
+
+    fn done(&self, arguments: &[&str]) -> Output {
+        let output = self.run(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        output
+    }
+
+    fn refused(&self, arguments: &[&str], words: &[&str]) {
+        let before = names(self.0.path());
+        let output = self.run(arguments);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        for word in words {
+            assert!(error.contains(word), "no `{word}`: {error}");
+        }
+        assert_eq!(names(self.0.path()), before);
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = entries.collect();
+    names.sort();
+    names
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", text(&output.stdout)))
+}
+
+const LONG: [&str; 2] = ["--spp", "1500"];
+
+#[test]
+fn killed_at_any_moment_a_render_goes_on_to_the_same_bytes() {
+    let folder = Folder::new();
+    folder.done(&[&LONG[..], &["-o", "whole.exr", "--quiet"]].concat());
+    let begin = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json", "--resume"];
+    let arguments = [&LONG[..], &begin].concat();
+    // Arbitrary moments, some of them too early for any save and one of them perhaps after the end.
+    for milliseconds in [3, 170, 41, 290, 97, 230, 350, 60, 310] {
+        let mut child = folder.start(&arguments);
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let saved = folder.path("c").exists();
+    let document = json(&folder.done(&arguments));
+    assert_eq!(saved, document["resumed_at"].as_u64().is_some_and(|at| at > 0), "{document}");
+    assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
+    assert_eq!(document["samples"], 1500 * 40 * 30);
+    // The checkpoint has served. A process that died while it wrote may have left the beginnings of one.
+    assert!(!folder.path("c").exists());
+}
+
+#[test]
+fn the_checkpoint_of_another_render_is_refused() {
+    let folder = Folder::new();
+    let arguments = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001"];
+    let mut child = folder.start(&[&arguments[..], &["--spp", "1000000"]].concat());
+    while !folder.path("c").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let _ = fs::remove_file(folder.path("c.partial"));
+    let resume = [&arguments[..], &["--resume"]].concat();
+    let refused = |more: &[&str], words: &[&str]| folder.refused(&[&resume[..], more].concat(), words);
+    refused(&["--spp", "2000"], &["c: the checkpoint cannot be resumed", "another range of samples"]);
+    refused(&["--spp", "1000000", "--seed", "7"], &["another seed: `0`, and `7` is asked for"]);
+    refused(&["--spp", "1000000", "--size", "41x30"], &["another film: `40x30`"]);
+    refused(&["--spp", "1000000", "--crop", "0,0,9,9"], &["another crop"]);
+    refused(&["--spp", "1000000", "--max-depth", "3"], &["another scene"]);
+    refused(&["--spp", "1000000", "--color", "rgb"], &["another scene"]);
+    let bytes = folder.bytes("c");
+    fs::write(folder.path("c"), &bytes[..bytes.len() - 9]).unwrap();
+    refused(&["--spp", "1000000"], &["c: the checkpoint is damaged: it ends too early"]);
+    let mut damaged = bytes.clone();
+    damaged[bytes.len() / 2] ^= 1;
+    fs::write(folder.path("c"), &damaged).unwrap();
+    refused(&["--spp", "1000000"], &["c: the checkpoint is damaged"]);
+    fs::write(folder.path("c"), "something else").unwrap();
+    refused(&["--spp", "1000000"], &["it is no checkpoint"]);
+    assert!(!folder.path("out.exr").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
+    let folder = Folder::new();
+    let options = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json"];
+    let arguments = [&LONG[..], &options].concat();
+    let child = folder.start(&arguments);
+    while !folder.path("c").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{error}");
+    assert!(error.contains("--checkpoint c --resume"), "{error}");
+    let document = json(&output);
+    let samples = document["samples_per_pixel"].to_string();
+    folder.done(&["-o", "short.exr", "--quiet", "--spp", &samples]);
+    assert!(folder.bytes("out.exr") == folder.bytes("short.exr"), "after {samples} samples");
+    folder.done(&[&arguments[..], &["--resume"]].concat());
+    folder.done(&[&LONG[..], &["-o", "whole.exr", "--quiet"]].concat());
+    assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
+}
+
+#[test]
+fn a_time_and_an_error_become_a_count_that_makes_the_image_again() {
+    let folder = Folder::new();
+    for (option, value) in [("--time", "0.3"), ("--target-error", "0.2%")] {
+        let document = json(&folder.done(&["-o", "out.exr", "--json", option, value]));
+        let reproduce = document["reproduce"].as_str().unwrap().to_owned();
+        let again: Vec<&str> = reproduce.split(' ').collect();
+        assert_eq!(again[0], "--spp");
+        assert_eq!(document["samples_per_pixel"].as_u64().unwrap() % 4, 0);
+        folder.done(&[&again[..], &["-o", "again.exr", "--quiet"]].concat());
+        assert!(folder.bytes("out.exr") == folder.bytes("again.exr"));
+        if option == "--target-error" {
+            let error = document["relative_standard_error_of_mean"].as_f64().unwrap();
+            assert_eq!(document["attained"].as_bool(), Some(error <= 0.002));
+        }
+    }
+    folder.refused(&["-o", "new.exr", "--time", "1", "--spp", "4"], &["cannot be used with"]);
+    folder.refused(&["-o", "new.exr", "--target-error", "0"], &["expected a number above 0"]);
+}
+
+#[test]
+fn a_viewer_that_does_not_answer_is_a_warning() {
+    let folder = Folder::new();
+    let output = folder.done(&["-o", "out.exr", "--spp", "4", "--preview", "127.0.0.1:1"]);
+    assert!(text(&output.stderr).contains("warning: no preview at 127.0.0.1:1"));
+    folder.done(&["-o", "plain.exr", "--spp", "4", "--quiet"]);
+    assert!(folder.bytes("out.exr") == folder.bytes("plain.exr"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn places_that_cannot_be_written_are_refused_before_the_render() {
+    let folder = Folder::new();
+    // Not even root can make files here. So many samples would take days.
+    let endless = ["--spp", "4000000000"];
+    let refused = |files: &[&str]| folder.refused(&[files, &endless].concat(), &["/proc/x", "cannot write"]);
+    refused(&["-o", "/proc/x.exr"]);
+    refused(&["-o", "out.exr", "--png", "/proc/x.png"]);
+    refused(&["-o", "out.exr", "--checkpoint", "/proc/x"]);
+    // A full disk is found when it is full; the checkpoint keeps the work.
+    let full = ["-o", "/dev/full", "--spp", "8", "--quiet"];
+    folder.refused(&full, &["/dev/full: cannot write"]);
+    let output = folder.run(&[&full[..], &["--checkpoint", "c"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("the render is kept in c; --resume writes the image"));
+    folder.done(&["-o", "out.exr", "--spp", "8", "--quiet", "--checkpoint", "c", "--resume"]);
+    folder.done(&["-o", "plain.exr", "--spp", "8", "--quiet"]);
+    assert!(folder.bytes("out.exr") == folder.bytes("plain.exr"));
+    assert_eq!(names(folder.0.path()), ["out.exr", "plain.exr", "scene.xml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_film_that_does_not_fit_is_refused_before_the_render() {
+    // The largest film there is, with exact sums: 2^27 pixels, three channels, at least 88 bytes each.
+    if etalon::render::memory::available().is_none_or(|bytes| bytes > 35 << 30) {
+        return;
+    }
+    let folder = Folder::new();
+    let vast = ["-o", "out.exr", "--size", "16384x8192", "--samples", "0..4"];
+    folder.refused(&vast, &["16384 × 8192 pixels", "GiB are available", "--crop"]);
+}

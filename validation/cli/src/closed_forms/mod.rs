@@ -1,0 +1,216 @@
+//! Scenes whose image has an analytic answer.
+//!
+//! A case is data: a scene, a number computed from a formula by code that shares nothing with the renderer, and what
+//! of the image must equal it. The answer comes from renders with seeds of their own: Student's interval of their
+//! values must lie within the margin (two one-sided tests). So neither the image's own variance nor the
+//! independence of its pixels is relied on.
+//!
+//! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line in
+//! [`FAMILIES`]. The formula's source stands in `source`, its derivation beside the code.
+
+mod cameras;
+mod colors;
+mod envmap;
+mod interfaces;
+mod interreflection;
+mod irradiance;
+mod lambert;
+mod metals;
+mod mixtures;
+mod plastic;
+mod prism;
+mod round_lights;
+mod small_lights;
+mod surroundings;
+mod table;
+mod textures;
+mod thin_lens;
+
+use crate::stage::{expose, load, measured};
+use etalon::render::Settings;
+use etalon::spectrum::ColorMode;
+use etalon::spectrum::observer::luminance;
+use std::collections::BTreeMap;
+pub use table::markdown;
+use validation::image::Image;
+use validation::statistics::distributions::student_quantile;
+use validation::statistics::power::detectable_difference;
+use validation::statistics::{Estimate, Interval, seed_for};
+use validation::{Outcome, Verdict};
+
+/// Renders of a case.
+const REPLICATES: u64 = 12;
+
+/// The share of intervals that miss the truth.
+const LEVEL: f64 = 0.01;
+
+/// A scene and what is true of it.
+#[derive(Clone, Debug)]
+pub struct ClosedForm {
+    pub name: String,
+    /// The formula, and where it comes from.
+    pub source: &'static str,
+    pub scene: String,
+    pub mode: ColorMode,
+    /// What is compared, of an image.
+    pub measure: Measure,
+    pub expected: f64,
+    /// Largest relative deviation that is none.
+    pub margin: f64,
+    /// Samples a pixel of each render.
+    pub samples: u64,
+}
+
+/// What is compared: a number of an image.
+pub type Measure = fn(&Image) -> f64;
+
+/// A name and the cases that bear it.
+pub type Family = (&'static str, fn() -> Vec<ClosedForm>);
+
+/// All families, by name.
+pub const FAMILIES: &[Family] = &[
+    ("irradiance", irradiance::cases),
+    ("round_lights", round_lights::cases),
+    ("small_lights", small_lights::cases),
+    ("surroundings", surroundings::cases),
+    ("envmap", envmap::cases),
+    ("interreflection", interreflection::cases),
+    ("interfaces", interfaces::cases),
+    ("metals", metals::cases),
+    ("plastic", plastic::cases),
+    ("mixtures", mixtures::cases),
+    ("cameras", cameras::cases),
+    ("thin_lens", thin_lens::cases),
+    ("prism", prism::cases),
+    ("colors", colors::cases),
+    ("textures", textures::cases),
+];
+
+/// All cases, named `family::case`.
+pub fn cases() -> Vec<ClosedForm> {
+    let named = |&(family, cases): &Family| {
+        let rename = move |case: ClosedForm| ClosedForm { name: format!("{family}::{}", case.name), ..case };
+        cases().into_iter().map(rename).collect::<Vec<_>>()
+    };
+    FAMILIES.iter().flat_map(named).collect()
+}
+
+impl ClosedForm {
+    /// The luminance of the whole image, ±0.1 %, of few samples, in RGB mode.
+    pub fn new(name: impl Into<String>, source: &'static str, scene: String, expected: f64) -> Self {
+        Self {
+            name: name.into(),
+            source,
+            scene,
+            mode: ColorMode::Rgb,
+            measure: mean_luminance,
+            expected,
+            margin: 0.001,
+            samples: 1 << 12,
+        }
+    }
+
+    pub fn spectral(self) -> Self {
+        Self { mode: ColorMode::Spectral, ..self }
+    }
+
+    pub fn measure(self, measure: Measure) -> Self {
+        Self { measure, ..self }
+    }
+
+    pub fn margin(self, margin: f64) -> Self {
+        Self { margin, ..self }
+    }
+
+    pub fn samples(self, samples: u64) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// Renders with `effort` times the samples; `number` draws other seeds.
+    pub fn check(&self, effort: u64, number: u64) -> Result<Outcome, String> {
+        let scene = load(&self.scene, self.mode).map_err(|e| format!("{}: {e}", self.name))?;
+        let mut values = vec![];
+        for replicate in 0..REPLICATES {
+            let seed = seed_for(&self.name, number * REPLICATES + replicate) as u32;
+            let settings = Settings {
+                samples: 0..self.samples * effort,
+                seed,
+                window: scene.sensor.film.crop,
+                threads: 1,
+                shard: false,
+                kernel: None,
+            };
+            values.push((self.measure)(&measured(&expose(&scene, &settings)?)) / self.expected);
+        }
+        Ok(self.judge(Estimate::of(values)))
+    }
+
+    /// What an estimate of measured / expected says.
+    fn judge(&self, ratio: Estimate) -> Outcome {
+        let error = ratio.variance.sqrt();
+        let interval = Interval::around(ratio.mean, student_quantile(LEVEL, ratio.degrees) * error);
+        let verdict = interval.verdict(1.0, self.margin);
+        let [deviation, low, high] = [ratio.mean, interval.low, interval.high].map(|v| 100.0 * (v - 1.0));
+        let margin = 100.0 * self.margin;
+        let message = format!("{deviation:+.4} % ({low:+.4} to {high:+.4} %), margin {margin} %");
+        let figures = BTreeMap::from([
+            ("expected".to_string(), self.expected),
+            ("ratio".to_string(), ratio.mean),
+            ("ratio.low".to_string(), interval.low),
+            ("ratio.high".to_string(), interval.high),
+            ("margin".to_string(), self.margin),
+        ]);
+        let outcome = Outcome::new("closed form", verdict, message).of(&self.name);
+        Outcome { figures, ..outcome.detectable(detectable_difference(error, LEVEL)) }
+    }
+
+    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm it.
+    pub fn test(&self) -> Result<(), String> {
+        let mut message = String::new();
+        for (effort, number) in [(1, 0), (4, 1)] {
+            let outcome = self.check(effort, number)?;
+            if outcome.verdict == Verdict::Equivalent {
+                return Ok(());
+            }
+            message = format!("{}: {}", outcome.verdict, outcome.message);
+        }
+        Err(format!("{message}; {}", self.source))
+    }
+}
+
+/// The mean of a channel; NaN, which no verdict passes, if there is none of this name.
+pub fn mean(image: &Image, channel: &str) -> f64 {
+    let found = image.channels.iter().find(|c| c.name == channel);
+    found.map_or(f64::NAN, |c| c.mean.iter().sum::<f64>() / c.mean.len() as f64)
+}
+
+/// The mean relative luminance Y.
+pub fn mean_luminance(image: &Image) -> f64 {
+    luminance(["R", "G", "B"].map(|channel| mean(image, channel)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn undecided_is_no_pass_and_a_shift_is_seen() {
+        let case = ClosedForm::new("x", "", String::new(), 1.0);
+        let verdict =
+            |mean, error: f64| case.judge(Estimate { mean, variance: error * error, degrees: 11.0 }).verdict;
+        assert_eq!(verdict(1.0002, 1e-4), Verdict::Equivalent);
+        assert_eq!(verdict(1.0002, 1e-3), Verdict::Inconclusive);
+        assert_eq!(verdict(1.002, 1e-4), Verdict::Different);
+        assert_eq!(verdict(f64::NAN, 1e-4), Verdict::Different);
+    }
+
+    #[test]
+    fn names_are_unique_and_answers_are_numbers() {
+        let mut names: Vec<String> = cases().iter().map(|c| c.name.clone()).collect();
+        assert!(cases().iter().all(|c| c.expected.is_finite() && c.expected != 0.0 && c.margin <= 0.0025));
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert!(names.len() == count && count >= 30, "{count}");
+    }
+}

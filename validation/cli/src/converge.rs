@@ -1,0 +1,197 @@
+//! `validate converge`: error against run time of any renderers on one scene.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use validation::converge::{Curve, Picture, Ratio, Reference, Rung, curve, errors, page, ratio, reference};
+use validation::statistics::seed_for;
+
+use crate::renderers::{Job, Renderer};
+
+/// How long to look.
+#[derive(Clone, Debug, Serialize)]
+pub struct Settings {
+    /// Sample counts, each several times the one before.
+    pub ladder: Vec<u32>,
+    pub seeds: u32,
+    /// Samples of each of the [`REFERENCES`] pictures whose mean a renderer is held against.
+    pub reference_samples: u32,
+    pub threads: usize,
+}
+
+/// Pictures of a renderer's reference.
+pub const REFERENCES: u32 = 4;
+
+/// Everything that was measured.
+#[derive(Serialize)]
+pub struct Study {
+    pub scene: PathBuf,
+    pub settings: Settings,
+    pub renderers: Vec<Measured>,
+    pub missing: Vec<Missing>,
+    /// Efficiency of the first renderer over each other one: by trimmed error, then by the whole.
+    pub ratios: Vec<Compared>,
+}
+
+/// A renderer that ran.
+#[derive(Serialize)]
+pub struct Measured {
+    pub name: String,
+    /// relMSE without its largest 0.1 %, and the whole.
+    pub trimmed: Vec<Rung>,
+    pub untrimmed: Vec<Rung>,
+    pub trimmed_curve: Option<Curve>,
+    pub untrimmed_curve: Option<Curve>,
+}
+
+/// A renderer that did not, and why.
+#[derive(Serialize)]
+pub struct Missing {
+    pub name: String,
+    pub reason: String,
+}
+
+/// One comparison; `None` where it has no answer (see [`ratio`]).
+#[derive(Serialize)]
+pub struct Compared {
+    pub of: String,
+    pub over: String,
+    pub trimmed: Option<Ratio>,
+    pub untrimmed: Option<Ratio>,
+}
+
+struct Runner<'a> {
+    name: &'a str,
+    renderer: &'a Renderer,
+    reference: Reference,
+    measured: Measured,
+}
+
+/// Runs the study. `progress` hears of each step. Fails if a renderer fails after it has once succeeded.
+pub fn study(
+    scene: &Path,
+    renderers: &[(String, Renderer)],
+    settings: &Settings,
+    folder: &Path,
+    progress: impl Fn(&str),
+) -> Result<Study, String> {
+    let out = folder.join("picture.exr");
+    let render = |renderer: &Renderer, samples: u32, seed: u32| -> Result<(Picture, f64), String> {
+        renderer.render(&Job { scene, samples, seed, threads: settings.threads }, &out)
+    };
+    let (mut runners, mut missing) = (vec![], vec![]);
+    for (name, renderer) in renderers {
+        progress(&format!("{name}: reference"));
+        let pictures: Result<Vec<Picture>, String> = (0..REFERENCES)
+            .map(|k| Ok(render(renderer, settings.reference_samples, seed("reference", k))?.0))
+            .collect();
+        let found = pictures.and_then(|p| reference(&p).ok_or("its pictures differ in size".to_string()));
+        match found {
+            Ok(reference) => {
+                let empty = || settings.ladder.iter().map(|&samples| rung(samples)).collect();
+                let (trimmed, untrimmed) = (empty(), empty());
+                let name_of = name.clone();
+                let measured = Measured {
+                    name: name_of,
+                    trimmed,
+                    untrimmed,
+                    trimmed_curve: None,
+                    untrimmed_curve: None,
+                };
+                runners.push(Runner { name, renderer, reference, measured });
+            }
+            Err(reason) => {
+                progress(&format!("{name}: missing: {reason}"));
+                missing.push(Missing { name: name.clone(), reason });
+            }
+        }
+    }
+    // A B A B: whatever the machine does meanwhile, it does to all.
+    for k in 0..settings.seeds {
+        for (step, &samples) in settings.ladder.iter().enumerate() {
+            for runner in &mut runners {
+                progress(&format!("{}: seed {} of {}, {samples} spp", runner.name, k + 1, settings.seeds));
+                let (picture, seconds) = render(runner.renderer, samples, seed("picture", k))?;
+                if picture.len() != runner.reference.mean.len() {
+                    return Err(format!("{}: its pictures differ in size", runner.name));
+                }
+                let found = errors(&picture, &runner.reference);
+                for (rungs, error) in [
+                    (&mut runner.measured.trimmed, found.trimmed),
+                    (&mut runner.measured.untrimmed, found.relative_mse),
+                ] {
+                    rungs[step].errors.push(error);
+                    rungs[step].seconds.push(seconds);
+                }
+            }
+        }
+    }
+    let mut renderers: Vec<Measured> = runners.into_iter().map(|runner| runner.measured).collect();
+    for measured in &mut renderers {
+        measured.trimmed_curve = curve(&measured.trimmed, seed_for(&measured.name, 0));
+        measured.untrimmed_curve = curve(&measured.untrimmed, seed_for(&measured.name, 0));
+    }
+    let ratios = renderers.split_first().map_or(vec![], |(first, others)| {
+        let compared = others.iter().map(|other| Compared {
+            of: first.name.clone(),
+            over: other.name.clone(),
+            trimmed: ratio(&first.trimmed, &other.trimmed),
+            untrimmed: ratio(&first.untrimmed, &other.untrimmed),
+        });
+        compared.collect()
+    });
+    Ok(Study { scene: scene.into(), settings: settings.clone(), renderers, missing, ratios })
+}
+
+fn rung(samples: u32) -> Rung {
+    Rung { samples, errors: vec![], seconds: vec![] }
+}
+
+/// Seeds of pictures and references never meet; renderers of 31-bit seeds can take them.
+fn seed(what: &str, number: u32) -> u32 {
+    (seed_for(what, u64::from(number)) >> 33) as u32
+}
+
+impl Study {
+    /// A few lines for a terminal: slopes, and the first renderer's efficiency over the others'.
+    pub fn text(&self) -> String {
+        let slope = |m: &Measured| m.trimmed_curve.as_ref().and_then(|c| c.slope);
+        let slopes = self.renderers.iter().filter_map(|m| Some((m, slope(m)?)));
+        let slopes =
+            slopes.map(|(m, s)| format!("{}: slope {:.3} [{:.3}, {:.3}]", m.name, s.value, s.low, s.high));
+        let ratios = self.ratios.iter().flat_map(|c| {
+            [("trimmed", &c.trimmed), ("whole", &c.untrimmed)].map(|(what, found)| match found {
+                None => format!("{} over {}, {what}: no answer", c.of, c.over),
+                Some(Ratio { ratio: r, p_value, .. }) => format!(
+                    "{} over {}, {what}: {:.3} [{:.3}, {:.3}] times as efficient, p = {p_value:.1e}",
+                    c.of, c.over, r.value, r.low, r.high
+                ),
+            })
+        });
+        let missing = self.missing.iter().map(|m| format!("{}: missing: {}", m.name, m.reason));
+        slopes.chain(ratios).chain(missing).map(|line| line + "\n").collect()
+    }
+
+    /// The page with plots and tables.
+    pub fn html(&self) -> String {
+        let lines: Vec<page::Line> = self
+            .renderers
+            .iter()
+            .filter_map(|m| {
+                Some(page::Line {
+                    name: &m.name,
+                    trimmed: m.trimmed_curve.as_ref()?,
+                    whole: m.untrimmed_curve.as_ref()?,
+                })
+            })
+            .collect();
+        let ratios: Vec<(String, Option<&Ratio>, Option<&Ratio>)> = self
+            .ratios
+            .iter()
+            .map(|c| (format!("{} over {}", c.of, c.over), c.trimmed.as_ref(), c.untrimmed.as_ref()))
+            .collect();
+        let missing: Vec<(&str, &str)> =
+            self.missing.iter().map(|m| (m.name.as_str(), m.reason.as_str())).collect();
+        page::page(&self.scene.to_string_lossy(), &lines, &ratios, &missing)
+    }
+}

@@ -1,0 +1,51 @@
+//! Things that must not be seen, and adapters that must not matter.
+
+use super::still_life::*;
+use super::{Relation, Term};
+use crate::stage::*;
+
+pub fn relations() -> Vec<Relation> {
+    // No limit of the path's length: what is invisible lengthens it.
+    let plain = || vec![Term::new(endless(""))];
+    let besides =
+        |name: &str, more: &str| Relation::expectation(name, plain(), vec![Term::new(endless(more))]);
+    let ball = |wears: &str| sphere([0.0, -1.5, 1.0], 0.6, wears);
+    let pane = |wears: &str| shape("rectangle", &[rotate('x', 90.0), translate([0.0, -2.0, 1.0])], wears);
+    let one = float("int_ior", 1.0) + &float("ext_ior", 1.0);
+    let (matte, metal) = (diffuse(0.7), rough_metal());
+    let dressed = |wears: &str| vec![Term::new(with("").replace(&matte, wears))];
+    let same =
+        |name: &str, wears: &str| Relation::expectation(name, vec![Term::new(with(""))], dressed(wears));
+    let blend = |weight: f64, first: &str, second: &str| {
+        bsdf("blendbsdf", &(float("weight", weight) + first + second))
+    };
+    let mask = |opacity: f64, inside: &str| bsdf("mask", &(float("opacity", opacity) + inside));
+    let twosided = bsdf("twosided", &matte);
+    let null = bsdf("null", "");
+    vec![
+        besides("null_ball", &ball(&null)),
+        besides("null_pane", &pane(&null)),
+        besides("mask_of_opacity_0", &ball(&mask(0.0, &metal))),
+        besides("glass_of_index_1", &pane(&bsdf("dielectric", &one))),
+        besides("thin_glass_of_index_1", &ball(&bsdf("thindielectric", &one))),
+        same("mask_of_opacity_1", &mask(1.0, &matte)),
+        same("blend_of_weight_0", &blend(0.0, &matte, &metal)),
+        same("blend_of_weight_1", &blend(1.0, &metal, &matte)),
+        same("blend_with_itself", &blend(0.4, &matte, &matte)),
+        same("twosided", &twosided),
+        same("twosided_twice", &bsdf("twosided", &(matte.clone() + &matte))),
+        same("blend_of_greys", &blend(0.25, &diffuse(0.6), &diffuse(1.0))),
+        same(
+            "texture_of_one_colour",
+            &matte.replace("<rgb name=\"reflectance\" value=\"0.7\"/>", ONE_COLOUR),
+        ),
+    ]
+}
+
+const ONE_COLOUR: &str = "<texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" value=\"0.7\"/>\
+     <rgb name=\"color1\" value=\"0.7\"/></texture>";
+
+/// Light that meets an invisible surface on its way to a lamp is found by chance only: the lamp is a sky.
+fn endless(more: &str) -> String {
+    with_light(&(constant(1.0) + more)).replace(&path(4), &path(-1))
+}

@@ -1,0 +1,51 @@
+//! Light adds up, and may be divided.
+
+use super::still_life::*;
+use super::{Relation, Term};
+use crate::stage::*;
+
+pub fn relations() -> Vec<Relation> {
+    let whole = || vec![Term::new(with(""))];
+    let room = |lights: &str| vec![Term::new(with_light(lights))];
+    let quarters: String = [(-0.35, -0.35), (0.35, -0.35), (-0.35, 0.35), (0.35, 0.35)]
+        .map(|(x, y)| {
+            let steps = [scale([0.35, 0.35, 1.0]), rotate('x', 180.0), translate([x, y, 2.5])];
+            shape("rectangle", &steps, &area(8.0))
+        })
+        .concat();
+    let point = |x: f64, intensity: f64| {
+        let place = format!("<point name=\"position\" x=\"{x}\" y=\"-1\" z=\"2\"/>");
+        emitter("point", &(place + &grey("intensity", intensity)))
+    };
+    let sky = constant(0.5);
+    vec![
+        Relation::expectation("quarters", whole(), room(&quarters)),
+        Relation::expectation(
+            "superposition_areas",
+            [room(&(lamp(8.0) + &side_lamp(0.0))), room(&(lamp(0.0) + &side_lamp(6.0)))].concat(),
+            room(&(lamp(8.0) + &side_lamp(6.0))),
+        ),
+        Relation::expectation(
+            "superposition_lamp_and_sky",
+            [room(&lamp(8.0)), room(&(lamp(0.0) + &sky))].concat(),
+            room(&(lamp(8.0) + &sky)),
+        ),
+        Relation::expectation(
+            "superposition_points",
+            [room(&point(-1.0, 3.0)), room(&point(1.0, 2.0))].concat(),
+            room(&(point(-1.0, 3.0) + &point(1.0, 2.0))),
+        ),
+        Relation::expectation(
+            "two_in_one_place",
+            room(&point(0.5, 5.0)),
+            room(&(point(0.5, 2.0) + &point(0.5, 3.0))),
+        ),
+        Relation::expectation("linear", vec![Term::new(with("")).times(0.3)], room(&lamp(2.4))),
+        Relation::expectation("unlit_lamp", whole(), room(&(lamp(8.0) + &point(1.0, 0.0)))),
+    ]
+}
+
+/// A lamp at the left, beside the view. Unlit it still casts shadows.
+fn side_lamp(radiance: f64) -> String {
+    shape("rectangle", &[scale([0.5; 3]), rotate('y', 90.0), translate([-2.6, -0.5, 1.0])], &area(radiance))
+}

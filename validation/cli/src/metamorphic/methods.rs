@@ -1,0 +1,46 @@
+//! Ways to the same image: integrators, samplers, colour modes.
+
+use super::still_life::*;
+use super::{Alike, Relation, Term};
+use crate::stage::*;
+use etalon::spectrum::ColorMode;
+
+pub fn relations() -> Vec<Relation> {
+    let plain = || vec![Term::new(with(""))];
+    let by = |integrator: &str| vec![Term::new(with("").replace(&path(4), integrator))];
+    let direct = |emitters: u32, bsdfs: u32| {
+        let count = |name: &str, n: u32| format!("<integer name=\"{name}\" value=\"{n}\"/>");
+        let counts = count("emitter_samples", emitters) + &count("bsdf_samples", bsdfs);
+        by(&format!("<integrator type=\"direct\">{counts}</integrator>"))
+    };
+    let short = || by(&path(2));
+    let roulette = |depth: u32| {
+        let settings = "<integer name=\"max_depth\" value=\"4\"/>";
+        by(&format!(
+            "<integrator type=\"path\">{settings}<integer name=\"rr_depth\" value=\"{depth}\"/></integrator>"
+        ))
+    };
+    let four =
+        path(4).replace("</integrator>", "<integer name=\"emitter_samples\" value=\"4\"/></integrator>");
+    let sampler = |kind: &str| {
+        let text = with("").replace(INDEPENDENT, &format!("<sampler type=\"{kind}\"/>"));
+        vec![Term::new(text)]
+    };
+    let spectral = Term { mode: ColorMode::Spectral, ..Term::new(with("")) };
+    vec![
+        Relation::expectation("roulette_from_1", plain(), roulette(1)),
+        Relation::expectation("roulette_from_3", plain(), roulette(3)),
+        Relation::expectation("four_emitter_samples", plain(), by(&four)),
+        Relation::expectation("direct_is_path_of_2_edges", short(), direct(1, 1)),
+        Relation::expectation("emitter_samples_only", short(), direct(1, 0)),
+        Relation::expectation("bsdf_samples_only", short(), direct(0, 1)).samples(8192),
+        Relation::expectation("direct_4_and_2", short(), direct(4, 2)),
+        Relation::expectation("sobol", plain(), sampler("sobol")),
+        Relation::expectation("stratified", plain(), sampler("stratified")),
+        Relation {
+            alike: Alike::Bits,
+            ..Relation::expectation("stratified_is_sobol", sampler("stratified"), sampler("sobol"))
+        },
+        Relation::expectation("grey_is_grey_in_spectra", plain(), vec![spectral]),
+    ]
+}

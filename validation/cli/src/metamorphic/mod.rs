@@ -1,0 +1,281 @@
+//! Relations between renders that hold whatever the true image is.
+//!
+//! A relation is data: two sides, each a sum of renders, and how alike they must be. What can be bit-identical is asked
+//! to be; everything else must be *equivalent*, by the harness's own comparison of images: the 99 % interval of the ratio
+//! of the means lies within the margin, and no tile is beyond its noise.
+//!
+//! *How to add one*: an entry in the `relations` of the file it belongs to; for a new family, a file and its line in
+//! [`FAMILIES`].
+
+mod exact;
+mod invisible;
+mod lights;
+mod methods;
+mod motion;
+mod still_life;
+mod tessellation;
+mod transport;
+
+use crate::stage::{expose, load, measured};
+use etalon::image::{Window, merge};
+use etalon::render::Settings;
+use etalon::spectrum::ColorMode;
+use std::path::PathBuf;
+use validation::image::{self, Image};
+use validation::statistics::seed_for;
+use validation::{Outcome, Verdict};
+
+/// A render, as one term of a sum.
+#[derive(Clone, Debug)]
+pub struct Term {
+    pub scene: String,
+    pub mode: ColorMode,
+    /// The image times this.
+    pub factor: f64,
+    /// The image seen in a mirror: columns from the right.
+    pub mirrored: bool,
+    /// Render these pixels only.
+    pub window: Option<Window>,
+    /// Take these pixels of the whole image.
+    pub cut: Option<Window>,
+    /// Render as shards that end at these shares of the samples, and merge them.
+    pub shards: &'static [f64],
+}
+
+impl Term {
+    pub fn new(scene: String) -> Self {
+        let (window, cut) = (None, None);
+        Self { scene, mode: ColorMode::Rgb, factor: 1.0, mirrored: false, window, cut, shards: &[] }
+    }
+
+    pub fn times(self, factor: f64) -> Self {
+        Self { factor, ..self }
+    }
+
+    fn image(&self, samples: u64, seed: u32) -> Result<Image, String> {
+        let scene = load(&self.scene, self.mode)?;
+        let window = self.window.unwrap_or(scene.sensor.film.crop);
+        let settings = |samples, shard| Settings { samples, seed, window, threads: 1, shard, kernel: None };
+        let rendered = if self.shards.is_empty() {
+            expose(&scene, &settings(0..samples, false))?
+        } else {
+            // Shards begin at whole blocks of samples.
+            let ends = self.shards.iter().map(|share| (share * samples as f64) as u64 / 16 * 16);
+            let mut parts = vec![];
+            let mut start = 0;
+            for end in ends.chain([samples]) {
+                parts.push((PathBuf::from("shard"), expose(&scene, &settings(start..end, true))?));
+                start = end;
+            }
+            parts.reverse();
+            merge(parts).map_err(|e| e.to_string())?
+        };
+        let mut image = measured(&rendered);
+        if let Some(cut) = self.cut {
+            image = part(&image, cut);
+        }
+        for channel in &mut image.channels {
+            channel.mean.iter_mut().for_each(|v| *v *= self.factor);
+            channel.variance.iter_mut().flatten().for_each(|v| *v *= self.factor * self.factor);
+            if self.mirrored {
+                channel.mean.chunks_mut(image.width).for_each(<[f64]>::reverse);
+                channel
+                    .variance
+                    .iter_mut()
+                    .flat_map(|v| v.chunks_mut(image.width))
+                    .for_each(<[f64]>::reverse);
+            }
+        }
+        Ok(image)
+    }
+}
+
+fn part(image: &Image, window: Window) -> Image {
+    let [x, y, width, height] = [window.x, window.y, window.width, window.height].map(|v| v as usize);
+    let cut = |values: &[f64]| {
+        let rows = values.chunks(image.width).skip(y).take(height);
+        rows.flat_map(|row| row[x..x + width].to_vec()).collect::<Vec<f64>>()
+    };
+    let mut channels = image.channels.clone();
+    for channel in &mut channels {
+        channel.mean = cut(&channel.mean);
+        channel.variance = channel.variance.as_deref().map(cut);
+    }
+    Image { width, height, channels }
+}
+
+/// How alike both sides must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Alike {
+    /// Bit for bit, means and variances; both sides have the same seed.
+    Bits,
+    /// In expectation, within this relative margin; every term has a seed of its own.
+    Expectation(f64),
+}
+
+/// Two sums of renders that must be alike.
+#[derive(Clone, Debug)]
+pub struct Relation {
+    pub name: String,
+    pub left: Vec<Term>,
+    pub right: Vec<Term>,
+    pub alike: Alike,
+    /// Samples a pixel of each render.
+    pub samples: u64,
+}
+
+/// A name and the relations that bear it.
+pub type Family = (&'static str, fn() -> Vec<Relation>);
+
+/// All families, by name.
+pub const FAMILIES: &[Family] = &[
+    ("exact", exact::relations),
+    ("lights", lights::relations),
+    ("motion", motion::relations),
+    ("invisible", invisible::relations),
+    ("methods", methods::relations),
+    ("tessellation", tessellation::relations),
+    ("transport", transport::relations),
+];
+
+/// All relations, named `family::relation`.
+pub fn relations() -> Vec<Relation> {
+    let named = |&(family, relations): &Family| {
+        let rename = move |r: Relation| Relation { name: format!("{family}::{}", r.name), ..r };
+        relations().into_iter().map(rename).collect::<Vec<_>>()
+    };
+    FAMILIES.iter().flat_map(named).collect()
+}
+
+impl Relation {
+    /// Bit-identical renders.
+    pub fn bits(name: impl Into<String>, left: Term, right: Term) -> Self {
+        Self { name: name.into(), left: vec![left], right: vec![right], alike: Alike::Bits, samples: 32 }
+    }
+
+    /// Renders equal in expectation, within 1 %.
+    pub fn expectation(name: impl Into<String>, left: Vec<Term>, right: Vec<Term>) -> Self {
+        Self { name: name.into(), left, right, alike: Alike::Expectation(0.01), samples: 1024 }
+    }
+
+    pub fn samples(self, samples: u64) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// The same, asked four times as finely of 16 times the samples.
+    pub fn thorough(self) -> Self {
+        let alike = match self.alike {
+            Alike::Bits => Alike::Bits,
+            Alike::Expectation(margin) => Alike::Expectation(0.25 * margin),
+        };
+        Self { alike, samples: 16 * self.samples, ..self }
+    }
+
+    /// Renders with `effort` times the samples and compares; `number` draws other seeds.
+    pub fn check(&self, effort: u64, number: u64) -> Result<Outcome, String> {
+        let terms = self.left.len() as u64;
+        let seed = |term: u64| match self.alike {
+            Alike::Bits => seed_for(&self.name, number) as u32,
+            Alike::Expectation(_) => seed_for(&format!("{} {term}", self.name), number) as u32,
+        };
+        let side = |sum: &[Term], first: u64| {
+            let images = sum.iter().zip(first..);
+            let images: Result<Vec<Image>, String> =
+                images.map(|(term, i)| term.image(self.samples * effort, seed(i))).collect();
+            images.map(add)
+        };
+        let [left, right] = [side(&self.left, 0)?, side(&self.right, terms)?];
+        if left.channels.iter().any(|c| c.mean.iter().all(|v| *v == 0.0)) {
+            return Err(format!("{}: a black channel shows nothing", self.name));
+        }
+        let Alike::Expectation(margin) = self.alike else {
+            return Ok(identical(&left, &right).of(&self.name));
+        };
+        let settings = image::Settings {
+            tile_margin: f64::INFINITY,
+            tile_size: 8,
+            ..image::Settings::with_margin(margin)
+        };
+        let comparison = image::compare(&left, &right, &settings).map_err(|e| e.to_string())?;
+        Ok(comparison.outcome().of(&self.name))
+    }
+
+    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm it.
+    pub fn test(&self) -> Result<(), String> {
+        let mut message = String::new();
+        for (effort, number) in [(1, 0), (4, 1)] {
+            let outcome = self.check(effort, number)?;
+            if outcome.verdict == Verdict::Equivalent {
+                return Ok(());
+            }
+            message = format!("{}: {}", outcome.verdict, outcome.message);
+            if self.alike == Alike::Bits {
+                break;
+            }
+        }
+        Err(message)
+    }
+}
+
+/// Independent renders add up in mean and variance.
+fn add(images: Vec<Image>) -> Image {
+    let mut images = images.into_iter();
+    let mut sum = images.next().unwrap_or(Image { width: 0, height: 0, channels: vec![] });
+    let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    for image in images {
+        for (to, from) in sum.channels.iter_mut().zip(&image.channels) {
+            add(&mut to.mean, &from.mean);
+            match (&mut to.variance, &from.variance) {
+                (Some(to), Some(from)) => add(to, from),
+                (to, _) => *to = None,
+            }
+        }
+    }
+    sum
+}
+
+/// Equality of every mean and variance; f64 holds the f32 of the file exactly, and their products with powers of two.
+fn identical(left: &Image, right: &Image) -> Outcome {
+    let values = |image: &Image| {
+        let all = image.channels.iter().flat_map(|c| c.mean.iter().chain(c.variance.iter().flatten()));
+        all.map(|v| v.to_bits()).collect::<Vec<u64>>()
+    };
+    let (a, b) = (values(left), values(right));
+    let differing = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+    let verdict = if differing == 0 && a.len() == b.len() { Verdict::Equivalent } else { Verdict::Different };
+    let message = match verdict {
+        Verdict::Equivalent => format!("{} values identical bit for bit", a.len()),
+        _ => format!("{differing} of {} values differ", a.len().max(b.len())),
+    };
+    Outcome::new("relation", verdict, message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<String> = relations().into_iter().map(|r| r.name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert!(names.len() == count && count >= 20, "{count}");
+    }
+
+    #[test]
+    fn a_brighter_light_is_noticed() {
+        let [scene, brighter] =
+            [1.0, 1.02].map(|factor| still_life::with_light(&still_life::lamp(8.0 * factor)));
+        let terms = [scene, brighter].map(|scene| vec![Term::new(scene)]);
+        let [left, right] = terms;
+        let outcome = Relation::expectation("brighter", left.clone(), right.clone()).check(1, 0).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Different, "{}", outcome.message);
+        let bits = Relation {
+            left,
+            right,
+            ..Relation::bits("x", Term::new(String::new()), Term::new(String::new()))
+        };
+        assert_eq!(bits.check(1, 0).unwrap().verdict, Verdict::Different);
+    }
+}

@@ -1,0 +1,60 @@
+//! A small room that most relations look at: every kind of transport at little noise.
+
+use crate::stage::*;
+
+/// Pixels along each side of the film.
+pub const SIZE: u32 = 24;
+
+/// Independent samples, so that the image's variances are what they say.
+pub const INDEPENDENT: &str = "<sampler type=\"independent\"/>";
+
+/// Where the camera stands.
+pub const EYE: Point = [0.2, -4.5, 1.6];
+
+pub fn camera() -> String {
+    camera_at(&[look_at(EYE, [0.0, 0.0, 0.6], [0.0, 0.0, 1.0])])
+}
+
+/// The camera under these transforms.
+pub fn camera_at(steps: &[String]) -> String {
+    pinhole(&steps.concat(), 42.0, &(film(SIZE, SIZE) + INDEPENDENT))
+}
+
+/// A square lamp above.
+pub fn lamp(radiance: f64) -> String {
+    shape("rectangle", &lamp_steps(), &area(radiance))
+}
+
+pub fn lamp_steps() -> Vec<String> {
+    vec![scale([0.7, 0.7, 1.0]), rotate('x', 180.0), translate([0.0, 0.0, 2.5])]
+}
+
+/// The objects, each moved by further transforms.
+pub fn objects(more: &[String]) -> Vec<String> {
+    let placed = |kind: &str, steps: &[String], wears: &str| shape(kind, &[steps, more].concat(), wears);
+    vec![
+        placed("rectangle", &[scale([3.0, 3.0, 1.0])], &diffuse(0.6)),
+        placed(
+            "rectangle",
+            &[scale([3.0, 3.0, 1.0]), rotate('x', 90.0), translate([0.0, 1.5, 1.0])],
+            &diffuse(0.4),
+        ),
+        placed("sphere", &[scale([0.5; 3]), translate([-0.8, 0.0, 0.5])], &diffuse(0.7)),
+        placed("sphere", &[scale([0.4; 3]), translate([0.3, -0.6, 0.4])], &rough_metal()),
+        placed("cube", &[scale([0.35; 3]), rotate('z', 25.0), translate([1.0, 0.2, 0.35])], &diffuse(0.3)),
+    ]
+}
+
+pub fn rough_metal() -> String {
+    bsdf("roughconductor", &(float("alpha", 0.3) + &float("eta", 0.2) + &float("k", 3.0)))
+}
+
+/// The room under these lights, all of it in the order of the objects.
+pub fn with_light(lights: &str) -> String {
+    scene(&[&path(4), &camera(), &objects(&[]).concat(), lights])
+}
+
+/// The room with this besides.
+pub fn with(more: &str) -> String {
+    with_light(&(lamp(8.0) + more))
+}

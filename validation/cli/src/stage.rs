@@ -1,0 +1,150 @@
+//! Scenes from strings: the pieces that closed forms and metamorphic relations are built of, and how they are rendered.
+//!
+//! World space is right-handed with z up; lengths have no unit.
+
+use etalon::image::Image as Rendered;
+use etalon::render::{Progress, Settings, render};
+use etalon::scene::{Scene, load_text};
+use etalon::spectrum::ColorMode;
+use validation::image::{Channel, Image};
+
+/// A point or direction.
+pub type Point = [f64; 3];
+
+/// A whole scene of these parts.
+pub fn scene(parts: &[&str]) -> String {
+    format!("<scene version=\"3.0.0\">{}</scene>", parts.concat())
+}
+
+/// `x, y, z`.
+pub fn list([x, y, z]: Point) -> String {
+    format!("{x}, {y}, {z}")
+}
+
+/// A path integrator with this longest path and no roulette on it; −1 has no limit, and roulette as usual.
+pub fn path(max_depth: i64) -> String {
+    let roulette = if max_depth < 0 { 5 } else { max_depth + 1 };
+    format!(
+        "<integrator type=\"path\"><integer name=\"max_depth\" value=\"{max_depth}\"/>\
+         <integer name=\"rr_depth\" value=\"{roulette}\"/></integrator>"
+    )
+}
+
+/// A box-filtered film.
+pub fn film(width: u32, height: u32) -> String {
+    format!(
+        "<film type=\"hdrfilm\"><integer name=\"width\" value=\"{width}\"/>\
+         <integer name=\"height\" value=\"{height}\"/><rfilter type=\"box\"/></film>"
+    )
+}
+
+/// A transform `to_world` of these steps, the first one applied first.
+pub fn to_world(steps: &[String]) -> String {
+    format!("<transform name=\"to_world\">{}</transform>", steps.concat())
+}
+
+pub fn look_at(origin: Point, target: Point, up: Point) -> String {
+    let [origin, target, up] = [origin, target, up].map(list);
+    format!("<lookat origin=\"{origin}\" target=\"{target}\" up=\"{up}\"/>")
+}
+
+pub fn scale([x, y, z]: Point) -> String {
+    format!("<scale x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
+}
+
+/// About `x`, `y` or `z`.
+pub fn rotate(axis: char, degrees: f64) -> String {
+    format!("<rotate {axis}=\"1\" angle=\"{degrees}\"/>")
+}
+
+pub fn translate([x, y, z]: Point) -> String {
+    format!("<translate x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
+}
+
+/// A pinhole camera with a horizontal field of view in degrees.
+pub fn pinhole(place: &str, degrees: f64, film: &str) -> String {
+    let to_world = to_world(&[place.into()]);
+    format!(
+        "<sensor type=\"perspective\"><float name=\"fov\" value=\"{degrees}\"/>\
+         <string name=\"fov_axis\" value=\"x\"/>{to_world}{film}</sensor>"
+    )
+}
+
+/// A pinhole camera of one pixel that looks at a point: its field of view is 10⁻⁵ rad.
+pub fn pointed(origin: Point, target: Point) -> String {
+    // An up that no case looks along.
+    let place = look_at(origin, target, [0.1, 0.3, 0.2]);
+    pinhole(&place, 1e-5f64.to_degrees(), &film(1, 1))
+}
+
+/// A shape with its transform and whatever it wears.
+pub fn shape(kind: &str, steps: &[String], wears: &str) -> String {
+    format!("<shape type=\"{kind}\">{}{wears}</shape>", to_world(steps))
+}
+
+pub fn sphere(center: Point, radius: f64, wears: &str) -> String {
+    let [x, y, z] = center;
+    format!(
+        "<shape type=\"sphere\"><point name=\"center\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>\
+         <float name=\"radius\" value=\"{radius}\"/>{wears}</shape>"
+    )
+}
+
+/// A grey colour in both colour modes.
+pub fn grey(name: &str, value: f64) -> String {
+    format!("<rgb name=\"{name}\" value=\"{value}\"/>")
+}
+
+pub fn float(name: &str, value: f64) -> String {
+    format!("<float name=\"{name}\" value=\"{value}\"/>")
+}
+
+pub fn bsdf(kind: &str, parameters: &str) -> String {
+    format!("<bsdf type=\"{kind}\">{parameters}</bsdf>")
+}
+
+pub fn diffuse(reflectance: f64) -> String {
+    bsdf("diffuse", &grey("reflectance", reflectance))
+}
+
+pub fn emitter(kind: &str, parameters: &str) -> String {
+    format!("<emitter type=\"{kind}\">{parameters}</emitter>")
+}
+
+pub fn area(radiance: f64) -> String {
+    emitter("area", &grey("radiance", radiance))
+}
+
+pub fn constant(radiance: f64) -> String {
+    emitter("constant", &grey("radiance", radiance))
+}
+
+/// Reads a scene; files it names are looked for beside the reference scenes.
+pub fn load(text: &str, mode: ColorMode) -> Result<Scene, String> {
+    let place = crate::references::folder().join("scenes/stage.xml");
+    load_text(&place.to_string_lossy(), text, mode).map_err(|e| e.to_string())
+}
+
+/// Renders with one thread: cases run side by side. A value that is not finite is an error.
+pub fn expose(scene: &Scene, settings: &Settings) -> Result<Rendered, String> {
+    let (image, report) = render(scene, settings, &Progress::default()).ok_or("the render stopped")?;
+    match report.first_non_finite.first() {
+        Some(first) => Err(format!("{} samples are not finite, first {first:?}", report.non_finite)),
+        None => Ok(image),
+    }
+}
+
+/// The image as the harness knows it.
+pub fn measured(image: &Rendered) -> Image {
+    let double = |values: &Vec<f32>| values.iter().map(|&v| f64::from(v)).collect();
+    let channel = |c: &etalon::image::Channel| Channel {
+        name: c.name.clone(),
+        mean: double(&c.mean),
+        variance: c.variance.as_ref().map(double),
+    };
+    Image {
+        width: image.crop.width as usize,
+        height: image.crop.height as usize,
+        channels: image.channels.iter().map(channel).collect(),
+    }
+}

@@ -1,0 +1,6 @@
+"""lambert.py with a density that is 2 % too large, which every judge must notice."""
+import lambert
+
+honest = lambert.pdf
+lambert.pdf = lambda wo, wi: 1.02 * honest(wo, wi)
+lambert.main()

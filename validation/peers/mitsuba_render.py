@@ -1,0 +1,40 @@
+"""Renders a scene with one variant of Mitsuba 3 and says how long that took.
+
+    python3 validation/peers/mitsuba_render.py VARIANT SCENE.xml OUT.exr SPP SEED THREADS
+
+The last line is {"seconds": s, "startup": t}. Loading, and a first picture of one sample that makes a compiled variant
+compile, are start-up.
+"""
+import json
+import sys
+import time
+
+
+def main():
+    variant, path, out, spp, seed, threads = sys.argv[1:7]
+    start = time.perf_counter()
+    import drjit as dr
+    import mitsuba as mi
+
+    mi.set_variant(variant)
+    if int(threads) > 0:
+        dr.set_thread_count(int(threads))
+    scene = mi.load_file(path)
+
+    def render(count, number):
+        image = mi.render(scene, spp=count, seed=number)
+        dr.eval(image)
+        dr.sync_thread()
+        return image
+
+    # Compiles the kernel, which is the same for every sample count.
+    render(1, 0)
+    ready = time.perf_counter()
+    image = render(int(spp), int(seed))
+    done = time.perf_counter()
+    mi.Bitmap(image[..., :3]).write(out)
+    print(json.dumps({"seconds": done - ready, "startup": ready - start}))
+
+
+if __name__ == "__main__":
+    main()

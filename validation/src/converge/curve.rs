@@ -1,0 +1,136 @@
+//! Replicates over a ladder of sample counts: error, time, their product, and slope, with bootstrap intervals.
+//!
+//! The bootstrap (Efron 1979, percentile intervals) draws whole seeds: the rungs of a seed are rendered one after the other
+//! and share whatever the machine did then.
+
+use serde::Serialize;
+
+use crate::statistics::Stream;
+
+/// Resamplings; the 2.5 % and 97.5 % quantiles of so many are known to about half a per cent of level.
+pub const RESAMPLINGS: usize = 2000;
+
+/// A value with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// One sample count: error and seconds of each seed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rung {
+    pub samples: u32,
+    pub errors: Vec<f64>,
+    pub seconds: Vec<f64>,
+}
+
+/// What a ladder says.
+#[derive(Clone, Debug, Serialize)]
+pub struct Curve {
+    /// Mean error and mean seconds of each rung.
+    pub errors: Vec<Interval>,
+    pub seconds: Vec<Interval>,
+    /// Geometric mean over rungs of 1 / (error · seconds): larger is better.
+    pub efficiency: Interval,
+    /// d log error / d log seconds by least squares; −1 for independent samples.
+    pub slope: Option<Interval>,
+    /// Seconds to an error of 10⁻² and of 10⁻³, by the line of the slope.
+    pub seconds_to: Vec<Option<Interval>>,
+}
+
+/// The errors to which times are given.
+pub const TARGETS: [f64; 2] = [1e-2, 1e-3];
+
+/// Efficiency of resampled seeds: −mean over rungs of log(mean error · mean seconds). NaN where an error is not positive.
+fn log_efficiency(rungs: &[Rung], seeds: &[usize]) -> f64 {
+    let product = |r: &Rung| libm::log(mean(&r.errors, seeds) * mean(&r.seconds, seeds));
+    -rungs.iter().map(product).sum::<f64>() / rungs.len() as f64
+}
+
+/// The curve of rungs that all have the same seeds. `None` without rungs, or with fewer than two seeds.
+pub fn curve(rungs: &[Rung], seed: u64) -> Option<Curve> {
+    let count = rungs.first()?.errors.len();
+    if count < 2 || rungs.iter().any(|r| r.errors.len() != count || r.seconds.len() != count) {
+        return None;
+    }
+    let draws = resamplings(count, seed);
+    let each = |statistic: &dyn Fn(&[usize]) -> f64| interval(statistic, count, &draws);
+    let several = rungs.len() > 1;
+    let target = |goal: f64| several.then(|| each(&|s| libm::exp(line(rungs, s).time_to(goal))));
+    Some(Curve {
+        errors: rungs.iter().map(|r| each(&|s| mean(&r.errors, s))).collect(),
+        seconds: rungs.iter().map(|r| each(&|s| mean(&r.seconds, s))).collect(),
+        efficiency: each(&|s| libm::exp(log_efficiency(rungs, s))),
+        slope: several.then(|| each(&|s| line(rungs, s).slope)),
+        seconds_to: TARGETS.iter().map(|goal| target(*goal)).collect(),
+    })
+}
+
+/// [`RESAMPLINGS`] draws with replacement of `count` seeds.
+fn resamplings(count: usize, seed: u64) -> Vec<Vec<usize>> {
+    let mut stream = Stream::new(seed);
+    let mut one = || (0..count).map(|_| (stream.uniform() * count as f64) as usize).collect();
+    (0..RESAMPLINGS).map(|_| one()).collect()
+}
+
+/// A statistic of all seeds, with the percentile interval of its resamplings.
+fn interval(statistic: impl Fn(&[usize]) -> f64, count: usize, draws: &[Vec<usize>]) -> Interval {
+    let all: Vec<usize> = (0..count).collect();
+    let mut values: Vec<f64> = draws.iter().map(|draw| statistic(draw)).collect();
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
+    Interval { value: statistic(&all), low: at(0.025), high: at(0.975) }
+}
+
+fn mean(values: &[f64], seeds: &[usize]) -> f64 {
+    seeds.iter().map(|&s| values[s]).sum::<f64>() / seeds.len() as f64
+}
+
+/// log error = height + slope · log seconds.
+struct Line {
+    height: f64,
+    slope: f64,
+}
+
+impl Line {
+    fn time_to(&self, error: f64) -> f64 {
+        (libm::log(error) - self.height) / self.slope
+    }
+}
+
+fn line(rungs: &[Rung], seeds: &[usize]) -> Line {
+    let point = |r: &Rung| [libm::log(mean(&r.seconds, seeds)), libm::log(mean(&r.errors, seeds))];
+    let points: Vec<[f64; 2]> = rungs.iter().map(point).collect();
+    let count = points.len() as f64;
+    let [x, y] = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / count);
+    let across: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+    let along: f64 = points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum();
+    let slope = across / along;
+    Line { height: y - slope * x, slope }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_law_is_read_off() {
+        let rung = |samples: u32| {
+            let n = f64::from(samples);
+            Rung { samples, errors: vec![0.4 / n; 3], seconds: vec![0.01 * n; 3] }
+        };
+        let found = curve(&[rung(4), rung(16), rung(64)], 0).unwrap();
+        assert!((found.slope.unwrap().value + 1.0).abs() < 1e-12);
+        assert!((found.efficiency.value - 250.0).abs() < 1e-9);
+        assert!((found.seconds_to[0].unwrap().value - 0.4).abs() < 1e-9);
+        assert!((found.seconds_to[1].unwrap().high - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_seed_has_no_interval() {
+        assert!(curve(&[Rung { samples: 1, errors: vec![1.0], seconds: vec![1.0] }], 0).is_none());
+        assert!(curve(&[], 0).is_none());
+    }
+}

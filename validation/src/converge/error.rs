@@ -1,0 +1,104 @@
+//! The error of a picture against the mean of other pictures of the same renderer.
+//!
+//! With a reference m̂ = m + e of variance σ²_m in a value, E (x − m̂)² = MSE(x) + σ²_m as long as x is no part of m̂; so σ²_m,
+//! estimated from the spread of the reference's own pictures, is subtracted value by value. relMSE divides by m̂² + ε² with ε
+//! one per cent of the picture's mean, the same for every picture of a renderer.
+
+use serde::Serialize;
+
+/// A picture: all channels of all pixels in a fixed order.
+pub type Picture = Vec<f64>;
+
+/// The mean of pictures and the variance of that mean.
+pub struct Reference {
+    pub mean: Picture,
+    pub variance: Picture,
+}
+
+/// Errors relative to the reference's values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Errors {
+    /// Mean over all values, the reference's variance subtracted.
+    pub relative_mse: f64,
+    /// The same without the 0.1 % of values with the largest errors.
+    pub trimmed: f64,
+    /// Mean squared error, in the pictures' unit squared.
+    pub mse: f64,
+}
+
+/// The share of values that the trimmed error leaves out.
+const TRIM: f64 = 1e-3;
+
+/// The share of the picture's mean below which values count as dark.
+const DARK: f64 = 0.01;
+
+/// Mean and its variance of at least two pictures of one size; `None` else.
+pub fn reference(pictures: &[Picture]) -> Option<Reference> {
+    let first = pictures.first().filter(|_| pictures.len() > 1)?;
+    if pictures.iter().any(|p| p.len() != first.len()) {
+        return None;
+    }
+    let count = pictures.len() as f64;
+    let mean: Picture =
+        (0..first.len()).map(|i| pictures.iter().map(|p| p[i]).sum::<f64>() / count).collect();
+    let variance = mean.iter().enumerate().map(|(i, m)| {
+        let squares: f64 = pictures.iter().map(|p| (p[i] - m) * (p[i] - m)).sum();
+        squares / (count * (count - 1.0))
+    });
+    Some(Reference { variance: variance.collect(), mean })
+}
+
+/// Errors of a picture that is no part of the reference.
+pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
+    let count = picture.len() as f64;
+    let dark = DARK * reference.mean.iter().sum::<f64>() / count;
+    let squares: Vec<[f64; 2]> = (picture.iter().zip(&reference.mean).zip(&reference.variance))
+        .map(|((x, m), variance)| {
+            let square = (x - m) * (x - m) - variance;
+            [square, square / (m * m + dark * dark)]
+        })
+        .collect();
+    let mut relative: Vec<f64> = squares.iter().map(|s| s[1]).collect();
+    relative.sort_by(f64::total_cmp);
+    let kept = relative.len() - (TRIM * count).ceil() as usize;
+    Errors {
+        relative_mse: relative.iter().sum::<f64>() / count,
+        trimmed: relative[..kept].iter().sum::<f64>() / kept.max(1) as f64,
+        mse: squares.iter().map(|s| s[0]).sum::<f64>() / count,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::Stream;
+
+    #[test]
+    fn the_references_own_noise_is_taken_out() {
+        let mut stream = Stream::named("reference noise", 0);
+        let mut noisy =
+            |deviation: f64| -> Picture { (0..40_000).map(|_| 2.0 + deviation * stream.normal()).collect() };
+        // A reference as noisy as the picture: without subtraction the error would be twice as large.
+        let pictures: Vec<Picture> = (0..4).map(|_| noisy(0.2)).collect();
+        let found = errors(&noisy(0.1), &reference(&pictures).unwrap());
+        // 0.01 of squared error; its standard error is 0.01 · 2 · √(2/40000) = 1.4e-4.
+        assert!((found.mse - 0.01).abs() < 5e-4, "{found:?}");
+        assert!((found.relative_mse - 0.01 / 4.0004).abs() < 2e-4, "{found:?}");
+    }
+
+    #[test]
+    fn trimming_leaves_a_firefly_out() {
+        let flat = vec![1.0; 2000];
+        let pictures = vec![flat.clone(), flat.clone()];
+        let mut spoiled = flat;
+        spoiled[7] = 1001.0;
+        let found = errors(&spoiled, &reference(&pictures).unwrap());
+        assert_eq!(found.trimmed, 0.0);
+        assert!((found.mse - 500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_picture_is_no_reference() {
+        assert!(reference(&[vec![1.0]]).is_none() && reference(&[vec![1.0], vec![1.0, 2.0]]).is_none());
+    }
+}

@@ -1,0 +1,15 @@
+//! Error against run time, whatever rendered: docs/convergence.md.
+//!
+//! - [`error`]: the error of one picture against a noisy reference, without the reference's share.
+//! - [`curve`]: replicates over a ladder of sample counts become a curve with an efficiency and a slope.
+//! - [`compare`]: two renderers' efficiency ratio with its interval.
+//! - [`page`]: plots and tables.
+
+pub mod compare;
+pub mod curve;
+pub mod error;
+pub mod page;
+
+pub use compare::{Ratio, ratio};
+pub use curve::{Curve, Interval, Rung, curve};
+pub use error::{Errors, Picture, Reference, errors, reference};

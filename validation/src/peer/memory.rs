@@ -1,0 +1,125 @@
+//! Checks ask one question at a time; another program answers thousands at the price of one.
+//!
+//! So a check is run against a memory of answers. A question without an answer is noted and gets a placeholder; after the
+//! run all noted questions go to the peer in one batch, and the check runs again. Checks are functions of the answers they get,
+//! so the run that misses nothing is the run they would have made by themselves, and each pass answers at least the
+//! first question that the one before got wrong.
+
+use std::{cell::RefCell, collections::HashMap, f64::consts::FRAC_1_PI};
+
+use super::{Lines, Peer, PeerError};
+use crate::{
+    report::Outcome,
+    scatterer::{DVec3, Laws, Sample, Scatterer},
+};
+
+/// Passes after which a check is taken to ask without end. The checks need about as many as quadrature has levels.
+const MOST_PASSES: usize = 2000;
+
+/// Runs a check on a configuration of `peer`, given by its index.
+pub fn judge<L: Lines>(
+    peer: &mut Peer<L>,
+    configuration: usize,
+    check: impl Fn(&dyn Scatterer) -> Outcome,
+) -> Result<Outcome, PeerError> {
+    let claims = peer.hello.configurations[configuration].laws;
+    let memory =
+        Memory { laws: claims.laws(), phase_function: claims.phase_function, answers: RefCell::default() };
+    for _ in 0..MOST_PASSES {
+        let outcome = check(&memory);
+        let (pairs, draws) = memory.unknown();
+        if pairs.is_empty() && draws.is_empty() {
+            return Ok(outcome);
+        }
+        memory.learn(peer, configuration, &pairs, &draws)?;
+    }
+    Err(PeerError(format!("a check was not through after {MOST_PASSES} rounds of questions")))
+}
+
+/// ωo and the three numbers of a sample.
+type Draw = (DVec3, [f64; 3]);
+
+/// The bits of a question: two directions, or a direction and three numbers.
+type Key = [u64; 6];
+
+#[derive(Default)]
+struct Answers {
+    pairs: HashMap<Key, Option<[f64; 2]>>,
+    draws: HashMap<Key, Option<Sample>>,
+    unknown_pairs: Vec<[DVec3; 2]>,
+    unknown_draws: Vec<Draw>,
+}
+
+struct Memory {
+    laws: Laws,
+    phase_function: bool,
+    answers: RefCell<Answers>,
+}
+
+impl Memory {
+    /// The questions noted since the last call.
+    fn unknown(&self) -> (Vec<[DVec3; 2]>, Vec<Draw>) {
+        let Answers { unknown_pairs, unknown_draws, .. } = &mut *self.answers.borrow_mut();
+        (std::mem::take(unknown_pairs), std::mem::take(unknown_draws))
+    }
+
+    fn learn<L: Lines>(
+        &self,
+        peer: &mut Peer<L>,
+        configuration: usize,
+        pairs: &[[DVec3; 2]],
+        draws: &[Draw],
+    ) -> Result<(), PeerError> {
+        let evaluated = peer.evaluate(configuration, pairs)?;
+        let sampled = peer.sample(configuration, draws)?;
+        let mut answers = self.answers.borrow_mut();
+        for (&[wo, wi], answer) in pairs.iter().zip(evaluated) {
+            answers.pairs.insert(key(wo, wi.to_array()), Some(answer));
+        }
+        for (&(wo, u), answer) in draws.iter().zip(sampled) {
+            answers.draws.insert(key(wo, u), answer);
+        }
+        Ok(())
+    }
+
+    /// The placeholder is a density everywhere on the sphere, so that checks go on and quadrature does not refine.
+    fn evaluate(&self, wo: DVec3, wi: DVec3) -> [f64; 2] {
+        let Answers { pairs, unknown_pairs, .. } = &mut *self.answers.borrow_mut();
+        let known = pairs.entry(key(wo, wi.to_array())).or_insert_with(|| {
+            unknown_pairs.push([wo, wi]);
+            None
+        });
+        known.unwrap_or([0.25 * FRAC_1_PI; 2])
+    }
+}
+
+impl Scatterer for Memory {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.evaluate(wo, wi)[0]
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.evaluate(wo, wi)[1]
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        let Answers { draws, unknown_draws, .. } = &mut *self.answers.borrow_mut();
+        *draws.entry(key(wo, u)).or_insert_with(|| {
+            unknown_draws.push((wo, u));
+            None
+        })
+    }
+
+    fn laws(&self) -> Laws {
+        self.laws
+    }
+
+    fn is_phase_function(&self) -> bool {
+        self.phase_function
+    }
+}
+
+fn key(wo: DVec3, rest: [f64; 3]) -> Key {
+    let [[a, b, c], [d, e, f]] = [wo.to_array(), rest].map(|v| v.map(f64::to_bits));
+    [a, b, c, d, e, f]
+}

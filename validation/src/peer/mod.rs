@@ -1,0 +1,28 @@
+//! Scattering distributions in other programs, in any language: docs/peer-protocol.md.
+//!
+//! - [`Process`] carries lines to another program and back, and never waits for ever.
+//! - [`Peer`] speaks the protocol over such lines.
+//! - [`judge`] runs a check of this crate on one configuration of a peer.
+
+mod memory;
+mod process;
+mod protocol;
+
+pub use memory::judge;
+pub use process::{Process, words};
+pub use protocol::{Configuration, Hello, Lines, Peer};
+
+/// Why a peer could not be asked: one sentence for a person.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeerError(pub String);
+
+impl std::fmt::Display for PeerError {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for PeerError {}
+
+#[cfg(test)]
+mod tests;

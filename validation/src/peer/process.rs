@@ -1,0 +1,159 @@
+//! Another program, one line in, one line out.
+//!
+//! Reading and writing have a thread each, so that a program that does not read, does not answer, or answers without end
+//! costs at most the time limit.
+
+use std::{
+    io::{BufRead, BufReader, Read, Write},
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+    sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel},
+    thread::{sleep, spawn},
+    time::Duration,
+};
+
+use super::{Lines, PeerError};
+
+/// A longer line is no answer but a fault.
+const LONGEST_LINE: u64 = 1 << 26;
+
+/// A running program. It is ended when this is dropped.
+pub struct Process {
+    child: Child,
+    requests: Sender<String>,
+    replies: Receiver<Result<String, String>>,
+    limit: Duration,
+}
+
+impl Process {
+    /// Starts `command`: a program and its arguments, separated by spaces; quotes (' or ") hold spaces together. Its
+    /// standard error stays that of this process. Each answer may take as long as `limit`.
+    pub fn start(command: &str, limit: Duration) -> Result<Self, PeerError> {
+        let words =
+            words(command).ok_or_else(|| PeerError(format!("a quote is not closed in: {command}")))?;
+        let (program, arguments) =
+            words.split_first().ok_or_else(|| PeerError("the peer's command is empty".into()))?;
+        let mut child = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .map_err(|e| PeerError(format!("the peer's command {program:?} does not start: {e}")))?;
+        let (Some(stdin), Some(stdout)) = (child.stdin.take(), child.stdout.take()) else {
+            return Err(PeerError("the peer has no standard input or output".into()));
+        };
+        let (requests, pending) = channel();
+        // One line ahead of what is read, so that a flood fills no memory.
+        let (answers, replies) = sync_channel(1);
+        spawn(move || write_lines(stdin, &pending));
+        spawn(move || read_lines(stdout, &answers));
+        Ok(Self { child, requests, replies, limit })
+    }
+
+    /// How the program ended, if it has.
+    fn ending(&mut self) -> String {
+        for _ in 0..50 {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return format!("ended ({status})");
+            }
+            sleep(Duration::from_millis(10));
+        }
+        "closed its output".into()
+    }
+}
+
+impl Lines for Process {
+    fn exchange(&mut self, request: String) -> Result<String, PeerError> {
+        if let Ok(Ok(line)) = self.replies.try_recv() {
+            let message = format!("the peer wrote a line that nobody asked for: {}", beginning(&line));
+            return Err(PeerError(message));
+        }
+        // The writer is gone only if the program is; the reader then says so.
+        let _gone = self.requests.send(request);
+        match self.replies.recv_timeout(self.limit) {
+            Ok(Ok(line)) => Ok(line),
+            Ok(Err(message)) => Err(PeerError(format!("the peer's answer cannot be read: {message}"))),
+            Err(RecvTimeoutError::Timeout) => {
+                let seconds = self.limit.as_secs_f64();
+                Err(PeerError(format!("the peer did not answer within {seconds} s; --timeout allows more")))
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                Err(PeerError(format!("the peer {} before it answered", self.ending())))
+            }
+        }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // Either fails only if the program has ended by itself.
+        let _ended = self.child.kill();
+        let _ended = self.child.wait();
+    }
+}
+
+fn write_lines(mut stdin: ChildStdin, pending: &Receiver<String>) {
+    for line in pending {
+        if stdin.write_all(line.as_bytes()).and_then(|()| stdin.write_all(b"\n")).is_err() {
+            return;
+        }
+        if stdin.flush().is_err() {
+            return;
+        }
+    }
+}
+
+fn read_lines(stdout: ChildStdout, answers: &SyncSender<Result<String, String>>) {
+    let mut reader = BufReader::new(stdout);
+    loop {
+        let mut line = vec![];
+        let answer = match reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
+            Ok(0) => return,
+            Ok(_) if line.len() as u64 == LONGEST_LINE => {
+                Err(format!("a line is longer than {LONGEST_LINE} bytes"))
+            }
+            Ok(_) => String::from_utf8(line).map_err(|_| "it is not UTF-8".to_string()),
+            Err(error) => Err(error.to_string()),
+        };
+        let last = answer.is_err();
+        if answers.send(answer).is_err() || last {
+            return;
+        }
+    }
+}
+
+/// The first characters of a line, for messages.
+pub(super) fn beginning(line: &str) -> String {
+    let line = line.trim_end();
+    let short: String = line.chars().take(60).collect();
+    if short.len() < line.len() { format!("{short:?}…") } else { format!("{short:?}") }
+}
+
+/// Splits a command at spaces outside quotes; `None` if a quote is left open.
+pub fn words(command: &str) -> Option<Vec<String>> {
+    let (mut words, mut word, mut quote) = (vec![], None::<String>, None);
+    for c in command.chars() {
+        match quote {
+            Some(q) if c == q => quote = None,
+            None if c == '"' || c == '\'' => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            None if c.is_whitespace() => words.extend(word.take()),
+            _ => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    quote.is_none().then_some(words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_hold_words_together() {
+        let expected = ["sh", "-c", "echo \"a b\"", "", "x"];
+        assert_eq!(words("sh  -c 'echo \"a b\"' \"\" x ").unwrap(), expected);
+        assert_eq!(words("sh -c 'echo"), None);
+    }
+}
