@@ -60,7 +60,8 @@ fn path(parameters: &str) -> String {
 #[test]
 fn max_depth_counts_edges() {
     for depth in [2, 3, 5] {
-        let limit = format!(r#"<integer name="max_depth" value="{depth}"/><integer name="rr_depth" value="100"/>"#);
+        let limit =
+            format!(r#"<integer name="max_depth" value="{depth}"/><integer name="rr_depth" value="100"/>"#);
         assert_is(&path(&limit), series(depth));
     }
     let (mean, _) = radiance(&path(r#"<integer name="max_depth" value="1"/>"#));
@@ -72,7 +73,10 @@ fn max_depth_counts_edges() {
 #[test]
 fn roulette_keeps_the_mean() {
     for depth in [1, 2, 5] {
-        assert_is(&path(&format!(r#"<integer name="rr_depth" value="{depth}"/>"#)), 1.0 / (1.0 - REFLECTANCE));
+        assert_is(
+            &path(&format!(r#"<integer name="rr_depth" value="{depth}"/>"#)),
+            1.0 / (1.0 - REFLECTANCE),
+        );
     }
 }
 

@@ -41,7 +41,8 @@ pub fn compile(scratch: &Path, places: &[Place]) -> Result<Compiled, String> {
     if output.status.success() {
         return Ok(Compiled::Programs(messages().filter_map(|message| program(scratch, &message)).collect()));
     }
-    let errors: Vec<Value> = messages().map(|m| m["message"].clone()).filter(|m| m["level"] == "error").collect();
+    let errors: Vec<Value> =
+        messages().map(|m| m["message"].clone()).filter(|m| m["level"] == "error").collect();
     let refused: BTreeSet<usize> = errors.iter().flat_map(|error| met(error, places)).collect();
     if refused.is_empty() {
         let told: Vec<&str> = errors.iter().filter_map(|error| error["rendered"].as_str()).collect();
@@ -74,5 +75,9 @@ fn program(scratch: &Path, message: &Value) -> Option<Program> {
         "lib" => package.to_owned(),
         _ => format!("{package}::{}", message["target"]["name"].as_str()?),
     };
-    (message["profile"]["test"] == true && !BLIND.contains(&name.as_str())).then_some(Program { name, path, folder })
+    (message["profile"]["test"] == true && !BLIND.contains(&name.as_str())).then_some(Program {
+        name,
+        path,
+        folder,
+    })
 }

@@ -81,8 +81,13 @@ fn write_document() -> Result<Verdict, String> {
     let path = root().join(DOCUMENT);
     let told = |e: std::io::Error| format!("{}: {e}", path.display());
     let mut text = std::fs::read_to_string(&path).map_err(told)?;
-    text = document::insert(&text, "museum", &document::museum(&read(&root().join(RESULTS))?))?;
-    text = document::insert(&text, "mutants", &document::mutants(&read(&root().join(MUTANTS))?))?;
+    let tables: [(&str, &str, fn(&Findings) -> String); 2] =
+        [("museum", RESULTS, document::museum), ("mutants", MUTANTS, document::mutants)];
+    for (name, file, table) in tables {
+        let file = root().join(file);
+        let table = if file.exists() { table(&read(&file)?) } else { "Not yet run.\n".into() };
+        text = document::insert(&text, name, &table)?;
+    }
     std::fs::write(&path, text).map_err(told)?;
     Ok(Verdict::Equivalent)
 }

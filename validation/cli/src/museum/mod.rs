@@ -54,7 +54,10 @@ pub fn examine(
 }
 
 /// Builds the tree with all changes but those that the compiler refuses; gives both kinds and the test programs.
-fn build(mut changes: Vec<Change>, scratch: &Path) -> Result<(Vec<Change>, Vec<Change>, Vec<Program>), String> {
+fn build(
+    mut changes: Vec<Change>,
+    scratch: &Path,
+) -> Result<(Vec<Change>, Vec<Change>, Vec<Program>), String> {
     let mut refused = vec![];
     loop {
         let places = plant::plant(&root(), &scratch.join("tree"), &changes)?;
