@@ -25,6 +25,9 @@ pub struct Arguments {
     /// Another number, other mutants
     #[arg(long, default_value_t = 0)]
     number: u64,
+    /// Only tests that bear the name of the bug's file or module; what these do not notice stays open
+    #[arg(long)]
+    near: bool,
     /// Threads of a test program
     #[arg(long, default_value_t = 1)]
     jobs: usize,
@@ -62,7 +65,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
         findings.bugs = read(path)?.bugs;
         findings.bugs.retain(|bug| changes.iter().any(|change| change.name == bug.name));
     }
-    super::examine(changes, wanted, &scratch, arguments.jobs, |finding| {
+    super::examine(changes, wanted, &scratch, (arguments.jobs, arguments.near), |finding| {
         println!("{finding}");
         findings.add(finding);
         arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))

@@ -26,6 +26,7 @@ pub fn root() -> PathBuf {
 }
 
 /// Plants all changes and lets out those that are `wanted`, one after another; `tell` hears of every finding.
+/// `near` asks only the tests that bear the name of a bug's file or module.
 ///
 /// `scratch` is kept between runs, so that a second one compiles only what has changed. Errors are a tree that cannot
 /// be copied or built, and a test that fails without any bug.
@@ -33,7 +34,7 @@ pub fn examine(
     changes: Vec<Change>,
     wanted: impl Fn(&str) -> bool,
     scratch: &Path,
-    jobs: usize,
+    (jobs, near): (usize, bool),
     mut tell: impl FnMut(Finding) -> Result<(), String>,
 ) -> Result<(), String> {
     let mut rest = changes;
@@ -47,7 +48,8 @@ pub fn examine(
         refused.iter().try_for_each(|change| tell(Finding::new(change, Fate::DoesNotCompile)))?;
         let mut suite = Suite::new(programs, jobs);
         for (index, change) in planted.iter().enumerate().filter(|(_, change)| wanted(&change.name)) {
-            tell(Finding::new(change, suite.judge(index + 1, &change.file)?))?;
+            let fate = suite.judge(index + 1, &change.file, near)?;
+            fate.map_or(Ok(()), |fate| tell(Finding::new(change, fate)))?;
         }
     }
     Ok(())
