@@ -171,6 +171,15 @@ mod tests {
     }
 
     #[test]
+    fn schlick_is_a_fifth_power_of_the_cosine_in_the_thinner_medium() {
+        // 0.04 + 0.96/2⁵ at 60°, from either side.
+        let inside = (1.0f64 - 0.75 / 2.25).sqrt();
+        for (cos, eta) in [(0.5, 1.5), (inside, 1.0 / 1.5)] {
+            assert!((schlick(cos, eta).reflectance - 0.07).abs() < 1e-15, "{cos} {eta}");
+        }
+    }
+
+    #[test]
     fn diffuse_reflectance_meets_published_values() {
         // Egan & Hilgeman's fit is Mitsuba's source; Walsh's closed form gives 0.09178 at 1.5.
         assert!((diffuse_reflectance(1.5) - 0.091_781).abs() < 2e-5);

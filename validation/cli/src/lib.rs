@@ -7,7 +7,8 @@
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
 //! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike. [`converge`]
-//! measures the error of [`renderers`] against their time.
+//! measures the error of [`renderers`] against their time. [`museum`] asks whether all of this would
+//! notice a bug.
 
 pub mod agreement;
 pub mod closed_forms;
@@ -20,6 +21,7 @@ pub mod ledger;
 pub mod limits;
 pub mod materials;
 pub mod metamorphic;
+pub mod museum;
 pub mod peers;
 pub mod references;
 pub mod renderers;

@@ -1,4 +1,4 @@
-//! The command line of the harness: `validate bsdf`, `images`, `scenes`.
+//! The command line of the harness: `validate bsdf`, `images`, `scenes`, `museum`.
 
 use clap::Parser;
 use std::error::Error;
@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, peers, references, renderers,
-    sampling,
+    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references,
+    renderers, sampling,
 };
 use validation::checks::Effort;
 use validation::image::{self, Settings};
@@ -151,6 +151,8 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
+    /// Whether the tests notice bugs, those of `validation/museum` or mutants
+    Museum(museum::command::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -280,6 +282,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             }
             finish(Report::new("scenes", outcomes), json)
         }
+        Command::Museum(arguments) => Ok(museum::command::run(arguments)?),
     }
 }
 

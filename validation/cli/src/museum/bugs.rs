@@ -1,0 +1,77 @@
+//! The catalogue: `validation/museum/bugs/*.json`, lists of bugs.
+
+use super::plant::Change;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// A bug as the catalogue describes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bug {
+    pub name: String,
+    /// What is wrong, in a sentence.
+    pub about: String,
+    /// Who has made it before, with a number and an address; or why one might.
+    pub source: String,
+    /// The file, from the root of the repository.
+    pub file: String,
+    /// A piece of the file that occurs once and holds the expression; the expression itself by default.
+    #[serde(default)]
+    pub within: Option<String>,
+    /// The right expression, which occurs once in `within`.
+    pub find: String,
+    /// The wrong one, of the same type.
+    pub replace: String,
+}
+
+/// The folder of the catalogue.
+pub fn folder() -> PathBuf {
+    super::root().join("validation/museum/bugs")
+}
+
+/// All bugs, in the order of the files' names.
+pub fn catalogue(folder: &Path) -> Result<Vec<Bug>, String> {
+    let told = |path: &Path, why: &dyn std::fmt::Display| format!("{}: {why}", path.display());
+    let entries = std::fs::read_dir(folder).map_err(|e| told(folder, &e))?;
+    let mut paths: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
+    paths.sort();
+    let mut bugs = vec![];
+    for path in paths {
+        let text = std::fs::read_to_string(&path).map_err(|e| told(&path, &e))?;
+        bugs.extend(serde_json::from_str::<Vec<Bug>>(&text).map_err(|e| told(&path, &e))?);
+    }
+    Ok(bugs)
+}
+
+impl Bug {
+    /// The change to the tree below `root`; an error if the source no longer has exactly one such expression.
+    pub fn change(&self, root: &Path) -> Result<Change, String> {
+        let path = root.join(&self.file);
+        let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let within = self.within.as_ref().unwrap_or(&self.find);
+        let start = only(&text, within).map_err(|count| self.complaint(within, count))?;
+        let offset = only(within, &self.find).map_err(|count| self.complaint(&self.find, count))?;
+        Ok(Change {
+            name: self.name.clone(),
+            about: self.about.clone(),
+            source: self.source.clone(),
+            file: self.file.clone(),
+            range: start + offset..start + offset + self.find.len(),
+            replace: self.replace.clone(),
+        })
+    }
+
+    fn complaint(&self, piece: &str, count: usize) -> String {
+        format!("{}: `{piece}` occurs {count} times in {}, not once", self.name, self.file)
+    }
+}
+
+/// Where a piece occurs, or how often if that is not once.
+fn only(text: &str, piece: &str) -> Result<usize, usize> {
+    let mut places = text.match_indices(piece);
+    match (places.next(), places.next()) {
+        (Some((at, _)), None) => Ok(at),
+        (None, _) => Err(0),
+        _ => Err(2 + places.count()),
+    }
+}

@@ -1,0 +1,102 @@
+//! `validate museum`.
+
+use super::findings::Findings;
+use super::{bugs, document, mutants, root};
+use std::path::{Path, PathBuf};
+use validation::Verdict;
+use validation::report::to_json;
+
+/// Where the findings are kept, and the document that shows them.
+const RESULTS: &str = "validation/museum/results.json";
+const MUTANTS: &str = "validation/museum/mutants.json";
+const DOCUMENT: &str = "docs/museum.md";
+
+/// Whether the tests notice bugs.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Only bugs whose names contain one of these
+    names: Vec<String>,
+    /// Instead of the catalogue, mutants of this file or folder
+    #[arg(long, value_name = "PATH")]
+    mutate: Vec<String>,
+    /// How many mutants
+    #[arg(long, default_value_t = 100)]
+    sample: usize,
+    /// Another number, other mutants
+    #[arg(long, default_value_t = 0)]
+    number: u64,
+    /// Only tests that bear the name of the bug's file or module; what these do not notice stays open
+    #[arg(long)]
+    near: bool,
+    /// Threads of a test program
+    #[arg(long, default_value_t = 1)]
+    jobs: usize,
+    /// Where the sources are copied to and built
+    #[arg(long, value_name = "FOLDER", default_value = "target/museum")]
+    scratch: PathBuf,
+    /// Write a JSON document after every bug; what it has on other bugs is kept
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Run nothing; put the tables of the committed findings into docs/museum.md
+    #[arg(long)]
+    document: bool,
+}
+
+/// Holds if all bugs are killed.
+pub fn run(arguments: Arguments) -> Result<Verdict, String> {
+    if arguments.document {
+        return write_document();
+    }
+    let changes = if arguments.mutate.is_empty() {
+        let bugs = bugs::catalogue(&bugs::folder())?;
+        bugs.iter().map(|bug| bug.change(&root())).collect::<Result<Vec<_>, _>>()?
+    } else {
+        mutants::sample(&root(), &arguments.mutate, arguments.sample, arguments.number)?
+    };
+    let wanted = |name: &str| arguments.names.is_empty() || arguments.names.iter().any(|n| name.contains(n));
+    if !changes.iter().any(|change| wanted(&change.name)) {
+        return Err("there is no such bug".into());
+    }
+    std::fs::create_dir_all(&arguments.scratch).map_err(|e| e.to_string())?;
+    let scratch = arguments.scratch.canonicalize().map_err(|e| e.to_string())?;
+    // A run of some bugs leaves what is known of the others.
+    let mut findings = Findings::here()?;
+    if let Some(path) = arguments.json.as_deref().filter(|path| path.exists()) {
+        findings.bugs = read(path)?.bugs;
+        findings.bugs.retain(|bug| changes.iter().any(|change| change.name == bug.name));
+    }
+    super::examine(changes, wanted, &scratch, (arguments.jobs, arguments.near), |finding| {
+        println!("{finding}");
+        findings.add(finding);
+        arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))
+    })?;
+    let (killed, all) = findings.killed();
+    println!("{killed} of {all} killed; {} do not compile", findings.bugs.len() - all);
+    Ok(if killed == all { Verdict::Equivalent } else { Verdict::Different })
+}
+
+fn write(path: &Path, findings: &Findings) -> Result<(), String> {
+    let text = to_json(findings).map_err(|e| e.to_string())?;
+    std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn write_document() -> Result<Verdict, String> {
+    let path = root().join(DOCUMENT);
+    let told = |e: std::io::Error| format!("{}: {e}", path.display());
+    let mut text = std::fs::read_to_string(&path).map_err(told)?;
+    /// The name of the place in the document, the file of findings, and what makes a table of them.
+    type Table = (&'static str, &'static str, fn(&Findings) -> String);
+    let tables: [Table; 2] = [("museum", RESULTS, document::museum), ("mutants", MUTANTS, document::mutants)];
+    for (name, file, table) in tables {
+        let file = root().join(file);
+        let table = if file.exists() { table(&read(&file)?) } else { "Not yet run.\n".into() };
+        text = document::insert(&text, name, &table)?;
+    }
+    std::fs::write(&path, text).map_err(told)?;
+    Ok(Verdict::Equivalent)
+}
+
+fn read(path: &Path) -> Result<Findings, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+}

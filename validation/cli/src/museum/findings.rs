@@ -1,0 +1,96 @@
+//! What became of the bugs, and the JSON document that carries it.
+
+use super::plant::Change;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::process::Command;
+
+/// What became of a bug.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fate {
+    /// A test failed, after so many seconds on the machine as it was.
+    Killed { program: String, test: String, seconds: f64 },
+    /// No test noticed.
+    Survived,
+    /// The compiler noticed: that proves nothing.
+    DoesNotCompile,
+}
+
+/// A bug and what became of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    pub name: String,
+    pub about: String,
+    pub source: String,
+    pub file: String,
+    pub fate: Fate,
+}
+
+/// A run of the museum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Findings {
+    pub date: String,
+    pub machine: String,
+    pub commit: String,
+    pub bugs: Vec<Finding>,
+}
+
+impl Finding {
+    pub fn new(change: &Change, fate: Fate) -> Self {
+        let Change { name, about, source, file, .. } = change.clone();
+        Self { name, about, source, file, fate }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match &self.fate {
+            Fate::Killed { program, test, seconds } => {
+                write!(f, "killed    {}: {test} of {program} after {seconds:.0} s", self.name)
+            }
+            Fate::Survived => write!(f, "SURVIVED  {} ({}): {}", self.name, self.file, self.about),
+            Fate::DoesNotCompile => write!(f, "no code   {} ({}): {}", self.name, self.file, self.about),
+        }
+    }
+}
+
+impl Findings {
+    /// No findings yet, made today on this machine.
+    pub fn here() -> Result<Self, String> {
+        let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let model = model.map_or("unknown processor", |(_, model)| model);
+        Ok(Self {
+            date: told("date", &["-u", "+%F"])?,
+            machine: format!("{cores} cores, {model}"),
+            commit: told("git", &["rev-parse", "--short", "HEAD"])?,
+            bugs: vec![],
+        })
+    }
+
+    /// Adds a finding, in the place of an earlier one on the same bug.
+    pub fn add(&mut self, finding: Finding) {
+        match self.bugs.iter_mut().find(|known| known.name == finding.name) {
+            Some(known) => *known = finding,
+            None => self.bugs.push(finding),
+        }
+    }
+
+    /// How many were killed, and how many compile at all.
+    pub fn killed(&self) -> (usize, usize) {
+        let killed = self.bugs.iter().filter(|b| matches!(b.fate, Fate::Killed { .. })).count();
+        (killed, killed + self.survivors().count())
+    }
+
+    pub fn survivors(&self) -> impl Iterator<Item = &Finding> {
+        self.bugs.iter().filter(|b| b.fate == Fate::Survived)
+    }
+}
+
+fn told(program: &str, arguments: &[&str]) -> Result<String, String> {
+    let output = Command::new(program).args(arguments).current_dir(super::root()).output();
+    let output = output.map_err(|e| format!("{program}: {e}"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}

@@ -1,0 +1,150 @@
+//! The scratch copy of the sources, and how bugs get into it.
+
+use std::ops::Range;
+use std::path::Path;
+use std::process::Command;
+
+/// An expression and its replacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    pub name: String,
+    pub about: String,
+    pub source: String,
+    /// From the root of the repository.
+    pub file: String,
+    /// The expression's bytes.
+    pub range: Range<usize>,
+    pub replace: String,
+}
+
+impl Change {
+    fn meets(&self, other: &Change) -> bool {
+        self.file == other.file && self.range.start < other.range.end && other.range.start < self.range.end
+    }
+}
+
+/// Where a change has come to lie: file, and bytes.
+pub type Place = (String, Range<usize>);
+
+/// The environment variable that holds the number of the bug that is out.
+pub const VARIABLE: &str = "MUSEUM_BUG";
+
+/// What every changed crate gets: the choice, read once.
+const SWITCH: &str = r#"
+pub mod museum_switch {
+    static OUT: std::sync::LazyLock<u32> =
+        std::sync::LazyLock::new(|| std::env::var("MUSEUM_BUG").ok().and_then(|v| v.parse().ok()).unwrap_or(0));
+
+    #[inline(always)]
+    pub fn on(bug: u32) -> bool {
+        *OUT == bug
+    }
+}
+"#;
+
+/// The crate under test compiles faster so, and its tests still run fast enough; its dependencies are as ever.
+const PROFILE: &str = "
+[profile.release.package.etalon]
+opt-level = 2
+codegen-units = 16
+debug = false
+";
+
+/// Divides changes into those that can be planted together and the rest, which overlap them.
+pub fn apart(changes: Vec<Change>) -> (Vec<Change>, Vec<Change>) {
+    let (mut together, mut later): (Vec<Change>, Vec<Change>) = (vec![], vec![]);
+    for change in changes {
+        let list = if together.iter().any(|other| other.meets(&change)) { &mut later } else { &mut together };
+        list.push(change);
+    }
+    (together, later)
+}
+
+/// Copies the files that git knows, those that are new and not ignored as well, from `from` to `to`, with the changes in
+/// them; bug `i + 1` of the variable is `changes[i]`. Tells where each has come to lie. A file that is the same as
+/// in an earlier copy is left alone, so that cargo compiles only what differs.
+pub fn plant(from: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, String> {
+    let output = Command::new("git")
+        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+        .current_dir(from)
+        .output()
+        .map_err(|e| format!("git: {e}"))?;
+    let names = output.stdout.split(|byte| *byte == 0).filter(|name| !name.is_empty());
+    let mut places = vec![(String::new(), 0..0); changes.len()];
+    for name in names.map(|name| String::from_utf8_lossy(name).into_owned()) {
+        let source = from.join(&name);
+        if !source.is_file() {
+            continue;
+        }
+        let mut bytes = std::fs::read(&source).map_err(|e| format!("{}: {e}", source.display()))?;
+        let own: Vec<usize> = (0..changes.len()).filter(|&i| changes[i].file == name).collect();
+        if !own.is_empty() {
+            let text = String::from_utf8(bytes).map_err(|e| format!("{name}: {e}"))?;
+            bytes = with_choices(&text, changes, own, &mut places).into_bytes();
+        }
+        bytes.extend_from_slice(match name.as_str() {
+            "Cargo.toml" => PROFILE.as_bytes(),
+            "src/lib.rs" => SWITCH.as_bytes(),
+            _ => &[],
+        });
+        write_if_new(&to.join(&name), &bytes)?;
+    }
+    Ok(places)
+}
+
+/// The text of a file with its `own` changes as choices.
+fn with_choices(text: &str, changes: &[Change], mut own: Vec<usize>, places: &mut [Place]) -> String {
+    own.sort_by_key(|&i| changes[i].range.start);
+    let (mut changed, mut done) = (String::new(), 0);
+    for i in own {
+        let Change { range, replace, file, .. } = &changes[i];
+        changed.push_str(&text[done..range.start]);
+        let start = changed.len();
+        let (number, right) = (i + 1, &text[range.clone()]);
+        changed
+            .push_str(&format!("(if crate::museum_switch::on({number}) {{ {replace} }} else {{ {right} }})"));
+        places[i] = (file.to_owned(), start..changed.len());
+        done = range.end;
+    }
+    changed + &text[done..]
+}
+
+fn write_if_new(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let told = |e: std::io::Error| format!("{}: {e}", path.display());
+    if std::fs::read(path).is_ok_and(|old| old == bytes) {
+        return Ok(());
+    }
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(told)?;
+    }
+    std::fs::write(path, bytes).map_err(told)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(name: &str, range: Range<usize>) -> Change {
+        let (about, source) = (String::new(), String::new());
+        Change { name: name.into(), about, source, file: "a.rs".into(), range, replace: "2".into() }
+    }
+
+    #[test]
+    fn overlapping_changes_are_kept_apart() {
+        let all = vec![change("a", 0..4), change("b", 2..6), change("c", 4..8)];
+        let (together, later) = apart(all);
+        let names = |list: &[Change]| list.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+        assert_eq!((names(&together), names(&later)), (vec!["a".into(), "c".into()], vec!["b".into()]));
+    }
+
+    #[test]
+    fn expressions_become_choices() {
+        let mut places = vec![(String::new(), 0..0); 2];
+        let changes = [change("x", 5..6), change("y", 2..3)];
+        let text = with_choices("f(1, 1)", &changes, vec![0, 1], &mut places);
+        let choice = |n| format!("(if crate::museum_switch::on({n}) {{ 2 }} else {{ 1 }})");
+        assert_eq!(text, format!("f({}, {})", choice(2), choice(1)));
+        assert_eq!(&text[places[0].1.clone()], choice(1));
+        assert!(SWITCH.contains(VARIABLE));
+    }
+}

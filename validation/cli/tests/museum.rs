@@ -1,0 +1,22 @@
+//! The catalogue of bugs still fits the sources.
+
+use std::collections::BTreeSet;
+use validate::museum::{bugs, root};
+
+#[test]
+fn every_bug_still_applies() {
+    let bugs = bugs::catalogue(&bugs::folder()).unwrap();
+    let errors: Vec<String> = bugs.iter().filter_map(|bug| bug.change(&root()).err()).collect();
+    assert!(errors.is_empty(), "{}", errors.join("\n"));
+    assert!(bugs.len() >= 60, "{} bugs", bugs.len());
+}
+
+#[test]
+fn every_bug_has_a_name_of_its_own_and_a_source() {
+    let mut names = BTreeSet::new();
+    for bug in bugs::catalogue(&bugs::folder()).unwrap() {
+        assert!(names.insert(bug.name.clone()), "{} is there twice", bug.name);
+        assert!(bug.about.len() > 20 && bug.source.len() > 10, "{} says too little of itself", bug.name);
+        assert_ne!(bug.find, bug.replace, "{} changes nothing", bug.name);
+    }
+}
