@@ -15,6 +15,9 @@ const AROUND: [f64; 3] = [20.0, 75.0, 150.0];
 /// For distributions that do not depend on a direction.
 const ONCE: [f64; 1] = [0.0];
 
+/// Nothing in a group can shine.
+const GROUPS: [&str; 2] = ["shapegroup", "instance"];
+
 /// Checks of laws that only scattering obeys.
 const SCATTERING: [&str; 3] = ["reciprocity", "spectral", "limits"];
 
@@ -25,7 +28,7 @@ fn wrap<S: Scatterer + 'static>(make: impl Fn() -> Result<S, String> + Send + Sy
 /// All trials, or those whose name contains a word.
 pub fn trials(name: Option<&str>) -> Vec<Trial> {
     let mut trials = vec![];
-    for shape in SHAPES {
+    for shape in SHAPES.iter().filter(|shape| !GROUPS.contains(&shape.name)) {
         for (i, snippet) in shape.examples.iter().enumerate() {
             let source = wrap(|| drawn_light::area(snippet));
             trials.extend(trials_of(&format!("area-{}[{i}]", shape.name), &source, &AROUND, &SCATTERING));
