@@ -19,7 +19,10 @@ const SUBJECTS: [(&str, &str); 6] = [
     ("roughconductor, α = 0.1", r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/></bsdf>"#),
     ("roughdielectric, α = 0.2", r#"<bsdf type="roughdielectric"><float name="alpha" value="0.2"/></bsdf>"#),
     ("roughplastic, α = 0.1", r#"<bsdf type="roughplastic"><float name="alpha" value="0.1"/></bsdf>"#),
-    ("principled", r#"<bsdf type="principled"><float name="roughness" value="0.4"/></bsdf>"#),
+    (
+        "roughconductor, Beckmann, α = 0.4",
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha" value="0.4"/></bsdf>"#,
+    ),
     (
         "blendbsdf of diffuse and roughconductor",
         r#"<bsdf type="blendbsdf"><float name="weight" value="0.5"/><bsdf type="diffuse"/><bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf></bsdf>"#,
