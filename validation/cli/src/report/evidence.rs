@@ -40,14 +40,14 @@ impl Evidence {
             say("materials");
             let trials = thin([materials::trials(None), limits::trials(None)].concat(), effort.sparse);
             let each = self::effort(effort.samples, trials.len(), false);
-            evidence.materials = judge(&trials, |trial| trial.run(&each, 0))?;
+            evidence.materials = judge(&trials, |trial| &trial.name, |trial| trial.run(&each, 0))?;
             evidence.origin("materials", trials.len(), &format!("{} samples each", effort.samples));
         }
         if evidence.sampling.is_empty() {
             say("sampling");
             let trials = thin(sampling::trials(None), effort.sparse);
             let each = effort_of_sampling(effort.samples, trials.len(), false);
-            evidence.sampling = judge(&trials, |trial| trial.run(&each, 0))?;
+            evidence.sampling = judge(&trials, |trial| &trial.name, |trial| trial.run(&each, 0))?;
             evidence.origin(
                 "light, lenses, filters, warps",
                 trials.len(),
@@ -60,7 +60,7 @@ impl Evidence {
                 CURVES.iter().flat_map(|name| furnace::cells(Some(name))).collect();
             cells.retain(|cell| cell.name.starts_with("roughconductor") || cell.name.contains("1.5000]"));
             let each = checks::Effort { albedo: 1e-3, ..self::effort(effort.samples, cells.len(), true) };
-            evidence.furnace = judge(&cells, |cell| cell.run(&each, 0).map(Some))?;
+            evidence.furnace = judge(&cells, |cell| &cell.name, |cell| cell.run(&each, 0).map(Some))?;
             evidence.origin("furnace", cells.len(), &format!("{} samples each", effort.samples));
         }
         if evidence.references.is_empty() {
@@ -77,13 +77,14 @@ impl Evidence {
         if evidence.closed_forms.is_empty() {
             say("closed forms");
             let cases = one_of_a_family(closed_forms::cases(), |case| &case.name, effort.sparse);
-            evidence.closed_forms = judge(&cases, |case| case.check(1, 0).map(Some))?;
+            evidence.closed_forms = judge(&cases, |case| &case.name, |case| case.check(1, 0).map(Some))?;
             evidence.origin("closed forms", cases.len(), "12 renders each");
         }
         if evidence.relations.is_empty() {
             say("relations");
             let relations = one_of_a_family(metamorphic::relations(), |r| &r.name, effort.sparse);
-            evidence.relations = judge(&relations, |relation| relation.check(1, 0).map(Some))?;
+            evidence.relations =
+                judge(&relations, |relation| &relation.name, |relation| relation.check(1, 0).map(Some))?;
             evidence.origin("metamorphic relations", relations.len(), "as in the tests");
         }
         Ok(evidence)

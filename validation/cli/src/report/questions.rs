@@ -3,7 +3,7 @@
 use crate::trial::Trial;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use validation::Outcome;
+use validation::{Outcome, Verdict};
 
 /// Of the trials that differ in direction only, the second: it is oblique. All of them unless `sparse`.
 pub fn thin(trials: Vec<Trial>, sparse: bool) -> Vec<Trial> {
@@ -23,9 +23,11 @@ pub fn one_of_a_family<T>(mut things: Vec<T>, name: impl Fn(&T) -> &String, spar
     things
 }
 
-/// The answers to all questions, in their order, asked by as many threads as there are cores.
+/// The answers to all questions, in their order, asked by as many threads as there are cores. One that could not be
+/// asked is inconclusive and says why.
 pub fn judge<T: Sync>(
     questions: &[T],
+    name: impl Fn(&T) -> &String,
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
     let next = AtomicUsize::new(0);
@@ -47,24 +49,39 @@ pub fn judge<T: Sync>(
     .map_err(|_| "a check stopped without an answer".to_string())?
     .concat();
     answers.sort_by_key(|(index, _)| *index);
-    answers.into_iter().filter_map(|(_, answer)| answer.transpose()).collect()
+    let unasked = |index: usize, error: String| {
+        let outcome = questions.get(index).map(&name);
+        Outcome::new("question", Verdict::Inconclusive, error).of(outcome.cloned().unwrap_or_default())
+    };
+    let settle = |(index, answer): (usize, Result<Option<Outcome>, String>)| {
+        answer.unwrap_or_else(|error| Some(unasked(index, error)))
+    };
+    Ok(answers.into_iter().filter_map(settle).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::materials;
-    use validation::Verdict;
 
     #[test]
     fn answers_keep_the_order_of_questions() {
-        let questions: Vec<usize> = (0..100).collect();
-        let answers = judge(&questions, |i| {
-            Ok((i % 3 != 0).then(|| Outcome::new("x", Verdict::Equivalent, i.to_string())))
-        });
-        let expected: Vec<String> = questions.iter().filter(|i| *i % 3 != 0).map(|i| i.to_string()).collect();
-        assert_eq!(answers.unwrap().into_iter().map(|o| o.message).collect::<Vec<_>>(), expected);
-        assert_eq!(judge(&[0], |_| Err("no".into())), Err("no".to_string()));
+        let questions: Vec<String> = (0..100).map(|i| i.to_string()).collect();
+        let answers = judge(
+            &questions,
+            |question| question,
+            |question| match question.len() {
+                1 => Ok(None),
+                _ if question == "50" => Err("why".into()),
+                _ => Ok(Some(Outcome::new("x", Verdict::Equivalent, "").of(question))),
+            },
+        );
+        let answers = answers.unwrap();
+        assert_eq!(
+            answers.iter().map(|o| &o.subject).collect::<Vec<_>>(),
+            questions[10..].iter().collect::<Vec<_>>()
+        );
+        assert_eq!((answers[40].verdict, answers[40].message.as_str()), (Verdict::Inconclusive, "why"));
     }
 
     #[test]
