@@ -7,6 +7,7 @@
 //! - [`peer`]: scattering distributions in other programs.
 //! - [`chart`]: distributions over rectangles go through the same checks.
 //! - [`microfacet`]: what single scattering at rough surfaces loses, from the definitions.
+//! - [`html`]: text in pages.
 //! - [`report`]: what a check found, as one JSON document.
 //!
 //! Every answer has three values, [`Verdict`]: a test that could not have noticed a fault says so instead of passing.
@@ -14,6 +15,7 @@
 pub mod chart;
 pub mod checks;
 pub mod converge;
+pub mod html;
 pub mod image;
 pub mod microfacet;
 pub mod peer;

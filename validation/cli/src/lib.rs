@@ -7,8 +7,8 @@
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
 //! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike. [`converge`]
-//! measures the error of [`renderers`] against their time. [`museum`] asks whether all of this would
-//! notice a bug.
+//! measures the error of [`renderers`] against their time. [`museum`] asks whether all of this would notice a bug, and
+//! [`report`] puts all of it on one page.
 
 pub mod agreement;
 pub mod closed_forms;
@@ -25,6 +25,7 @@ pub mod museum;
 pub mod peers;
 pub mod references;
 pub mod renderers;
+pub mod report;
 pub mod sampling;
 pub mod stage;
 pub mod trial;

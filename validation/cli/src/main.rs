@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references,
-    renderers, sampling,
+    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references, renderers,
+    report, sampling,
 };
 use validation::checks::Effort;
 use validation::image::{self, Settings};
@@ -127,6 +127,17 @@ enum Command {
         /// Write a picture of signed z-scores
         #[arg(long, value_name = "PNG")]
         map: Option<PathBuf>,
+    },
+    /// All of it on one page: tables, plots and pictures
+    Report {
+        #[arg(short, long, value_name = "HTML", default_value = "report.html")]
+        output: PathBuf,
+        /// Take what the JSON documents of this folder answer from there
+        #[arg(long, value_name = "DIR")]
+        from: Option<PathBuf>,
+        /// Fewer samples and directions, fewer cases and scenes
+        #[arg(long)]
+        quick: bool,
     },
     /// Etalon against the stored references, closed forms and metamorphic relations
     Scenes {
@@ -251,6 +262,12 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             }
             println!("{}: {}", comparison.verdict, comparison.message);
             Ok(comparison.verdict)
+        }
+        Command::Report { output, from, quick } => {
+            let effort = if quick { report::Effort::QUICK } else { report::Effort::USUAL };
+            let verdict = report::write(&output, from.as_deref(), effort, |step| eprintln!("{step}"))?;
+            println!("{verdict}: {}", output.display());
+            Ok(verdict)
         }
         Command::Scenes { name, spp, margin, number, thorough, markdown, json } => {
             let mut outcomes = vec![];

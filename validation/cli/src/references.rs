@@ -40,19 +40,14 @@ pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
 }
 
 impl Reference {
-    /// Renders with `samples` a pixel and compares. `number` draws another seed.
-    pub fn compare(
-        &self,
-        samples: u32,
-        settings: &image::Settings,
-        number: u64,
-    ) -> Result<Comparison, String> {
+    /// Etalon's image, with `samples` a pixel. `number` draws another seed.
+    pub fn render(&self, samples: u32, number: u64) -> Result<image::Image, String> {
         let seed = validation::statistics::seed_for(&self.name, number) as u32;
         // Independent samples, because the pixel variance of stratified ones is an overestimate.
         let overrides =
             Overrides { seed: Some(seed), sampler: Some("independent".into()), ..Overrides::default() };
         let scene = scene::load(&self.scene, &[], self.mode, &overrides).map_err(|e| e.to_string())?;
-        let settings_of_render = Settings {
+        let settings = Settings {
             samples: 0..u64::from(samples),
             seed,
             window: scene.sensor.film.crop,
@@ -60,8 +55,7 @@ impl Reference {
             shard: false,
             kernel: None,
         };
-        let (rendered, _) =
-            render(&scene, &settings_of_render, &Progress::default()).ok_or("the render stopped")?;
+        let (rendered, _) = render(&scene, &settings, &Progress::default()).ok_or("the render stopped")?;
         let mut ours = image::Image {
             width: rendered.crop.width as usize,
             height: rendered.crop.height as usize,
@@ -73,19 +67,33 @@ impl Reference {
                 channel.name.clone_from(&band.name);
             }
         }
+        Ok(ours)
+    }
+
+    /// Renders with `samples` a pixel and compares. `number` draws another seed.
+    pub fn compare(
+        &self,
+        samples: u32,
+        settings: &image::Settings,
+        number: u64,
+    ) -> Result<Comparison, String> {
+        let ours = self.render(samples, number)?;
         let reference = image::load(&self.image).map_err(|e| e.to_string())?;
         image::compare(&reference, &ours, settings).map_err(|e| e.to_string())
     }
 
     /// The comparison as an outcome.
     pub fn check(&self, samples: u32, margin: f64, number: u64) -> Result<Outcome, String> {
-        // Tiles must lie within their noise; their own margin is not asked for at these sample counts.
-        // Mitsuba adds its samples up in f32, so that its noiseless pixels are off by some ulp.
-        let rounding = 64.0 * f64::from(f32::EPSILON);
-        let settings =
-            image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(margin) };
-        Ok(self.compare(samples, &settings, number)?.outcome().of(&self.name))
+        Ok(self.compare(samples, &settings(margin), number)?.outcome().of(&self.name))
     }
+}
+
+/// What is asked of a reference.
+pub fn settings(margin: f64) -> image::Settings {
+    // Tiles must lie within their noise; their own margin is not asked for at these sample counts.
+    // Mitsuba adds its samples up in f32, so that its noiseless pixels are off by some ulp.
+    let rounding = 64.0 * f64::from(f32::EPSILON);
+    image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(margin) }
 }
 
 fn channel(channel: &etalon::image::Channel) -> image::Channel {

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{Curve, Interval, Ratio};
+use crate::html::escape;
 
 /// A renderer's two curves.
 pub struct Line<'a> {
@@ -84,10 +85,6 @@ fn figures(value: f64) -> String {
     } else {
         format!("{value:.3}")
     }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 /// Decades of positive values: the exponents below and above.

@@ -1,0 +1,177 @@
+//! The outcomes a report shows: asked now, or read from JSON documents of earlier runs.
+
+use super::Effort;
+use super::questions::{judge, one_of_a_family, thin};
+use crate::trial::{effort, effort_of_sampling};
+use crate::{closed_forms, furnace, limits, materials, metamorphic, references, sampling};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::Path;
+use validation::report::Report;
+use validation::{Outcome, Verdict, checks};
+
+/// Of a reference's means, the largest relative difference that is none.
+pub const MARGIN: f64 = 0.005;
+
+/// Roughnesses and indices whose albedo is drawn.
+const CURVES: [&str; 3] = ["roughconductor-ggx[", "roughdielectric-ggx[", "dielectric-exact["];
+
+/// All outcomes, by what they speak about.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    pub materials: Vec<Outcome>,
+    pub sampling: Vec<Outcome>,
+    pub furnace: Vec<Outcome>,
+    pub references: Vec<Outcome>,
+    pub closed_forms: Vec<Outcome>,
+    pub relations: Vec<Outcome>,
+    /// What was run or read, a sentence each.
+    pub origins: Vec<String>,
+}
+
+impl Evidence {
+    /// Reads the documents below `from`, and asks the rest.
+    pub fn gather(from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Self, String> {
+        let mut evidence = Self::default();
+        for report in from.map_or(Ok(vec![]), read)? {
+            evidence.add(report);
+        }
+        if evidence.materials.is_empty() {
+            say("materials");
+            let trials = thin([materials::trials(None), limits::trials(None)].concat(), effort.sparse);
+            let each = self::effort(effort.samples, trials.len(), false);
+            evidence.materials = judge(&trials, |trial| &trial.name, |trial| trial.run(&each, 0))?;
+            evidence.origin("materials", trials.len(), &format!("{} samples each", effort.samples));
+        }
+        if evidence.sampling.is_empty() {
+            say("sampling");
+            let trials = thin(sampling::trials(None), effort.sparse);
+            let each = effort_of_sampling(effort.samples, trials.len(), false);
+            evidence.sampling = judge(&trials, |trial| &trial.name, |trial| trial.run(&each, 0))?;
+            evidence.origin(
+                "light, lenses, filters, warps",
+                trials.len(),
+                &format!("{} samples each", effort.samples),
+            );
+        }
+        if evidence.furnace.is_empty() {
+            say("furnace");
+            let mut cells: Vec<furnace::Cell> =
+                CURVES.iter().flat_map(|name| furnace::cells(Some(name))).collect();
+            cells.retain(|cell| cell.name.starts_with("roughconductor") || cell.name.contains("1.5000]"));
+            let each = checks::Effort { albedo: 1e-3, ..self::effort(effort.samples, cells.len(), true) };
+            evidence.furnace = judge(&cells, |cell| &cell.name, |cell| cell.run(&each, 0).map(Some))?;
+            evidence.origin("furnace", cells.len(), &format!("{} samples each", effort.samples));
+        }
+        if evidence.references.is_empty() {
+            say("references");
+            for reference in references::references(&references::folder())? {
+                evidence.references.push(reference.check(effort.spp, MARGIN, 0)?);
+            }
+            evidence.origin(
+                "references",
+                evidence.references.len(),
+                &format!("{} samples a pixel", effort.spp),
+            );
+        }
+        if evidence.closed_forms.is_empty() {
+            say("closed forms");
+            let cases = one_of_a_family(closed_forms::cases(), |case| &case.name, effort.sparse);
+            evidence.closed_forms = judge(&cases, |case| &case.name, |case| case.check(1, 0).map(Some))?;
+            evidence.origin("closed forms", cases.len(), "12 renders each");
+        }
+        if evidence.relations.is_empty() {
+            say("relations");
+            let relations = one_of_a_family(metamorphic::relations(), |r| &r.name, effort.sparse);
+            evidence.relations =
+                judge(&relations, |relation| &relation.name, |relation| relation.check(1, 0).map(Some))?;
+            evidence.origin("metamorphic relations", relations.len(), "as in the tests");
+        }
+        Ok(evidence)
+    }
+
+    /// All outcomes.
+    pub fn outcomes(&self) -> impl Iterator<Item = &Outcome> {
+        let Self { materials, sampling, furnace, references, closed_forms, relations, .. } = self;
+        [materials, sampling, furnace, references, closed_forms, relations].into_iter().flatten()
+    }
+
+    /// The worst of all.
+    pub fn verdict(&self) -> Verdict {
+        Verdict::all(self.outcomes().map(|outcome| outcome.verdict))
+    }
+
+    fn origin(&mut self, what: &str, count: usize, how: &str) {
+        self.origins.push(format!("{what}: {count} asked now, {how}"));
+    }
+
+    fn add(&mut self, report: Report) {
+        self.origins.push(format!(
+            "{}: {} outcomes read from a document",
+            report.title,
+            report.outcomes.len()
+        ));
+        match report.title.as_str() {
+            "materials" => self.materials.extend(report.outcomes),
+            "sampling" => self.sampling.extend(report.outcomes),
+            "furnace" => self.furnace.extend(report.outcomes),
+            _ => {
+                let related: BTreeSet<String> =
+                    metamorphic::relations().into_iter().map(|r| r.name).collect();
+                for outcome in report.outcomes {
+                    let place = match outcome.check.as_str() {
+                        "closed form" => &mut self.closed_forms,
+                        _ if related.contains(&outcome.subject) => &mut self.relations,
+                        _ => &mut self.references,
+                    };
+                    place.push(outcome);
+                }
+            }
+        }
+    }
+}
+
+/// The reports among the JSON documents of a folder, by name.
+fn read(folder: &Path) -> Result<Vec<Report>, String> {
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut paths: Vec<_> = entries.filter_map(Result::ok).map(|entry| entry.path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+    paths.sort();
+    let mut reports = vec![];
+    for path in paths {
+        let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+        let text = std::fs::read_to_string(&path).map_err(|e| fail(&e))?;
+        let mut document: Value = serde_json::from_str(&text).map_err(|e| fail(&e))?;
+        // JSON has no NaN: a figure that is not finite became null.
+        for outcome in document["outcomes"].as_array_mut().into_iter().flatten() {
+            outcome["figures"]
+                .as_object_mut()
+                .into_iter()
+                .for_each(|figures| figures.retain(|_, v| !v.is_null()));
+        }
+        let known = ["materials", "sampling", "furnace", "scenes"];
+        if document["title"].as_str().is_some_and(|title| known.contains(&title)) {
+            reports.push(serde_json::from_value(document).map_err(|e| fail(&e))?);
+        }
+    }
+    if reports.is_empty() { Err(format!("{}: no report in it", folder.display())) } else { Ok(reports) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn documents_are_sorted_into_their_sections() {
+        let mut evidence = Evidence::default();
+        let relation = metamorphic::relations()[0].name.clone();
+        let outcomes = vec![
+            Outcome::new("closed form", Verdict::Equivalent, "").of("a::b"),
+            Outcome::new("images", Verdict::Different, "").of(relation),
+            Outcome::new("images", Verdict::Inconclusive, "").of("cornell::rgb"),
+        ];
+        evidence.add(Report::new("scenes", outcomes));
+        let counts = [evidence.closed_forms.len(), evidence.relations.len(), evidence.references.len()];
+        assert_eq!((counts, evidence.verdict()), ([1; 3], Verdict::Different));
+    }
+}

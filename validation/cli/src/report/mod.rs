@@ -1,0 +1,54 @@
+//! `validate report`: everything the harness knows of Etalon, on one page that needs no network.
+//!
+//! [`evidence`] asks [`questions`], [`pictures`] and [`histogram`] look at what was asked, [`page`] puts it together. A new section
+//! is a function that gives HTML, and its line in [`page`].
+
+#[cfg(test)]
+mod browser;
+mod charts;
+mod evidence;
+mod histogram;
+mod machine;
+mod matrix;
+mod museum;
+mod page;
+mod pictures;
+mod questions;
+#[cfg(test)]
+mod sample;
+mod sections;
+
+use evidence::Evidence;
+use std::path::Path;
+use validation::Verdict;
+
+/// How hard to look.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Samples a check.
+    pub samples: usize,
+    /// Samples a pixel of the reference scenes.
+    pub spp: u32,
+    /// Of trials, closed forms and relations that differ in direction or parameter only, one.
+    pub sparse: bool,
+}
+
+impl Effort {
+    /// Minutes on two cores.
+    pub const USUAL: Self = Self { samples: 1 << 17, spp: 1024, sparse: false };
+    /// About one minute.
+    pub const QUICK: Self = Self { samples: 1 << 15, spp: 128, sparse: true };
+}
+
+/// Writes the page to `out`. What the JSON documents of `from` answer is not asked again. `say` hears each step.
+pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Verdict, String> {
+    let evidence = Evidence::gather(from, effort, say)?;
+    say("histograms");
+    let histograms = histogram::histograms(effort.samples)?;
+    say("pictures");
+    let pictures = pictures::pictures(effort)?;
+    let findings = museum::read(&museum::file())?;
+    let page = page::page(&evidence, &histograms, &pictures, findings.as_ref(), &machine::here());
+    std::fs::write(out, page).map_err(|e| format!("{}: {e}", out.display()))?;
+    Ok(evidence.verdict())
+}

@@ -1,0 +1,94 @@
+//! Which questions are asked, and by how many threads at once.
+
+use crate::trial::Trial;
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use validation::{Outcome, Verdict};
+
+/// Of the trials that differ in direction only, the second: it is oblique. All of them unless `sparse`.
+pub fn thin(trials: Vec<Trial>, sparse: bool) -> Vec<Trial> {
+    let about = |trial: &Trial| trial.name.rsplit_once("::").map(|(about, _)| about.to_string());
+    let groups = trials.chunk_by(|a, b| about(a) == about(b));
+    groups
+        .flat_map(|group| if sparse { &group[group.len().min(2) - 1..group.len().min(2)] } else { group })
+        .cloned()
+        .collect()
+}
+
+/// The first of each family of things named `family::thing`, or all.
+pub fn one_of_a_family<T>(mut things: Vec<T>, name: impl Fn(&T) -> &String, sparse: bool) -> Vec<T> {
+    let mut seen = BTreeSet::new();
+    let family = |thing: &T| name(thing).split("::").next().map(String::from);
+    things.retain(|thing| !sparse || seen.insert(family(thing)));
+    things
+}
+
+/// The answers to all questions, in their order, asked by as many threads as there are cores. One that could not be
+/// asked is inconclusive and says why.
+pub fn judge<T: Sync>(
+    questions: &[T],
+    name: impl Fn(&T) -> &String,
+    ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
+) -> Result<Vec<Outcome>, String> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut answers = vec![];
+        while let Some((index, question)) = {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            questions.get(index).map(|question| (index, question))
+        } {
+            answers.push((index, ask(question)));
+        }
+        answers
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut answers = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().map(|worker| worker.join()).collect::<Result<Vec<_>, _>>()
+    })
+    .map_err(|_| "a check stopped without an answer".to_string())?
+    .concat();
+    answers.sort_by_key(|(index, _)| *index);
+    let unasked = |index: usize, error: String| {
+        let outcome = questions.get(index).map(&name);
+        Outcome::new("question", Verdict::Inconclusive, error).of(outcome.cloned().unwrap_or_default())
+    };
+    let settle = |(index, answer): (usize, Result<Option<Outcome>, String>)| {
+        answer.unwrap_or_else(|error| Some(unasked(index, error)))
+    };
+    Ok(answers.into_iter().filter_map(settle).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::materials;
+
+    #[test]
+    fn answers_keep_the_order_of_questions() {
+        let questions: Vec<String> = (0..100).map(|i| i.to_string()).collect();
+        let answers = judge(
+            &questions,
+            |question| question,
+            |question| match question.len() {
+                1 => Ok(None),
+                _ if question == "50" => Err("why".into()),
+                _ => Ok(Some(Outcome::new("x", Verdict::Equivalent, "").of(question))),
+            },
+        );
+        let answers = answers.unwrap();
+        assert_eq!(
+            answers.iter().map(|o| &o.subject).collect::<Vec<_>>(),
+            questions[10..].iter().collect::<Vec<_>>()
+        );
+        assert_eq!((answers[40].verdict, answers[40].message.as_str()), (Verdict::Inconclusive, "why"));
+    }
+
+    #[test]
+    fn sparse_keeps_one_direction_of_each_check() {
+        let all = materials::trials(Some("diffuse"));
+        let few = thin(all.clone(), true);
+        assert!(all.len() == 5 * few.len() && few.iter().all(|trial| trial.name.ends_with("::35")));
+        assert_eq!(thin(all.clone(), false).len(), all.len());
+    }
+}
