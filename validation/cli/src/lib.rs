@@ -6,8 +6,8 @@
 //! p-values.
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
-//! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike. [`converge`]
-//! measures the error of [`renderers`] against their time.
+//! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike; [`stability`] asks the
+//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time.
 
 pub mod agreement;
 pub mod closed_forms;
@@ -24,6 +24,7 @@ pub mod peers;
 pub mod references;
 pub mod renderers;
 pub mod sampling;
+pub mod stability;
 pub mod stage;
 pub mod trial;
 pub mod warps;
