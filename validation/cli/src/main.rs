@@ -272,7 +272,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             let mut rows = vec![];
             for case in stability::cases() {
                 if name.as_ref().is_none_or(|n| case.name.contains(n)) {
-                    let row = case.check(effort, number)?;
+                    let row = case.check(effort, number);
                     println!("{:<13} {}: {}", row.verdict, row.case, row.found);
                     rows.push(row);
                 }

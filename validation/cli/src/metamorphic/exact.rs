@@ -14,7 +14,11 @@ pub fn relations() -> Vec<Relation> {
         let factor = libm::exp2(f64::from(power));
         let brighter = Term::new(with_light(&lamp(8.0 * factor)));
         all.push(Relation::bits(format!("emission_2^{power}"), plain().times(factor), brighter));
-        all.push(Relation::bits(format!("length_2^{power}"), plain(), Term::new(placed(objects, factor, [0.0; 3]))));
+        all.push(Relation::bits(
+            format!("length_2^{power}"),
+            plain(),
+            Term::new(placed(objects, factor, [0.0; 3])),
+        ));
     }
     let brighter = spectral(Term::new(with_light(&lamp(16.0))));
     all.push(Relation::bits("emission_2_spectral", spectral(plain()).times(2.0), brighter));

@@ -9,6 +9,7 @@
 //! [`FAMILIES`].
 
 mod accumulation;
+mod cameras;
 mod fresnel;
 mod light;
 mod optics;
@@ -36,6 +37,7 @@ pub const FAMILIES: &[Family] = &[
     ("self_hits", self_hits::cases),
     ("fresnel", fresnel::cases),
     ("optics", optics::cases),
+    ("cameras", cameras::cases),
     ("light", light::cases),
     ("spectra", spectra::cases),
     ("accumulation", accumulation::cases),
@@ -141,9 +143,25 @@ impl Case {
         Self { limit: Some(Limit { why, within }), ..self }
     }
 
-    /// Measures with `effort` times the samples; `number` draws other seeds.
-    pub fn check(&self, effort: u64, number: u64) -> Result<Row, String> {
-        let (error, margin, found, verdict) = match &self.measure {
+    /// Measures with `effort` times the samples; `number` draws other seeds. What cannot be rendered differs.
+    pub fn check(&self, effort: u64, number: u64) -> Row {
+        let measured = self.measure(effort, number);
+        let (error, margin, found, verdict) =
+            measured.unwrap_or_else(|error| (f64::NAN, f64::NAN, error, Verdict::Different));
+        let verdict = match (verdict, self.limit) {
+            (Verdict::Equivalent, _) => Standing::Holds,
+            (_, Some(limit)) if error <= limit.within => Standing::Limit,
+            (Verdict::Inconclusive, _) => Standing::Inconclusive,
+            (Verdict::Different, _) => Standing::Differs,
+        };
+        let limit = self.limit.filter(|_| verdict == Standing::Limit).map(|limit| limit.why);
+        let (case, expectation) = (self.name.clone(), self.expectation.clone());
+        Row { case, expectation, error, margin, found, verdict, limit }
+    }
+
+    /// The error, the margin, what was found in words, and whether it is within the margin.
+    fn measure(&self, effort: u64, number: u64) -> Result<(f64, f64, String, Verdict), String> {
+        Ok(match &self.measure {
             Measure::Answer(case) => {
                 let outcome = case.check(effort, number)?;
                 (ratio_error(&outcome), case.margin, outcome.message, outcome.verdict)
@@ -160,23 +178,14 @@ impl Case {
                 let error = worst(effort)?;
                 (error, *within, format!("worst error {error:.2e}"), judge(error, *within))
             }
-        };
-        let verdict = match (verdict, self.limit) {
-            (Verdict::Equivalent, _) => Standing::Holds,
-            (_, Some(limit)) if error <= limit.within => Standing::Limit,
-            (Verdict::Inconclusive, _) => Standing::Inconclusive,
-            (Verdict::Different, _) => Standing::Differs,
-        };
-        let limit = self.limit.filter(|_| verdict == Standing::Limit).map(|limit| limit.why);
-        let (case, expectation) = (self.name.clone(), self.expectation.clone());
-        Ok(Row { case, expectation, error, margin, found, verdict, limit })
+        })
     }
 
     /// As a test: what is undecided or different counts if four times the samples, of other seeds, confirm it.
     pub fn test(&self) -> Result<(), String> {
         let mut message = String::new();
         for (effort, number) in [(1, 0), (4, 1)] {
-            let row = self.check(effort, number)?;
+            let row = self.check(effort, number);
             if matches!(row.verdict, Standing::Holds | Standing::Limit) {
                 return Ok(());
             }
@@ -249,7 +258,7 @@ mod tests {
     #[test]
     fn a_limit_excuses_no_more_than_it_says_and_nan_is_nothing() {
         let case = |worst: f64| Case::at_most("x", "", 1.0, Box::new(move |_| Ok(worst))).limit("", 2.0);
-        let verdict = |worst: f64| case(worst).check(1, 0).unwrap().verdict;
+        let verdict = |worst: f64| case(worst).check(1, 0).verdict;
         assert_eq!(
             [0.5, 1.5, 2.5, f64::NAN].map(verdict),
             [Standing::Holds, Standing::Limit, Standing::Differs, Standing::Differs]
@@ -259,7 +268,7 @@ mod tests {
     #[test]
     fn a_brighter_lamp_is_not_the_same() {
         let scenes = [1.0, 1.01].map(|factor| with_light(&lamp(8.0 * factor)));
-        let row = Case::same("x", "", scenes, 1e-3).check(1, 0).unwrap();
+        let row = Case::same("x", "", scenes, 1e-3).check(1, 0);
         assert!(row.verdict == Standing::Differs && (row.error - 0.01).abs() < 1e-3, "{row:?}");
     }
 }

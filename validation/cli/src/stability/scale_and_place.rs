@@ -11,6 +11,9 @@ type Objects = fn(&[String]) -> Vec<String>;
 /// From the origin to the room's farthest corner.
 const RADIUS: f64 = 4.5;
 
+const VERTICES: &str = "vertices of meshes are f32 in world space: at 10⁵ radii from the origin a cube of 0.35 is known to 0.016. \
+     The rows of `room` are the curve of error against distance; `round`, without meshes, keeps 7 digits.";
+
 pub fn cases() -> Vec<Case> {
     let rooms: [(&str, Objects); 3] = [("room", objects), ("round", round), ("glass", glass)];
     let mut cases = vec![];
@@ -33,8 +36,11 @@ pub fn cases() -> Vec<Case> {
             let far = RADIUS * libm::exp10(f64::from(power));
             let other = room(objects, 1.0, [0.8 * far, 0.53 * far, -0.28 * far]);
             let expectation = "the same image from the same numbers, so many radii from the origin";
-            let name = format!("{name}_moved_10^{power}");
-            cases.push(Case::same(name, expectation, [plain.clone(), other], 1e-3));
+            let case =
+                Case::same(format!("{name}_moved_10^{power}"), expectation, [plain.clone(), other], 1e-3);
+            // Half the distance between floats is 0.016 at 4.5·10⁵, 1/20 of the cube's half edge; the cube and its shadow
+            // are a tenth of the picture.
+            cases.push(if name == "room" { case.limit(VERTICES, 5e-3) } else { case });
         }
     }
     cases

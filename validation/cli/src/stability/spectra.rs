@@ -19,12 +19,12 @@ pub fn cases() -> Vec<Case> {
     let mut answers = vec![
         ClosedForm::new(
             "line_of_0.1_nm",
-            "∫ L ȳ dλ of a line 0.1 nm wide, with flanks of 0.05 nm",
+            "∫ L ȳ dλ of a line 0.1 nm wide, with flanks of 0.05 nm; f32 places them to 3·10⁻⁵ nm",
             line("0, 1e4, 1e4, 0"),
             1.5e4 * LINE,
         )
         .measure(|image| luminance(["R", "G", "B"].map(|channel| of(image, channel))))
-        .margin(0.05)
+        .margin(0.0025)
         .samples(1 << 18),
     ];
     let equal = "<spectrum name=\"radiance\" type=\"uniform\"><float name=\"value\" value=\"1\"/></spectrum>";
@@ -86,7 +86,7 @@ fn dispersion() -> ClosedForm {
     ClosedForm::new("strong_dispersion", "∫ R(n(λ)) s dλ, n from 3 to 1.2 in 100 nm", scene, 100.0 * mean)
         .measure(|image| of(image, "S0.550,000nm"))
         .margin(0.01)
-        .samples(1 << 16)
+        .samples(1 << 18)
 }
 
 fn empty() -> Result<f64, String> {
