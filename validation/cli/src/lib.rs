@@ -6,9 +6,9 @@
 //! p-values.
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
-//! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike. [`converge`]
-//! measures the error of [`renderers`] against their time. [`museum`] asks whether all of this would notice a bug, and
-//! [`report`] puts all of it on one page.
+//! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike; [`stability`] asks the
+//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time. [`museum`] asks
+//! whether all of this would notice a bug, and [`report`] puts all of it on one page.
 
 pub mod agreement;
 pub mod closed_forms;
@@ -27,6 +27,7 @@ pub mod references;
 pub mod renderers;
 pub mod report;
 pub mod sampling;
+pub mod stability;
 pub mod stage;
 pub mod trial;
 pub mod warps;

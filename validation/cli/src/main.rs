@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references, renderers,
-    report, sampling,
+    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references,
+    renderers, report, sampling, stability,
 };
 use validation::checks::Effort;
 use validation::image::{self, Settings};
@@ -139,6 +139,23 @@ enum Command {
         #[arg(long)]
         quick: bool,
     },
+    /// Stiff and extreme scenes, each with a stated expectation
+    Stability {
+        /// Only cases whose name contains this
+        name: Option<String>,
+        /// Ten times the samples, and 10⁸ spawned rays
+        #[arg(long)]
+        thorough: bool,
+        /// Another number, other seeds
+        #[arg(long, default_value_t = 0)]
+        number: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Write the table
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
+    },
     /// Etalon against the stored references, closed forms and metamorphic relations
     Scenes {
         /// Only scenes whose name contains this
@@ -268,6 +285,24 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             let verdict = report::write(&output, from.as_deref(), effort, |step| eprintln!("{step}"))?;
             println!("{verdict}: {}", output.display());
             Ok(verdict)
+        }
+        Command::Stability { name, thorough, number, json, markdown } => {
+            let effort = if thorough { stability::THOROUGH } else { 1 };
+            let mut rows = vec![];
+            for case in stability::cases() {
+                if name.as_ref().is_none_or(|n| case.name.contains(n)) {
+                    let row = case.check(effort, number);
+                    println!("{:<13} {}: {}", row.verdict, row.case, row.found);
+                    rows.push(row);
+                }
+            }
+            if let Some(path) = markdown {
+                std::fs::write(path, stability::markdown(&rows))?;
+            }
+            if let Some(path) = json {
+                std::fs::write(path, to_json(&rows)?)?;
+            }
+            Ok(stability::verdict(&rows))
         }
         Command::Scenes { name, spp, margin, number, thorough, markdown, json } => {
             let mut outcomes = vec![];

@@ -11,11 +11,11 @@
 mod cameras;
 mod colors;
 mod envmap;
-mod interfaces;
+pub(crate) mod interfaces;
 mod interreflection;
-mod irradiance;
+pub(crate) mod irradiance;
 mod lambert;
-mod metals;
+pub(crate) mod metals;
 mod mixtures;
 mod plastic;
 mod prism;

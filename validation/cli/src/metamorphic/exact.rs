@@ -14,7 +14,11 @@ pub fn relations() -> Vec<Relation> {
         let factor = libm::exp2(f64::from(power));
         let brighter = Term::new(with_light(&lamp(8.0 * factor)));
         all.push(Relation::bits(format!("emission_2^{power}"), plain().times(factor), brighter));
-        all.push(Relation::bits(format!("length_2^{power}"), plain(), Term::new(enlarged(factor))));
+        all.push(Relation::bits(
+            format!("length_2^{power}"),
+            plain(),
+            Term::new(placed(objects, factor, [0.0; 3])),
+        ));
     }
     let brighter = spectral(Term::new(with_light(&lamp(16.0))));
     all.push(Relation::bits("emission_2_spectral", spectral(plain()).times(2.0), brighter));
@@ -34,14 +38,4 @@ pub fn relations() -> Vec<Relation> {
     let named = with("").replace("<scene version=\"3.0.0\">", "<scene version=\"3.0.0\"><!-- a remark -->");
     all.push(Relation::bits("remarks", plain(), Term::new(named)));
     all
-}
-
-/// The room, all lengths times a factor. Lamps shine by radiance, so the image stays.
-fn enlarged(factor: f64) -> String {
-    let larger = scale([factor; 3]);
-    let place = look_at(EYE.map(|v| v * factor), [0.0, 0.0, 0.6 * factor], [0.0, 0.0, 1.0]);
-    let clip = float("near_clip", 0.01 * factor) + &float("far_clip", 1e4 * factor);
-    let camera = camera_at(&[place]).replace("\"perspective\">", &format!("\"perspective\">{clip}"));
-    let lamp = shape("rectangle", &[lamp_steps(), vec![larger.clone()]].concat(), &area(8.0));
-    scene(&[&path(4), &camera, &objects(&[larger]).concat(), &lamp])
 }

@@ -12,7 +12,7 @@ mod invisible;
 mod lights;
 mod methods;
 mod motion;
-mod still_life;
+pub(crate) mod still_life;
 mod tessellation;
 mod transport;
 
@@ -52,7 +52,7 @@ impl Term {
         Self { factor, ..self }
     }
 
-    fn image(&self, samples: u64, seed: u32) -> Result<Image, String> {
+    pub(crate) fn image(&self, samples: u64, seed: u32) -> Result<Image, String> {
         let scene = load(&self.scene, self.mode)?;
         let window = self.window.unwrap_or(scene.sensor.film.crop);
         let settings = |samples, shard| Settings { samples, seed, window, threads: 1, shard, kernel: None };
@@ -111,6 +111,16 @@ pub enum Alike {
     Bits,
     /// In expectation, within this relative margin; every term has a seed of its own.
     Expectation(f64),
+}
+
+impl Alike {
+    /// The largest relative difference that is none.
+    pub fn margin(self) -> f64 {
+        match self {
+            Self::Bits => 0.0,
+            Self::Expectation(margin) => margin,
+        }
+    }
 }
 
 /// Two sums of renders that must be alike.

@@ -58,3 +58,14 @@ pub fn with_light(lights: &str) -> String {
 pub fn with(more: &str) -> String {
     with_light(&(lamp(8.0) + more))
 }
+
+/// The room with these objects, all lengths times a factor, moved. Lamps shine by radiance, so the image stays.
+pub fn placed(objects: fn(&[String]) -> Vec<String>, factor: f64, by: Point) -> String {
+    let steps = [scale([factor; 3]), translate(by)];
+    let at = |p: Point| [0, 1, 2].map(|i| p[i] * factor + by[i]);
+    let place = look_at(at(EYE), at([0.0, 0.0, 0.6]), [0.0, 0.0, 1.0]);
+    let clip = float("near_clip", 0.01 * factor) + &float("far_clip", 1e4 * factor);
+    let camera = camera_at(&[place]).replace("\"perspective\">", &format!("\"perspective\">{clip}"));
+    let lamp = shape("rectangle", &[lamp_steps(), steps.to_vec()].concat(), &area(8.0));
+    scene(&[&path(4), &camera, &objects(&steps).concat(), &lamp])
+}

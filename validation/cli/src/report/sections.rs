@@ -86,7 +86,9 @@ pub fn histograms(histograms: &[Histogram]) -> String {
 
 /// Albedo over the angle: a plot for each model, a line for each parameter; dots are samples, lines are quadrature.
 pub fn albedos(cells: &[Outcome]) -> String {
-    let mut models: BTreeMap<&str, BTreeMap<&str, Vec<(f64, &Outcome)>>> = BTreeMap::new();
+    /// What was found at each angle.
+    type Angles<'a> = Vec<(f64, &'a Outcome)>;
+    let mut models: BTreeMap<&str, BTreeMap<&str, Angles>> = BTreeMap::new();
     for cell in cells {
         let model = cell.subject.split("::").next().unwrap_or_default();
         let angle = cell.subject.rsplit("::").next().and_then(|angle| angle.parse().ok());

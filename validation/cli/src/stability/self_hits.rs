@@ -1,0 +1,80 @@
+//! Rays that leave a convex body outwards meet nothing; within a sphere they meet the other side.
+
+use super::Case;
+use crate::stage::*;
+use etalon::math::{DVec2, DVec3, Frame, Ray, warp};
+use etalon::scene::Scene;
+use etalon::spectrum::ColorMode;
+use validation::statistics::seed_for;
+
+/// Rays of a test run, all bodies together 10⁷.
+const RAYS: u64 = 1_250_000;
+
+pub fn cases() -> Vec<Case> {
+    let mesh = |file: &str| format!("<string name=\"filename\" value=\"meshes/{file}\"/>");
+    let far = translate([310.0, -150.0, 77.0]);
+    let inside = "<boolean name=\"flip_normals\" value=\"true\"/>";
+    let turned = [scale([0.7, 1.3, 1.0]), rotate('x', 33.0), rotate('z', 71.0)];
+    // The triangles of a ball lie in a plane two by two but for the rounding of their corners: no ray may be flatter.
+    let bodies: Vec<(&str, String, f64)> = vec![
+        ("sphere", sphere([0.1, 0.2, -0.3], 1.0, ""), 1e-12),
+        ("hollow_sphere", sphere([0.1, 0.2, -0.3], 1.0, inside), 1e-6),
+        ("sphere_far_away", shape("sphere", &[scale([0.3; 3]), far.clone()], ""), 1e-9),
+        ("patch", shape("rectangle", &[turned.as_slice(), std::slice::from_ref(&far)].concat(), ""), 1e-12),
+        ("cube", shape("cube", &[scale([0.35, 0.7, 0.11])], ""), 1e-9),
+        ("needle", shape("cube", &[scale([1e-5, 1e-5, 10.0])], ""), 1e-9),
+        ("ball_of_triangles", shape("ply", &[], &mesh("ball.ply")), 1e-3),
+        ("octahedron_of_needles", shape("ply", &[scale([1e-4, 1e-4, 10.0])], &mesh("octahedron.ply")), 1e-6),
+    ];
+    // Only what emits can be asked for points of its surface.
+    let shines = area(1.0) + "</shape>";
+    let case = |(name, body, least): (&'static str, String, f64)| {
+        let text =
+            scene(&[&path(1), &pointed([9.0, 0.0, 0.0], [0.0; 3]), &body.replace("</shape>", &shines)]);
+        let hollow = name.starts_with("hollow");
+        let expectation =
+            format!("0 false hits of {RAYS} rays that leave it (ten times as many with --thorough)");
+        let worst = move |effort: u64| {
+            let scene = load(&text, ColorMode::Rgb)?;
+            Ok(false_hits(&scene, RAYS * effort.min(super::THOROUGH), least, hollow)? as f64)
+        };
+        Case::at_most(name, expectation, 0.0, Box::new(worst))
+    };
+    bodies.into_iter().map(case).collect()
+}
+
+/// Of so many rays those that meet what they should not. Cosines to the normal are spread over all magnitudes above `least`.
+fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64, String> {
+    let body = &scene.shapes.first().ok_or("no shape")?.geometry;
+    let (mut left, mut wrong) = (0, 0);
+    for index in 0..100 * rays {
+        if left == rays {
+            return Ok(wrong);
+        }
+        let uniform = |k: u64| (seed_for("self hits", 8 * index + k) >> 11) as f64 / (1u64 << 53) as f64;
+        let target = body.sample_area(DVec2::new(uniform(0), uniform(1))).p;
+        let side = if hollow { 0.5 } else { 1e3 };
+        let towards = warp::sphere(DVec2::new(uniform(2), uniform(3)));
+        let first = Ray::free(target - towards * side, towards);
+        let Some(hit) = scene.accel.closest(&first) else { continue };
+        let (_, point) = scene.surface::<false>(&first, &hit);
+        if point.ng.dot(towards) >= 0.0 {
+            continue;
+        }
+        let cos = libm::pow(least, uniform(4));
+        let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
+        let (s, c) = libm::sincos(std::f64::consts::TAU * uniform(5));
+        let direction = Frame::about(point.ng).to_world(DVec3::new(sin * c, sin * s, cos));
+        let onward = Ray::leaving(point.p, direction, f64::INFINITY, hit.primitive);
+        let met = scene.accel.closest(&onward);
+        // The chord of the unit sphere.
+        let right = if hollow {
+            met.is_some_and(|met| (met.t / (2.0 * cos) - 1.0).abs() < 1e-6)
+        } else {
+            met.is_none()
+        };
+        wrong += u64::from(!right);
+        left += 1;
+    }
+    Err(format!("{left} rays of {rays} met the body"))
+}

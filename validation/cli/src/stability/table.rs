@@ -1,0 +1,56 @@
+//! What was measured, as `docs/stability.md` shows it.
+
+use super::{Row, Standing};
+use std::fmt::Write;
+
+const HEAD: &str = "\
+# Stiff and extreme scenes
+
+Written by `target/release/validate stability --markdown docs/stability.md`; the cases are in `validation/cli/src/stability`.
+
+Every row states what is expected, what was found and whether it holds. A closed form holds if the 99 % interval of twelve
+renders over the formula lies within the margin. *The same numbers* means that both scenes are rendered with the same random numbers, so that
+the mean difference of pixels is rounding and the paths it sends elsewhere. A *limit* is an expectation that is missed
+for a known reason by no more than a stated amount: a farther miss differs.
+
+";
+
+/// A Markdown document, a case a row.
+pub fn markdown(rows: &[Row]) -> String {
+    let count = |verdict: Standing| rows.iter().filter(|row| row.verdict == verdict).count();
+    let mut text = format!(
+        "{HEAD}{} cases: {} hold, {} are known limits, {} are inconclusive, {} differ.\n\n\
+         | case | expectation | found | margin | verdict |\n|---|---|---|--:|---|\n",
+        rows.len(),
+        count(Standing::Holds),
+        count(Standing::Limit),
+        count(Standing::Inconclusive),
+        count(Standing::Differs)
+    );
+    for row in rows {
+        let cell = |text: &str| text.replace('|', "\\|");
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {} |",
+            row.case,
+            cell(&row.expectation),
+            cell(&row.found),
+            shown(row.margin),
+            row.verdict
+        );
+    }
+    if count(Standing::Limit) > 0 {
+        text.push_str("\n## Known limits\n\n");
+        for row in rows {
+            if let Some(why) = row.limit {
+                let _ = writeln!(text, "- {} ({}): {why}", row.case, row.found);
+            }
+        }
+    }
+    text
+}
+
+fn shown(margin: f64) -> String {
+    if margin == 0.0 { "bits".into() } else { format!("{margin:.0e}") }
+}
