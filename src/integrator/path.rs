@@ -137,7 +137,7 @@ struct Stream {
 impl Path {
     /// Estimates the radiance along camera rays.
     ///
-    /// In streams of [`STREAM`], all paths take a step together: their rays are traced, then their vertices are looked at one after another,
+    /// In streams of `STREAM`, all paths take a step together: their rays are traced, then their vertices are looked at one after another,
     /// then the light that the vertices ask for is tested for visibility. Rays that lie side by side can share
     /// vector registers, and the steps of neighbours overlap in the processor; no path knows of the others.
     pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {

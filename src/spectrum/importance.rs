@@ -1,7 +1,7 @@
 //! Wavelengths drawn where the eye is sensitive, from a table.
 //!
 //! The density is close to sech²(0.0072(λ − 538)), Mitsuba's and pbrt's (Radziszewski et al. 2009). Its cumulative
-//! distribution F ∝ tanh(a(λ − c)) is inverted at [`SEGMENTS`] + 1 even steps; between them λ is *defined* to be
+//! distribution F ∝ tanh(a(λ − c)) is inverted at `SEGMENTS` + 1 even steps; between them λ is *defined* to be
 //! linear in the random number, so that the density is constant over a segment and known exactly: nothing is
 //! approximated that an estimate could notice. The observer and D65, which the program knows every 5 nm, are
 //! tabulated at the same places, a quarter of a nm apart where the eye is sensitive and up to 4 nm where it is blind.

@@ -2,7 +2,7 @@
 //! (made by `validation/peers/golden_bsdf.py`).
 //!
 //! Mitsuba computes in f32. How much a rounding of it matters depends on the place, so the tolerance is measured: the
-//! largest change that one ulp of any coordinate of ωo or ωi makes here, times [`ROUNDINGS`], beside as many ulps of the
+//! largest change that one ulp of any coordinate of ωo or ωi makes here, times `ROUNDINGS`, beside as many ulps of the
 //! number itself.
 
 use etalon::bsdf::{AnyMaterial, Bsdf};

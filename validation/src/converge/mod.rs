@@ -1,7 +1,7 @@
 //! Error against run time, whatever rendered: docs/convergence.md.
 //!
 //! - [`error`]: the error of one picture against a noisy reference, without the reference's share.
-//! - [`curve`]: replicates over a ladder of sample counts become a curve with an efficiency and a slope.
+//! - [`mod@curve`]: replicates over a ladder of sample counts become a curve with an efficiency and a slope.
 //! - [`compare`]: two renderers' efficiency ratio with its interval.
 //! - [`page`]: plots and tables.
 

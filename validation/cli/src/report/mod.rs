@@ -1,7 +1,7 @@
 //! `validate report`: everything the harness knows of Etalon, on one page that needs no network.
 //!
-//! [`evidence`] asks [`questions`], [`pictures`] and [`histogram`] look at what was asked, [`page`] puts it together. A new section
-//! is a function that gives HTML, and its line in [`page`].
+//! `evidence` asks `questions`, `pictures` and `histogram` look at what was asked, `page` puts it together. A new section
+//! is a function that gives HTML, and its line in `page`.
 
 #[cfg(test)]
 mod browser;
