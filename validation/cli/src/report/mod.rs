@@ -34,9 +34,9 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Minutes on two cores.
+    /// For a look at everything.
     pub const USUAL: Self = Self { samples: 1 << 17, spp: 1024, sparse: false };
-    /// About one minute.
+    /// For a first look.
     pub const QUICK: Self = Self { samples: 1 << 15, spp: 128, sparse: true };
 }
 
