@@ -7,6 +7,7 @@ use etalon::render::{Progress, Settings, render};
 use etalon::scene::{Scene, load_text};
 use etalon::spectrum::ColorMode;
 use validation::image::{Channel, Image};
+use validation::{Outcome, Verdict};
 
 /// A point or direction.
 pub type Point = [f64; 3];
@@ -147,4 +148,27 @@ pub fn measured(image: &Rendered) -> Image {
         height: image.crop.height as usize,
         channels: image.channels.iter().map(channel).collect(),
     }
+}
+
+/// Efforts and numbers of seeds that a test has: a fault counts if four times the samples, of other seeds, confirm it.
+pub const TWICE: [(u64, u64); 2] = [(1, 0), (4, 1)];
+
+/// Checks until a try finds no fault; fails with what the last one found.
+pub fn confirmed(
+    tries: &[(u64, u64)],
+    fault: impl Fn(u64, u64) -> Result<Option<String>, String>,
+) -> Result<(), String> {
+    let mut found = String::new();
+    for &(effort, number) in tries {
+        match fault(effort, number)? {
+            None => return Ok(()),
+            Some(message) => found = message,
+        }
+    }
+    Err(found)
+}
+
+/// What keeps an outcome from being an approval.
+pub fn fault(outcome: &Outcome) -> Option<String> {
+    (outcome.verdict != Verdict::Equivalent).then(|| format!("{}: {}", outcome.verdict, outcome.message))
 }

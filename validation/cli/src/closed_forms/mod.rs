@@ -26,7 +26,7 @@ mod table;
 mod textures;
 mod thin_lens;
 
-use crate::stage::{expose, load, measured};
+use crate::stage::{TWICE, confirmed, expose, fault, load, measured};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
 use etalon::spectrum::observer::luminance;
@@ -36,7 +36,7 @@ use validation::image::Image;
 use validation::statistics::distributions::student_quantile;
 use validation::statistics::power::detectable_difference;
 use validation::statistics::{Estimate, Interval, seed_for};
-use validation::{Outcome, Verdict};
+use validation::Outcome;
 
 /// Renders of a case.
 const REPLICATES: u64 = 12;
@@ -166,15 +166,8 @@ impl ClosedForm {
 
     /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm it.
     pub fn test(&self) -> Result<(), String> {
-        let mut message = String::new();
-        for (effort, number) in [(1, 0), (4, 1)] {
-            let outcome = self.check(effort, number)?;
-            if outcome.verdict == Verdict::Equivalent {
-                return Ok(());
-            }
-            message = format!("{}: {}", outcome.verdict, outcome.message);
-        }
-        Err(format!("{message}; {}", self.source))
+        confirmed(&TWICE, |effort, number| Ok(fault(&self.check(effort, number)?)))
+            .map_err(|message| format!("{message}; {}", self.source))
     }
 }
 
@@ -192,6 +185,7 @@ pub fn mean_luminance(image: &Image) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use validation::Verdict;
 
     #[test]
     fn undecided_is_no_pass_and_a_shift_is_seen() {

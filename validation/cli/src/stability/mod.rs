@@ -21,6 +21,7 @@ mod table;
 
 use crate::closed_forms::ClosedForm;
 use crate::metamorphic::{Relation, Term};
+use crate::stage::{TWICE, confirmed};
 use serde::Serialize;
 use std::fmt;
 pub use table::markdown;
@@ -183,15 +184,12 @@ impl Case {
 
     /// As a test: what is undecided or different counts if four times the samples, of other seeds, confirm it.
     pub fn test(&self) -> Result<(), String> {
-        let mut message = String::new();
-        for (effort, number) in [(1, 0), (4, 1)] {
-            let row = self.check(effort, number);
-            if matches!(row.verdict, Standing::Holds | Standing::Limit) {
-                return Ok(());
-            }
-            message = format!("{}: {}", row.verdict, row.found);
-        }
-        Err(format!("{message}; {}", self.expectation))
+        let fault = |row: Row| {
+            let holds = matches!(row.verdict, Standing::Holds | Standing::Limit);
+            (!holds).then(|| format!("{}: {}", row.verdict, row.found))
+        };
+        confirmed(&TWICE, |effort, number| Ok(fault(self.check(effort, number))))
+            .map_err(|message| format!("{message}; {}", self.expectation))
     }
 }
 
