@@ -32,11 +32,11 @@ use etalon::spectrum::ColorMode;
 use etalon::spectrum::observer::luminance;
 use std::collections::BTreeMap;
 pub use table::markdown;
+use validation::Outcome;
 use validation::image::Image;
 use validation::statistics::distributions::student_quantile;
 use validation::statistics::power::detectable_difference;
 use validation::statistics::{Estimate, Interval, seed_for};
-use validation::Outcome;
 
 /// Renders of a case.
 const REPLICATES: u64 = 12;
