@@ -7,6 +7,7 @@
 use super::Search;
 use crate::math::Ray;
 use crate::math::simd::F64x4;
+use bytemuck::{Pod, Zeroable};
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
 pub struct Sheared {
@@ -39,7 +40,7 @@ impl Sheared {
 }
 
 /// Four triangles; missing ones have no area.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Triangles {
     /// vertices[corner][axis][triangle].
