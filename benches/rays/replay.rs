@@ -12,9 +12,6 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// As many rays as the path tracer has at once.
-const TOGETHER: usize = 64;
-
 /// Answers the questions on standard input about one mesh.
 pub fn replay(folder: &Path, name: &str) -> Result<(), Box<dyn Error>> {
     let soup = read_mesh(&folder.join(format!("{name}.mesh")))?;
@@ -42,16 +39,7 @@ pub fn replay(folder: &Path, name: &str) -> Result<(), Box<dyn Error>> {
         }
         let rays = &sets[*kind];
         let start = Instant::now();
-        let (mut hits, mut occluded) = ([None; TOGETHER], [false; TOGETHER]);
         let met = match *question {
-            "closest_all" => rays.chunks(TOGETHER).map(|rays| {
-                accel.closest_all(rays, &mut hits[..rays.len()]);
-                hits[..rays.len()].iter().flatten().count()
-            }).sum(),
-            "occluded_all" => rays.chunks(TOGETHER).map(|rays| {
-                accel.occluded_all(rays, &mut occluded[..rays.len()]);
-                occluded[..rays.len()].iter().filter(|yes| **yes).count()
-            }).sum(),
             "occluded" => rays.iter().filter(|ray| accel.occluded(ray)).count(),
             _ => rays.iter().filter(|ray| accel.closest(ray).is_some()).count(),
         };

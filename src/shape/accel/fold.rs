@@ -11,6 +11,10 @@ use obvhs::bvh2::Bvh2;
 /// What testing a block of four triangles costs, in tests of a node.
 const BLOCK_COST: f32 = 0.6;
 
+/// A leaf that could be whole is divided only if that leaves no more than this part of its cost: full blocks save
+/// memory, which large scenes wait for.
+const THRIFT: f32 = 0.6;
+
 /// How many items fit a leaf.
 pub const LEAF: u8 = 4;
 
@@ -78,7 +82,8 @@ impl<'a> Plan<'a> {
             let (has_triangles, only_triangles) = (is_triangle, is_triangle);
             return Decision { costs, choices: [0; 8], surface, size, has_triangles, only_triangles };
         }
-        let (l, r) = (&self.decisions[node.first_index as usize], &self.decisions[node.first_index as usize + 1]);
+        let (l, r) =
+            (&self.decisions[node.first_index as usize], &self.decisions[node.first_index as usize + 1]);
         let mut decision = Decision {
             surface: l.surface + r.surface,
             size: (l.size + r.size).min(LEAF + 1),
@@ -104,7 +109,8 @@ impl<'a> Plan<'a> {
         decision.costs[0] = best;
         for trees in 2..8 {
             let (cost, from_left) = split(trees);
-            if cost < best {
+            let thrift = if decision.size <= LEAF && decision.choices[1] == 0 { THRIFT } else { 1.0 };
+            if cost < best * thrift {
                 (best, decision.choices[trees]) = (cost, from_left);
             }
             decision.costs[trees - 1] = best;
@@ -126,7 +132,8 @@ impl<'a> Plan<'a> {
         let mut leaves = vec![];
         let mut waiting = vec![(0, 0)];
         while let Some((index, to)) = waiting.pop() {
-            let mut wide = Wide { first_node: nodes.len() as u32, first_leaf: leaves.len() as u32, ..Wide::default() };
+            let mut wide =
+                Wide { first_node: nodes.len() as u32, first_leaf: leaves.len() as u32, ..Wide::default() };
             self.children(index, &mut wide);
             for (slot, &child) in wide.children[..usize::from(wide.count)].iter().enumerate() {
                 if self.decisions[child as usize].choices[1] == 0 {

@@ -16,6 +16,7 @@ mod pages;
 mod patches;
 mod space;
 mod spheres;
+mod splits;
 mod stack;
 mod triangles;
 mod walk;
@@ -66,7 +67,7 @@ pub struct Accel {
 
 /// The best hit so far, and the primitive that cannot be met again.
 #[derive(Clone, Copy)]
-pub struct Search<'a> {
+struct Search<'a> {
     ray: &'a Ray,
     best: Hit,
 }
@@ -145,10 +146,7 @@ impl Accel {
 
     #[inline(always)]
     fn search_all<const ANY: bool>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
-        let in_packets = !(self.patches.is_empty() && self.spheres.is_empty());
-        if !self.nodes.is_empty() {
-            return walk::together::<ANY>(self, rays, report);
-        }
+        let in_packets = self.nodes.is_empty() && !(self.patches.is_empty() && self.spheres.is_empty());
         if !in_packets {
             for (i, ray) in rays.iter().enumerate() {
                 report(i, if ANY { self.any(ray) } else { self.closest(ray) });

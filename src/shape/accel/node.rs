@@ -1,7 +1,7 @@
 //! Nodes with eight children.
 
-use super::walk::View;
 use super::space::LocalRay;
+use super::walk::View;
 use crate::math::simd::{F32x8, prefetch};
 use bytemuck::{Pod, Zeroable};
 

@@ -42,9 +42,17 @@ impl Stack {
     }
 
     /// Answers with the first of the children that a ray enters (a bit each, at least one) and lets the others wait. Any hit
-    /// will do (`ANY`) in the order of the children, the closest one is best looked for in the order of distances.
+    /// will do (`ANY`) in the order of the children, the closest one is best looked for in the order of distances: then all
+    /// are likely to be looked at, and `coming` hears of them beforehand.
     #[inline(always)]
-    pub fn enter<const ANY: bool>(&mut self, length: &mut usize, hits: u32, entries: &[f32; 8], children: &[NodeRef; 8]) -> NodeRef {
+    pub fn enter<const ANY: bool>(
+        &mut self,
+        length: &mut usize,
+        hits: u32,
+        entries: &[f32; 8],
+        children: &[NodeRef; 8],
+        coming: impl Fn(NodeRef),
+    ) -> NodeRef {
         let first = hits.trailing_zeros() as usize & 7;
         let mut rest = hits & (hits - 1);
         if rest == 0 {
@@ -54,7 +62,12 @@ impl Stack {
             self.more.extend(&self.few[..*length]);
             *length = 0;
         }
-        let waiting = |lane: usize| Waiting::new(children[lane], entries[lane]);
+        let waiting = |lane: usize| {
+            if !ANY {
+                coming(children[lane]);
+            }
+            Waiting::new(children[lane], entries[lane])
+        };
         if ANY {
             let mut lanes = hits;
             while lanes & (lanes - 1) != 0 {
@@ -115,19 +128,20 @@ mod tests {
     #[test]
     fn the_nearest_child_is_first_and_the_others_follow() {
         let children: [NodeRef; 8] = std::array::from_fn(NodeRef::node);
-        let entries = [3.0, 1.0, 4.0, 1.5, 5.0, 9.0, 2.0, 6.0];
+        let entries = [3.0f32, 1.0, 4.0, 1.5, 5.0, 9.0, 2.0, 6.0];
         for hits in 1..256u32 {
             let mut expected: Vec<usize> = (0..8).filter(|lane| hits >> lane & 1 == 1).collect();
             let (mut any, mut length) = (Stack::new(), 0);
-            let mut order = vec![any.enter::<true>(&mut length, hits, &entries, &children)];
+            let mut order = vec![any.enter::<true>(&mut length, hits, &entries, &children, |_| {})];
             order.extend(std::iter::from_fn(|| any.pop(&mut length, 10.0)));
             assert_eq!(order, expected.iter().map(|&lane| NodeRef::node(lane)).collect::<Vec<_>>());
             expected.sort_by(|&a, &b| entries[a].total_cmp(&entries[b]));
             for limit in [10.0, 4.0] {
                 let (mut closest, mut length) = (Stack::new(), 0);
-                let mut order = vec![closest.enter::<false>(&mut length, hits, &entries, &children)];
+                let mut order = vec![closest.enter::<false>(&mut length, hits, &entries, &children, |_| {})];
                 order.extend(std::iter::from_fn(|| closest.pop(&mut length, limit)));
-                let near = expected.iter().enumerate().filter(|(i, lane)| *i == 0 || entries[**lane] <= limit);
+                let near =
+                    expected.iter().enumerate().filter(|(i, lane)| *i == 0 || entries[**lane] <= limit);
                 assert_eq!(order, near.map(|(_, &lane)| NodeRef::node(lane)).collect::<Vec<_>>());
             }
         }
@@ -138,7 +152,16 @@ mod tests {
         let (mut stack, mut length) = (Stack::new(), 0);
         for i in 0..3 * FEW {
             let child = std::array::from_fn(|lane| NodeRef::node(8 * i + lane));
-            assert_eq!(stack.enter::<false>(&mut length, 0b101, &[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], &child), child[0]);
+            assert_eq!(
+                stack.enter::<false>(
+                    &mut length,
+                    0b101,
+                    &[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                    &child,
+                    |_| {}
+                ),
+                child[0]
+            );
         }
         for i in (0..3 * FEW).rev() {
             assert_eq!(stack.pop(&mut length, 1.0), Some(NodeRef::node(8 * i + 2)));

@@ -64,7 +64,7 @@ fn the_tree_finds_what_trying_everything_finds() {
     let tree = Accel::new(&refs);
     assert!(tree.node_count() > 1);
     let mut flat = Accel::new(&refs);
-    flat.nodes.clear();
+    flat.nodes = Pages::zeroed(0);
     let mut rng = Pcg32::new(2, 2);
     let mut hits = 0;
     for _ in 0..100_000 {

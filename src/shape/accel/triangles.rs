@@ -62,6 +62,10 @@ impl Triangles {
         self.primitives[lane] = primitive;
     }
 
+    pub fn holds(&self, primitive: u32) -> bool {
+        self.primitives.contains(&primitive)
+    }
+
     #[inline(always)]
     pub fn intersect(&self, ray: &Sheared, search: &mut Search) {
         let origin = ray.origin.map(F64x4::splat);

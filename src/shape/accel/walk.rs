@@ -1,12 +1,10 @@
-//! One ray's way through the tree, and many ways at once.
+//! A ray's way through the tree.
 
 use super::node::{Node, NodeRef, Target};
 use super::space::LocalRay;
 use super::stack::Stack;
 use super::triangles::{Sheared, Triangles};
 use super::{Accel, Search};
-use crate::math::Ray;
-use crate::shape::Hit;
 
 /// What a walk looks at.
 pub struct View<'a> {
@@ -51,7 +49,8 @@ impl<'a> Walk<'a> {
                 let node = &view.nodes[index];
                 let (hits, entries) = node.intersect(&self.local);
                 if hits != 0 {
-                    self.next = stack.enter::<ANY>(&mut self.waiting, hits, &entries, &node.children);
+                    let coming = |child: NodeRef| child.prefetch(view);
+                    self.next = stack.enter::<ANY>(&mut self.waiting, hits, &entries, &node.children, coming);
                     return true;
                 }
             }
@@ -73,42 +72,6 @@ impl<'a> Walk<'a> {
                 true
             }
             None => false,
-        }
-    }
-}
-
-/// So many rays take turns: while one waits for memory, the others go on.
-const TOGETHER: usize = 8;
-
-/// Searches for each ray and reports its hit.
-#[inline(always)]
-pub fn together<const ANY: bool>(accel: &Accel, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
-    let view = View::new(accel);
-    let mut waiting = rays.iter().enumerate();
-    let mut begin = |report: &mut dyn FnMut(usize, Option<Hit>)| {
-        for (i, ray) in waiting.by_ref() {
-            match Walk::new(accel, Search::new(ray)) {
-                Some(walk) => return Some((i, walk, Stack::new())),
-                None => report(i, None),
-            }
-        }
-        None
-    };
-    let mut walks: Vec<(usize, Walk, Stack)> = std::iter::from_fn(|| begin(&mut report)).take(TOGETHER).collect();
-    while !walks.is_empty() {
-        let mut turn = 0;
-        while turn < walks.len() {
-            let (i, walk, stack) = &mut walks[turn];
-            if walk.step::<ANY>(&view, stack) {
-                walk.next.prefetch(&view);
-                turn += 1;
-                continue;
-            }
-            report(*i, walk.search.found().then_some(walk.search.best));
-            match begin(&mut report) {
-                Some(other) => walks[turn] = other,
-                None => drop(walks.swap_remove(turn)),
-            }
         }
     }
 }
