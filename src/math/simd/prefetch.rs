@@ -16,3 +16,16 @@ pub fn prefetch<T>(items: &[T], index: usize) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (items, index);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_there_is_not_fetched() {
+        let items = [[1u64; 40], [2; 40]];
+        (0..4).for_each(|i| prefetch(&items, i));
+        (0..4).for_each(|i| prefetch(&items[..0], i));
+        assert_eq!(items, [[1; 40], [2; 40]]);
+    }
+}

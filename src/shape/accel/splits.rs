@@ -94,3 +94,62 @@ pub fn pieces(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) 
     }
     pieces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DVec2, warp};
+    use rand_pcg::{Pcg32, rand_core::Rng};
+
+    fn uniform(rng: &mut Pcg32) -> f64 {
+        rng.next_u32() as f64 / 4294967296.0
+    }
+
+    #[test]
+    fn pieces_cover_thin_triangles_with_less_area() {
+        let mut rng = Pcg32::new(21, 1);
+        let mut triangle = || {
+            let along = warp::sphere(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+            let at = DVec3::new(uniform(&mut rng), uniform(&mut rng), uniform(&mut rng));
+            [at, at + along, at + along + DVec3::splat(0.003)]
+        };
+        let triangles: Vec<[DVec3; 3]> = (0..200).map(|_| triangle()).collect();
+        let numbered = || triangles.iter().enumerate().map(|(i, t)| (i as u32, *t));
+        let pieces = pieces(numbered(), triangles.len());
+        let cut: std::collections::BTreeSet<u32> = pieces.iter().map(|piece| piece.of).collect();
+        assert_eq!(pieces.len(), cut.len() + (triangles.len() as f64 * MORE) as usize);
+        assert!(cut.len() > 150, "{}", cut.len());
+        let before: f64 = numbered().map(|(of, t)| Piece { outline: t.to_vec(), of }.area()).sum();
+        let whole = numbered().filter(|(of, _)| !cut.contains(of));
+        let after = whole.map(|(of, t)| Piece { outline: t.to_vec(), of }.area()).sum::<f64>()
+            + pieces.iter().map(Piece::area).sum::<f64>();
+        assert!(after < 0.8 * before, "{after} {before}");
+        for (of, [a, b, c]) in numbered().filter(|(of, _)| cut.contains(of)) {
+            for _ in 0..100 {
+                let at = warp::triangle(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+                let p = a + (b - a) * at.x + (c - a) * at.y;
+                // Cuts and points are rounded in coordinates of about 1.
+                let rounding = DVec3::splat(1e-15);
+                let holds = |piece: &Piece| {
+                    let (lo, hi) = piece.bounds();
+                    piece.of == of && (p + rounding).cmpge(lo).all() && (p - rounding).cmple(hi).all()
+                };
+                assert!(pieces.iter().any(holds), "{p} of {of}");
+            }
+        }
+    }
+
+    #[test]
+    fn well_shaped_triangles_stay_whole() {
+        let mut rng = Pcg32::new(22, 1);
+        let mut direction = || warp::sphere(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+        for _ in 0..1000 {
+            let frame = crate::math::Frame::about(direction());
+            let corner = |i: u32| {
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU / 3.0 * i as f64);
+                frame.to_world(DVec3::new(sin, cos, 0.0))
+            };
+            assert!(pieces([(0, [0, 1, 2].map(corner))].into_iter(), 100).is_empty());
+        }
+    }
+}

@@ -62,6 +62,12 @@ impl Triangles {
         self.primitives[lane] = primitive;
     }
 
+    /// How many there are.
+    #[cfg(test)]
+    pub fn count(&self) -> usize {
+        self.primitives.iter().filter(|&&primitive| primitive != Search::NONE).count()
+    }
+
     pub fn holds(&self, primitive: u32) -> bool {
         self.primitives.contains(&primitive)
     }
