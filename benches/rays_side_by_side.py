@@ -1,6 +1,6 @@
 """Etalon's rays a second beside Embree's, on the very same rays, single rays on one thread: A B C A B C …, medians of pairs.
 
-    python3 benches/rays_side_by_side.py [--folder F] [--rounds N] [--json F] [--markdown F] [--library NAME]... [MESH...]
+    python3 benches/rays_side_by_side.py [--folder F] [--rounds N] [--json F] [--markdown F] [--tables F] [--library NAME]... [MESH...]
 
 Needs `cargo build --release --example rays`, a C++ compiler, and for Embree Debian's `libembree-dev` or PyPI's `embreex`;
 what is missing is said in the table. Records the rays if the folder has none. Times are the processor time of the tracing
@@ -47,6 +47,8 @@ class Tracer:
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
         self.about = json.loads(self.process.stdout.readline())
+        fields = open(f"/proc/{self.process.pid}/stat").read().rsplit(")", 1)[1].split()
+        self.about["processor_seconds"] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def cpu(self):
         with open(f"/proc/{self.process.pid}/schedstat") as file:
@@ -128,7 +130,7 @@ def measure(mesh, folder, libraries, rounds, isa):
     tracers = {"etalon": Tracer([ETALON, "replay", folder, mesh])}
     for library in libraries:
         for mode in ["robust", "fast"]:
-            command = [os.path.join(ROOT, "target", "rays-embree"), library, folder, mesh, mode, isa]
+            command = [os.path.join(ROOT, "target", "rays-embree"), library, folder, mesh, mode, isa, "2"]
             tracer = Tracer(command, os.path.dirname(library))
             version = str(tracer.about["version"])
             tracers[f"embree {version[0]}.{int(version[1:3])}.{int(version[3:5])} {mode}"] = tracer
@@ -171,7 +173,7 @@ def markdown(results):
     if not peers:
         yield "Embree is not installed: `apt-get install libembree-dev` or `pip install embreex`."
         yield ""
-    yield "| mesh | question | rays | Etalon, M/s | " + "".join(f"{p}, M/s | " for p in peers) + "".join(f"× {p} | " for p in peers)
+    yield "| mesh | question | rays | Etalon, M/s | " + "".join(f"{p}, M/s | " for p in peers) + " | ".join(f"× {p}" for p in peers) + " |"
     yield "|---|---|---|--:|" + "--:|" * (2 * len(peers))
     for result in results:
         for row in result["rates"]:
@@ -181,11 +183,25 @@ def markdown(results):
         means = [geometric_mean([row["ratio"][p] for result in results for row in result["rates"]]) for p in peers]
         yield "| **geometric mean** | | | | " + "| " * len(peers) + " | ".join(f"**{m:.2f}**" for m in means) + " |"
         yield ""
+        yield "Reading and building, two threads:"
+        yield ""
+        programs = ["etalon"] + peers
+        yield "| mesh | triangles | " + "".join(f"{p}, processor s | " for p in programs) + " | ".join(f"{p}, bytes a triangle" for p in programs) + " |"
+        yield "|---|--:|" + "--:|" * (2 * len(programs))
+        for result in results:
+            about = [result["about"][p] for p in programs]
+            cells = [f"{a['processor_seconds']:.2f}" for a in about] + [f"{a['bytes'] / a['triangles']:.0f}" for a in about]
+            yield f"| {result['mesh']} | {about[0]['triangles']} | " + " | ".join(cells) + " |"
+        yield ""
+        yield "Where the closest hits differ, and who is right in exact arithmetic; all other sets agree on every triangle:"
+        yield ""
         reasons = [key for key in results[0]["agreement"][0] if key not in ("kind", "peer")]
         yield "| mesh | rays | beside | " + " | ".join(reasons) + " |"
         yield "|---|---|---|" + "--:|" * len(reasons)
         for result in results:
             for row in result["agreement"]:
+                if row["same"] == sum(row[r] for r in reasons[:-1]):
+                    continue
                 cells = [f"{row[r]:.1e}" if isinstance(row[r], float) else str(row[r]) for r in reasons]
                 yield f"| {result['mesh']} | {row['kind']} | {row['peer']} | " + " | ".join(cells) + " |"
 
@@ -198,8 +214,13 @@ def main():
     parser.add_argument("--isa", default="avx2", help="what Embree may use")
     parser.add_argument("--library", action="append", help="an Embree library, instead of those found")
     parser.add_argument("--json")
+    parser.add_argument("--tables", help="measure nothing, print the tables of such a JSON file")
     parser.add_argument("--markdown")
     arguments = parser.parse_args()
+    if arguments.tables:
+        with open(arguments.tables) as file:
+            print("\n".join(markdown(json.load(file))))
+        return
     libraries = arguments.library or embree_libraries()
     if libraries:
         source, program = os.path.join(HERE, "rays", "embree.cpp"), os.path.join(ROOT, "target", "rays-embree")
