@@ -2,4 +2,5 @@
 
 pub mod draw;
 pub mod inputs;
+pub mod paths;
 pub mod scenes;

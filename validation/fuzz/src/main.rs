@@ -43,6 +43,18 @@ enum Command {
         #[arg(long, default_value = "fuzzed-scenes")]
         folder: PathBuf,
     },
+    /// Paths through random scenes, by Etalon alone: 0 values that are not finite
+    Paths {
+        /// So many
+        #[arg(long, default_value_t = 100_000_000)]
+        paths: u64,
+        /// The first scene
+        #[arg(long, default_value_t = 0)]
+        first: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
     /// Damaged files: no panic, no hang, no memory beyond a multiple of the input
     Input {
         /// xml, ply, obj, serialized, exr, picture, spd or peer; all unless given
@@ -84,6 +96,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<bool, String> {
     match command {
         Command::Scenes { numbers, samples, folder } => scenes(numbers, samples, &folder),
+        Command::Paths { paths, first, json } => follow(first, paths, json.as_deref()),
         Command::Input { format, seconds, count, first, seeds, folder, json, worker } => {
             let formats: Vec<&Format> = match &format {
                 None => FORMATS.iter().collect(),
@@ -146,6 +159,23 @@ fn inputs(
         std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))?;
     }
     Ok(records.iter().all(|r| r.findings.is_empty()))
+}
+
+fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
+    let write = |record: &fuzz::paths::Record| {
+        let Some(path) = json else { return Ok(()) };
+        let text = serde_json::to_string_pretty(record).map_err(|e| e.to_string())?;
+        std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+    };
+    // What was found so far outlives the end of the process.
+    let mut written = Ok(());
+    let told = |record: &fuzz::paths::Record| written = write(record);
+    let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);
+    let record = record.ok_or("a render stopped")?;
+    written?;
+    println!("{record:?}");
+    Ok(record.first.is_empty())
 }
 
 fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Result<bool, String> {

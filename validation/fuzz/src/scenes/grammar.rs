@@ -67,7 +67,7 @@ fn integrator(grower: &mut Grower) -> Option<Node> {
     // What these write has no colour.
     let fits = |n: &Node| !spectral || !["depth", "aov"].iter().any(|kind| n.is("integrator", kind));
     let mut node = unknown(grower, |g| g.any("integrator", 0, fits))?;
-    let depth = (2 + grower.draw.below(6)).to_string();
+    let depth = (2 + grower.draw.below(4)).to_string();
     let deep = Node::new("integer", &[("name", "max_depth"), ("value", &depth)]);
     node.children.retain(|c| c.get("name") != Some("max_depth"));
     if node.is("integrator", "path") {

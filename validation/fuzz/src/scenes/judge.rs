@@ -13,6 +13,9 @@ use validation::statistics::seed_for;
 /// Independent pictures that Mitsuba's variance is estimated from.
 const REPLICATES: u32 = 16;
 
+/// Samples of a pixel to begin with.
+const FIRST: u32 = 512;
+
 /// Largest relative difference of a channel's mean that is none.
 const MARGIN: f64 = 0.005;
 
@@ -43,7 +46,8 @@ pub struct Judgement {
     pub models: Vec<String>,
 }
 
-/// Renders with more samples until the answer is clear or `most` are reached. A difference counts if other seeds confirm it.
+/// Renders with more samples until the answer is clear, or would need more than `most`. A difference counts if four times
+/// the samples, of other seeds, confirm it.
 pub fn judge(
     scene: &Scene,
     number: u64,
@@ -53,35 +57,37 @@ pub fn judge(
 ) -> Result<Judgement, String> {
     let file = folder.join(format!("{number}.xml"));
     std::fs::write(&file, &scene.text).map_err(|e| format!("{}: {e}", file.display()))?;
-    let (mut samples, mut doubted) = (1024.min(most), false);
+    let (mut samples, mut doubted) = (FIRST.min(most), false);
     loop {
         let name = format!("{number} {samples} {doubted}");
-        let mut found = once(scene, &file, &name, samples, mitsuba)?;
+        let (mut found, more) = once(scene, &file, &name, samples, mitsuba)?;
         found.number = number;
-        let more = match found.answer {
-            Answer::Different => !doubted,
-            Answer::Inconclusive => samples < most,
-            _ => false,
+        let wanted = match found.answer {
+            Answer::Different if !doubted => 4.0,
+            // A little beyond what is said to decide nine times in ten.
+            Answer::Inconclusive => more.map_or(f64::INFINITY, |factor| 1.2 * factor.max(1.0)),
+            _ => f64::INFINITY,
         };
-        if !more {
+        let next = f64::from(samples) * wanted;
+        if next > f64::from(most) && !(found.answer == Answer::Different && !doubted) {
             if matches!(found.answer, Answer::Equivalent | Answer::RefusedByBoth) {
                 std::fs::remove_file(&file).map_err(|e| e.to_string())?;
             }
             return Ok(found);
         }
         doubted |= found.answer == Answer::Different;
-        samples = (samples * 4).min(most);
+        samples = (next as u32).min(most).next_multiple_of(4 * REPLICATES);
     }
 }
 
-/// One comparison.
+/// One comparison, and how many times more samples would decide it.
 fn once(
     scene: &Scene,
     file: &Path,
     name: &str,
     samples: u32,
     mitsuba: &mut Mitsuba,
-) -> Result<Judgement, String> {
+) -> Result<(Judgement, Option<f64>), String> {
     let out = file.with_extension("exr");
     let spp = samples / REPLICATES;
     mitsuba.send(&Job { scene: file, out: &out, name, mode: scene.mode, spp, replicates: REPLICATES })?;
@@ -103,12 +109,12 @@ fn once(
             if error.is_none() {
                 found.answer = Answer::RefusedByEtalon;
             }
-            return Ok(found);
+            return Ok((found, None));
         }
         (Ok(_), Some(their_words)) => {
             found.message.clone_from(their_words);
             found.answer = Answer::RefusedByMitsuba;
-            return Ok(found);
+            return Ok((found, None));
         }
     };
     let theirs = image::load(&out).map_err(|e| e.to_string())?;
@@ -132,7 +138,7 @@ fn once(
     };
     found.ratios = ours.channels.iter().filter_map(ratio).collect();
     found.message = comparison.message;
-    Ok(found)
+    Ok((found, comparison.more_samples))
 }
 
 /// Etalon's picture.

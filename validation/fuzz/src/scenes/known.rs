@@ -35,7 +35,11 @@ pub const KNOWN: &[Known] = &[
     },
     Known {
         cause: "a normal map or relief that is not raw has no spectrum",
-        shows: |n| n.is("bsdf", "normalmap") && n.child("normalmap").is_some_and(|m| m.tag == "rgb"),
+        shows: |n| {
+            let raw = |m: &Node| m.child("raw").is_some_and(|r| r.get("value") == Some("true"));
+            n.is("bsdf", "normalmap") && !n.child("normalmap").is_some_and(raw)
+                || n.is("bsdf", "bumpmap") && n.children.iter().any(|c| c.tag == "texture" && !raw(c))
+        },
     },
     Known {
         cause: "bumpmap wants a bitmap",
@@ -52,6 +56,15 @@ pub const KNOWN: &[Known] = &[
                 m.child("alpha_u").is_some() || m.is("bsdf", "normalmap") || m.is("bsdf", "bumpmap")
             };
             (n.is("shape", "instance") || n.is("shape", "shapegroup")) && n.all().iter().any(tangent)
+        },
+    },
+    Known {
+        cause: "sh_normal of an aov is that of the normal map or relief",
+        shows: |n| {
+            let inclined = |m: &&Node| m.is("bsdf", "normalmap") || m.is("bsdf", "bumpmap");
+            n.tag == "scene"
+                && n.all().iter().any(|m| m.is("integrator", "aov"))
+                && n.all().iter().any(inclined)
         },
     },
     Known {
