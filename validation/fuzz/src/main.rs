@@ -190,7 +190,13 @@ fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Re
     for number in numbers.into_iter().flatten() {
         let scene =
             grammar::scene(&models, &files.to_string_lossy(), number).ok_or("the grammar has a dead end")?;
-        let found: Judgement = judge(&scene, number, folder, &mut mitsuba, samples)?;
+        let found: Judgement = match judge(&scene, number, folder, &mut mitsuba, samples) {
+            Ok(found) => found,
+            Err(words) => {
+                mitsuba = Mitsuba::start()?;
+                Judgement::died(&scene, number, words)
+            }
+        };
         if found.answer != Answer::RefusedByBoth {
             println!("{number}: {:?} with {} samples: {}", found.answer, found.samples, found.message);
         }

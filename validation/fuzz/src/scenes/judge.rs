@@ -46,6 +46,14 @@ pub struct Judgement {
     pub models: Vec<String>,
 }
 
+impl Judgement {
+    /// Of a scene in which Mitsuba's process ended.
+    pub fn died(scene: &Scene, number: u64, message: String) -> Self {
+        let (answer, models) = (Answer::RefusedByMitsuba, scene.models.clone());
+        Self { number, answer, mode: scene.mode, samples: 0, ratios: vec![], message, models }
+    }
+}
+
 /// Renders with more samples until the answer is clear, or would need more than `most`. A difference counts if four times
 /// the samples, of other seeds, confirm it.
 pub fn judge(
@@ -120,7 +128,7 @@ fn once(
     let theirs = image::load(&out).map_err(|e| e.to_string())?;
     std::fs::remove_file(&out).map_err(|e| e.to_string())?;
     let (theirs, ours) = if scene.boxed { (theirs, ours) } else { (whole(&reply), mean(&ours)) };
-    let (theirs, ours) = shifted(theirs, ours);
+    let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
     // As for the stored references: Mitsuba adds its samples up in f32.
     let rounding = 64.0 * f64::from(f32::EPSILON);
     let settings = image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(MARGIN) };
@@ -168,15 +176,22 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     Ok(Image { width, height, channels: image.channels.iter().map(channel).collect() })
 }
 
-/// Lifts what has a sign, such as normals, above 0: of a mean near 0 a share says nothing.
+/// Puts out pixels that are 10⁻¹⁵ of the brightest and less: an `f32` cannot hold the variance of the least of them, and Mitsuba
+/// knows no denormal numbers.
+fn silenced(mut image: Image) -> Image {
+    for channel in &mut image.channels {
+        let least = 1e-15 * channel.mean.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        channel.mean.iter_mut().filter(|v| v.abs() < least).for_each(|v| *v = 0.0);
+    }
+    image
+}
+
+/// Lifts what is no colour and may have a sign, such as normals, above 0: of a mean near 0 a share says nothing.
 fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
-    for channel in &mut a.channels {
+    for channel in a.channels.iter_mut().filter(|c| !["R", "G", "B"].contains(&c.name.as_str())) {
         let (low, high) = channel.mean.iter().fold((0.0f64, 0.0f64), |(l, h), v| (l.min(*v), h.max(v.abs())));
         let Some(other) = b.channels.iter_mut().find(|c| c.name == channel.name && low < 0.0) else { continue };
-        // Filters with negative lobes leave a little below 0, which is no sign.
-        if low < -0.1 * high {
-            channel.mean.iter_mut().chain(&mut other.mean).for_each(|v| *v += high);
-        }
+        channel.mean.iter_mut().chain(&mut other.mean).for_each(|v| *v += high);
     }
     (a, b)
 }
