@@ -178,8 +178,10 @@ mod tests {
             format!(r#"<shape type="shapegroup" id="g">{}</shape>"#, shape("cube", "")),
             r#"<shape type="instance"><ref id="g"/></shape>"#,
         );
-        let others: Vec<String> =
-            PLACES.iter().flat_map(|p| SHAPES.map(|(kind, steps)| shape(kind, &[steps, p].concat()))).collect();
+        let others: Vec<String> = PLACES
+            .iter()
+            .flat_map(|p| SHAPES.map(|(kind, steps)| shape(kind, &[steps, p].concat())))
+            .collect();
         let last = scene(&format!("{group}{}{look}", others.concat()));
         for first in 0..others.len() {
             let (before, after) = others.split_at(first);

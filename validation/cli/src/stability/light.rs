@@ -72,7 +72,12 @@ fn sun_in_a_map() -> ClosedForm {
     // The integral is ¼ − sin 2δ/8δ, of whose series this is the beginning.
     let e = 2.0 * PI * radiance * edge * edge / 6.0 * (1.0 - edge * edge / 5.0);
     let source = "E = 2πL ∫₀^δ (1 − θ/δ) sin θ cos θ dθ of a map whose first row is L, δ = 10⁻⁴ rad";
-    ClosedForm::new("sun_of_1e-4_rad_in_a_map", source, floor_under(&emitter("envmap", &parameters)), shown(e))
+    ClosedForm::new(
+        "sun_of_1e-4_rad_in_a_map",
+        source,
+        floor_under(&emitter("envmap", &parameters)),
+        shown(e),
+    )
 }
 
 /// Albedos that f32 holds exactly: 1 − 10⁻⁶ would be 1.3 % off in 1 − ρ.
