@@ -13,16 +13,63 @@ pub const LONGEST: usize = 1 << 18;
 
 /// Numbers at which readers break.
 const NUMBERS: &[&str] = &[
-    "0", "-0", "-1", "1", "2", "1e308", "-1e308", "1e-320", "1e39", "nan", "inf", "-inf", "255", "256", "65536",
-    "2147483647", "2147483648", "-2147483648", "4294967295", "4294967296", "9223372036854775807",
-    "18446744073709551615", "99999999999999999999999", "0x10", "1.5.2", "+", "", "1e", "1e999999999", "\u{e9}",
+    "0",
+    "-0",
+    "-1",
+    "1",
+    "2",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "1e39",
+    "nan",
+    "inf",
+    "-inf",
+    "255",
+    "256",
+    "65536",
+    "2147483647",
+    "2147483648",
+    "-2147483648",
+    "4294967295",
+    "4294967296",
+    "9223372036854775807",
+    "18446744073709551615",
+    "99999999999999999999999",
+    "0x10",
+    "1.5.2",
+    "+",
+    "",
+    "1e",
+    "1e999999999",
+    "\u{e9}",
 ];
 
 /// The same in binary.
 const INTEGERS: &[u64] = &[
-    0, 1, 2, 0x7f, 0x80, 0xff, 0x100, 0x7fff, 0x8000, 0xffff, 0x10000, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff,
-    0x1_0000_0000, 0x7fff_ffff_ffff_ffff, 0x8000_0000_0000_0000, u64::MAX, 0x7f80_0000, 0x7fc0_0000, 0x0000_0001_0000,
-    0x7ff0_0000_0000_0000, 0x7ff8_0000_0000_0000,
+    0,
+    1,
+    2,
+    0x7f,
+    0x80,
+    0xff,
+    0x100,
+    0x7fff,
+    0x8000,
+    0xffff,
+    0x10000,
+    0x7fff_ffff,
+    0x8000_0000,
+    0xffff_ffff,
+    0x1_0000_0000,
+    0x7fff_ffff_ffff_ffff,
+    0x8000_0000_0000_0000,
+    u64::MAX,
+    0x7f80_0000,
+    0x7fc0_0000,
+    0x0000_0001_0000,
+    0x7ff0_0000_0000_0000,
+    0x7ff8_0000_0000_0000,
 ];
 
 /// Binary data: bits, bytes, numbers, pieces.
@@ -114,8 +161,8 @@ pub fn headed(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
 /// A head of four bytes and a deflated stream, which is changed before it is deflated again; or the file as it is.
 pub fn deflated(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     let mut content = vec![];
-    let whole = data.len() > 4
-        && ZlibDecoder::new(&data[4..]).take(LONGEST as u64).read_to_end(&mut content).is_ok();
+    let whole =
+        data.len() > 4 && ZlibDecoder::new(&data[4..]).take(LONGEST as u64).read_to_end(&mut content).is_ok();
     if !whole || draw.chance(0.3) {
         return bytes(data, other, draw);
     }

@@ -24,7 +24,8 @@ impl Seeds {
             found.sort();
             files.extend(found);
         }
-        let suits = |path: &PathBuf| path.extension().is_some_and(|e| format.extensions.iter().any(|x| e == *x));
+        let suits =
+            |path: &PathBuf| path.extension().is_some_and(|e| format.extensions.iter().any(|x| e == *x));
         let mut seeds = vec![];
         for file in files.iter().filter(|file| suits(file)) {
             let bytes = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;

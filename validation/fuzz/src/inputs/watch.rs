@@ -99,7 +99,8 @@ fn follow(
                     (last, since) = (number, Instant::now());
                 } else if let Some(words) = line.strip_prefix("panic ") {
                     find(last, words.to_owned(), &mut record.findings);
-                } else if let Some(bytes) = line.strip_prefix("memory ").and_then(|b| b.parse::<usize>().ok()) {
+                } else if let Some(bytes) = line.strip_prefix("memory ").and_then(|b| b.parse::<usize>().ok())
+                {
                     record.slowest_seconds = record.slowest_seconds.max(since.elapsed().as_secs_f64());
                     let (base, times) = format.memory;
                     let allowed = base + times * seeds.input(format, last).len();

@@ -18,7 +18,15 @@ pub struct Meter {
 /// Reads inputs from number `first` on until the time is over or `count` are read.
 ///
 /// Lines: `N` before input N; `panic MESSAGE` and `memory BYTES` about it; `done` at the end.
-pub fn work(format: &Format, seeds: &Seeds, first: u64, count: u64, time: Duration, folder: &Path, meter: &Meter) {
+pub fn work(
+    format: &Format,
+    seeds: &Seeds,
+    first: u64,
+    count: u64,
+    time: Duration,
+    folder: &Path,
+    meter: &Meter,
+) {
     let words = Arc::new(Mutex::new(String::new()));
     let heard = words.clone();
     std::panic::set_hook(Box::new(move |panic| {

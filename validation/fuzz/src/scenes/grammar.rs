@@ -175,7 +175,9 @@ fn object(grower: &mut Grower, [x, z]: [f64; 2]) -> Option<Node> {
 
 /// Mitsuba wants a group to stand by itself, under a name.
 fn hoisted(mut object: Node, number: usize) -> Vec<Node> {
-    let Some(place) = object.children.iter().position(|c| c.is("shape", "shapegroup")) else { return vec![object] };
+    let Some(place) = object.children.iter().position(|c| c.is("shape", "shapegroup")) else {
+        return vec![object];
+    };
     let id = format!("group{number}");
     let reference = Node::new("ref", &[("id", &id)]);
     let mut group = std::mem::replace(&mut object.children[place], reference);

@@ -131,7 +131,8 @@ fn once(
     let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
     // As for the stored references: Mitsuba adds its samples up in f32.
     let rounding = 64.0 * f64::from(f32::EPSILON);
-    let settings = image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(MARGIN) };
+    let settings =
+        image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(MARGIN) };
     let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
     found.answer = match comparison.verdict {
         Verdict::Equivalent => Answer::Equivalent,
@@ -152,7 +153,8 @@ fn once(
 /// Etalon's picture.
 fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image, String> {
     let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
-    let loaded = etalon::scene::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
+    let loaded =
+        etalon::scene::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
     let settings = Settings {
         samples: 0..u64::from(samples),
         seed,
@@ -168,7 +170,14 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     let double = |values: &Vec<f32>| values.iter().map(|&v| f64::from(v)).collect();
     let channel = |c: &etalon::image::Channel| Channel {
         // Mitsuba gives the channels of a specfilm the names that the scene file has.
-        name: loaded.sensor.film.bands.iter().find(|b| b.channel == c.name).map_or(&c.name, |b| &b.name).clone(),
+        name: loaded
+            .sensor
+            .film
+            .bands
+            .iter()
+            .find(|b| b.channel == c.name)
+            .map_or(&c.name, |b| &b.name)
+            .clone(),
         mean: double(&c.mean),
         variance: c.variance.as_ref().map(double),
     };
@@ -190,7 +199,9 @@ fn silenced(mut image: Image) -> Image {
 fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
     for channel in a.channels.iter_mut().filter(|c| !["R", "G", "B"].contains(&c.name.as_str())) {
         let (low, high) = channel.mean.iter().fold((0.0f64, 0.0f64), |(l, h), v| (l.min(*v), h.max(v.abs())));
-        let Some(other) = b.channels.iter_mut().find(|c| c.name == channel.name && low < 0.0) else { continue };
+        let Some(other) = b.channels.iter_mut().find(|c| c.name == channel.name && low < 0.0) else {
+            continue;
+        };
         channel.mean.iter_mut().chain(&mut other.mean).for_each(|v| *v += high);
     }
     (a, b)

@@ -81,7 +81,8 @@ pub const KNOWN: &[Known] = &[
         cause: "direct counts point, spot and directional lights once for each of its emitter samples",
         shows: |n| {
             let several = ["emitter_samples", "shading_samples"];
-            let chosen = |m: &&Node| m.is("integrator", "direct") && several.iter().any(|p| m.child(p).is_some());
+            let chosen =
+                |m: &&Node| m.is("integrator", "direct") && several.iter().any(|p| m.child(p).is_some());
             let small = ["point", "spot", "directional"];
             n.tag == "scene"
                 && n.all().iter().any(chosen)

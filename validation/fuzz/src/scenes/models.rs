@@ -46,7 +46,8 @@ impl Models {
     pub fn read() -> Result<Self, String> {
         let mut kinds = vec![];
         for model in catalogue() {
-            let examples: Result<Vec<Node>, _> = model.examples.iter().map(|text| Node::parse(text)).collect();
+            let examples: Result<Vec<Node>, _> =
+                model.examples.iter().map(|text| Node::parse(text)).collect();
             kinds.push(Kind { model, examples: examples? });
         }
         for text in WITH_FILES {

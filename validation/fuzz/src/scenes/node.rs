@@ -85,7 +85,8 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again() {
-        let text = "<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.8\"/><bsdf type=\"diffuse\"/></bsdf>";
+        let text =
+            "<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.8\"/><bsdf type=\"diffuse\"/></bsdf>";
         let node = Node::parse(text).unwrap();
         assert_eq!(Node::parse(&node.to_string()).unwrap(), node);
         assert!(node.is("bsdf", "mask") && node.all().len() == 3);

@@ -112,7 +112,8 @@ impl Grower<'_> {
     }
 
     fn colour(&mut self, node: &mut Node) {
-        let old: Vec<f64> = split(node.get("value").unwrap_or_default()).filter_map(|v| v.parse().ok()).collect();
+        let old: Vec<f64> =
+            split(node.get("value").unwrap_or_default()).filter_map(|v| v.parse().ok()).collect();
         let most = old.iter().copied().fold(0.0, f64::max);
         let reach = if most <= 1.0 { 0.9 } else { 1.4 * most };
         let one = |draw: &mut Draw| format!("{:.3}", draw.between(0.05 * reach, reach));
