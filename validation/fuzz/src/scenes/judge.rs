@@ -77,7 +77,8 @@ pub fn judge(
             _ => f64::INFINITY,
         };
         let next = f64::from(samples) * wanted;
-        if next > f64::from(most) && !(found.answer == Answer::Different && !doubted) {
+        let to_confirm = found.answer == Answer::Different && !doubted;
+        if next > f64::from(most) && !to_confirm {
             if matches!(found.answer, Answer::Equivalent | Answer::RefusedByBoth) {
                 std::fs::remove_file(&file).map_err(|e| e.to_string())?;
             }
