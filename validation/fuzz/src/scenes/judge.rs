@@ -203,7 +203,7 @@ fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
         let Some(other) = b.channels.iter_mut().find(|c| c.name == channel.name && low < 0.0) else {
             continue;
         };
-        channel.mean.iter_mut().chain(&mut other.mean).for_each(|v| *v += high);
+        channel.mean.iter_mut().chain(&mut other.mean).for_each(|v| *v += 2.0 * high);
     }
     (a, b)
 }

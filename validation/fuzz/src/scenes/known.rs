@@ -68,13 +68,18 @@ pub const KNOWN: &[Known] = &[
         },
     },
     Known {
-        cause: "path with hide_emitters: light gathered before a path passes a mask or a pane and leaves is lost",
+        cause: "path, with hide_emitters or without surroundings: light gathered at a mask is lost if the path passes it and leaves",
         shows: |n| {
-            let hides = |m: &&Node| m.child("hide_emitters").is_some_and(|h| h.get("value") == Some("true"));
             let passed = ["mask", "null", "thindielectric"];
             n.tag == "scene"
-                && n.all().iter().any(hides)
+                && (n.all().iter().any(hides) || !n.all().iter().any(surrounds))
                 && n.all().iter().any(|m| passed.iter().any(|kind| m.is("bsdf", kind)))
+        },
+    },
+    Known {
+        cause: "hide_emitters in a scene with an instance: the process dies",
+        shows: |n| {
+            n.tag == "scene" && n.all().iter().any(hides) && n.all().iter().any(|m| m.is("shape", "instance"))
         },
     },
     Known {
@@ -90,6 +95,14 @@ pub const KNOWN: &[Known] = &[
         },
     },
 ];
+
+fn hides(node: &&Node) -> bool {
+    node.child("hide_emitters").is_some_and(|h| h.get("value") == Some("true"))
+}
+
+fn surrounds(node: &&Node) -> bool {
+    node.is("emitter", "constant") || node.is("emitter", "envmap")
+}
 
 /// Whether a material, or one within it, has a delta lobe.
 fn has_delta_lobe(material: &Node) -> bool {
