@@ -7,6 +7,7 @@ pub mod passes;
 pub mod pilot;
 pub mod preview;
 pub mod sample;
+pub mod share;
 mod splats;
 
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};

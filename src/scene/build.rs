@@ -13,6 +13,7 @@ use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
 use crate::integrator::caustics::Caustics;
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::{DVec3, Ray, Transform, length};
+use crate::render::share;
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
 use crate::shape::{Declared, Geometry, SHAPES};
@@ -130,7 +131,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
     let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
     features.0 |= if caustics.is_some() { Features::CAUSTICS } else { 0 };
-    Ok(Scene {
+    let mut scene = Scene {
         shapes,
         owners,
         instances,
@@ -143,7 +144,9 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         mode,
         features,
         hash,
-    })
+    };
+    share::settle(&mut scene);
+    Ok(scene)
 }
 
 impl<'a, 'd> Builder<'a, 'd> {

@@ -40,7 +40,7 @@ use crate::sensor::Sensor;
 use emission::Emission;
 pub use light_path::Splat;
 
-/// Light paths to a camera path where the scene file asks for no other number.
+/// Light paths to a camera path, until it is known how much of the light they bring; see [`crate::render::share`].
 const LIGHT_PATHS: f64 = 0.25;
 
 /// What light paths need to know of a scene.
@@ -69,8 +69,14 @@ impl Caustics {
         let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.bounds());
         let casters: Vec<_> = own.chain(instances.bounds_of_groups_with(is_caster)).collect();
         let emission = Emission::new(emitters, shapes, &casters)?;
-        let pixels = sensor.film.crop.pixels() as f64;
-        Some(Self { emission, settings, paths: (share * pixels).ceil().min(f64::from(u32::MAX)) as u32 })
+        let mut caustics = Self { emission, settings, paths: 0 };
+        caustics.set_share(share, sensor.film.crop.pixels());
+        Some(caustics)
+    }
+
+    /// Sets how many light paths there are to a camera path.
+    pub fn set_share(&mut self, share: f64, pixels: usize) {
+        self.paths = (share * pixels as f64).ceil().min(f64::from(u32::MAX)) as u32;
     }
 
     /// The factor of r from xₙ, where w is the direction back to xₙ₋₁: of an emitter, a point of it and its normal there.

@@ -1,0 +1,139 @@
+//! How many light paths there are to a camera path.
+//!
+//! A pixel of relative cost 1 + s and variance V + W/s, with s light paths to a camera path, is best at s² = W/V: the variance
+//! that light paths leave against that of camera paths. A pilot too short to know variances knows energies well, since
+//! either kind of path finds its own part of the light easily. So s is the root of the share of the image's light that
+//! light paths bring, as a power of two; and where they bring none they are left out. The pilot's samples are thrown away and
+//! are a function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
+
+use super::sample::Camera;
+use crate::integrator::caustics::Caustics;
+use crate::integrator::{Counters, kernel_for};
+use crate::scene::{Features, Scene};
+
+/// Camera samples and light paths of the pilot: some milliseconds.
+const CAMERA_SAMPLES: u32 = 2048;
+const LIGHT_PATHS: u64 = 8192;
+
+/// Tiles along each side of the image.
+const TILES: usize = 8;
+
+/// Fewer light paths than these to a camera path cost next to nothing, more gain next to nothing.
+const FEWEST: f64 = 1.0 / 32.0;
+const MOST: f64 = 1.0;
+
+/// Settles the number of light paths of a scene whose file does not.
+pub fn settle(scene: &mut Scene) {
+    if scene.integrator.path().is_none_or(|path| path.light_paths.is_some()) {
+        return;
+    }
+    let Some(caustics) = &scene.caustics else { return };
+    let part = part_of_light_paths(scene, caustics);
+    if part > 0.0 {
+        let share = nearest_power_of_two(part.sqrt()).clamp(FEWEST, MOST);
+        let pixels = scene.sensor.film.crop.pixels();
+        scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
+    } else {
+        scene.caustics = None;
+        scene.features.0 &= !Features::CAUSTICS;
+    }
+}
+
+/// The power of two nearest to x in (0, 1], by ratio; not below [`FEWEST`].
+fn nearest_power_of_two(x: f64) -> f64 {
+    let mut power = 1.0;
+    while power * power > 2.0 * x * x && power > FEWEST {
+        power *= 0.5;
+    }
+    power
+}
+
+/// The part of the light that light paths bring, averaged over tiles of the image, for a lamp in view must not outshine
+/// everything else; zero where they were not seen to bring any.
+fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
+    let camera = Camera::new(scene, 0, kernel_for(scene.features));
+    let mut counters = Counters::default();
+    let film = scene.sensor.film.crop;
+    let pixels = film.pixels() as u64;
+    let which: Vec<((u32, u32), u64)> = (0..CAMERA_SAMPLES)
+        .map(|i| {
+            // Pixels all over the film: multiples of the golden ratio leave no gaps.
+            const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+            let pixel = ((u128::from(u64::from(i).wrapping_mul(GOLDEN)) * u128::from(pixels)) >> 64) as u64;
+            let (x, y) = ((pixel % u64::from(film.width)) as u32, (pixel / u64::from(film.width)) as u32);
+            ((film.x + x, film.y + y), u64::from(i))
+        })
+        .collect();
+    let channels = camera.channel_names().len();
+    let mut values = vec![0.0; channels * which.len()];
+    camera.samples(&which, &mut counters, &mut values);
+    let tile = |(x, y): (u32, u32)| {
+        let along = |offset: u32, size: u32| (u64::from(offset) * TILES as u64 / u64::from(size)) as usize;
+        along(y - film.y, film.height) * TILES + along(x - film.x, film.width)
+    };
+    // Green stands for all colours.
+    let (mut seen, mut brought) = (vec![0.0; TILES * TILES], vec![0.0; TILES * TILES]);
+    for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
+        seen[tile(*pixel)] += values[1];
+    }
+    let scale = f64::from(caustics.paths) * f64::from(CAMERA_SAMPLES) / (LIGHT_PATHS as f64 * pixels as f64);
+    for number in 0..LIGHT_PATHS {
+        camera.light_path(number, &mut counters, |pixel, values| brought[tile(pixel)] += values[1] * scale);
+    }
+    let parts = seen.iter().zip(&brought).map(|(seen, brought)| brought / (seen + brought));
+    let lit: Vec<f64> = parts.filter(|part| part.is_finite()).map(|part| part.clamp(0.0, 1.0)).collect();
+    if lit.is_empty() { 0.0 } else { lit.iter().sum::<f64>() / lit.len() as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    #[test]
+    fn powers_are_the_nearest() {
+        for (x, power) in
+            [(1.0, 1.0), (0.72, 1.0), (0.7, 0.5), (0.26, 0.25), (0.18, 0.25), (0.17, 0.125), (1e-9, FEWEST)]
+        {
+            assert_eq!(nearest_power_of_two(x), power, "{x}");
+        }
+    }
+
+    /// Light paths to a camera path in a box whose lamp is behind glass or not, or that has no glass, or no lamp to aim from.
+    fn share(inside: &str, more: &str) -> f64 {
+        let text = format!(
+            r#"<scene version="3.0.0">
+                <integrator type="path"><integer name="max_depth" value="6"/>{more}</integrator>
+                <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, -3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
+                    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/></film></sensor>
+                <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>
+                    <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>{inside}</scene>"#
+        );
+        let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
+        let paths = scene.caustics.as_ref().map_or(0, |caustics| caustics.paths);
+        assert_eq!(paths > 0, scene.features.0 & Features::CAUSTICS != 0);
+        f64::from(paths) / 1024.0
+    }
+
+    #[test]
+    fn there_are_as_many_light_paths_as_light_comes_by_them() {
+        let lamp = |place: &str, radius: f64| {
+            format!(
+                r#"<shape type="sphere"><point name="center" {place}/><float name="radius" value="{radius}"/>
+                    <emitter type="area"><rgb name="radiance" value="5"/></emitter></shape>"#
+            )
+        };
+        let glass = r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><float name="radius" value="0.9"/>
+            <bsdf type="dielectric"/></shape>"#;
+        let beside = share(&(lamp(r#"x="2" y="2" z="0""#, 0.5) + glass), "");
+        let within = share(&(lamp(r#"x="0" y="0" z="1""#, 0.5) + glass), "");
+        assert!(beside > 0.0 && within > 2.0 * beside, "{beside} beside, {within} within");
+        assert_eq!(share(&lamp(r#"x="2" y="2" z="0""#, 0.5), ""), 0.0);
+        let distant =
+            r#"<emitter type="directional"><vector name="direction" x="0" y="-1" z="0"/></emitter>"#;
+        assert_eq!(share(&(distant.to_owned() + glass), ""), 0.0);
+        let told = r#"<float name="light_paths" value="3"/>"#;
+        assert_eq!(share(&(lamp(r#"x="2" y="2" z="0""#, 0.5) + glass), told), 3.0);
+    }
+}
