@@ -243,7 +243,7 @@ impl Arguments {
         eprintln!("warning: {} samples are not finite; the first:", report.non_finite);
         for found in &report.first_non_finite {
             let ((x, y), sample) = (found.pixel, found.sample);
-            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.scene.display());
+            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.words());
         }
     }
 }

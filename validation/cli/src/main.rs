@@ -297,7 +297,8 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
                 }
             }
             if let Some(path) = markdown {
-                std::fs::write(path, stability::markdown(&rows))?;
+                let old = std::fs::read_to_string(&path).unwrap_or_default();
+                std::fs::write(path, stability::updated(&old, &rows))?;
             }
             if let Some(path) = json {
                 std::fs::write(path, to_json(&rows)?)?;
