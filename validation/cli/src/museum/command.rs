@@ -2,6 +2,7 @@
 
 use super::findings::Findings;
 use super::{bugs, document, mutants, root};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use validation::Verdict;
 use validation::report::to_json;
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// Write a JSON document after every bug; what it has on other bugs is kept
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Only bugs that the JSON document does not have yet
+    #[arg(long, requires = "json")]
+    resume: bool,
     /// Run nothing; put the tables of the committed findings into docs/museum.md
     #[arg(long)]
     document: bool,
@@ -53,8 +57,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     } else {
         mutants::sample(&root(), &arguments.mutate, arguments.sample, arguments.number)?
     };
-    let wanted = |name: &str| arguments.names.is_empty() || arguments.names.iter().any(|n| name.contains(n));
-    if !changes.iter().any(|change| wanted(&change.name)) {
+    let named = |name: &str| arguments.names.is_empty() || arguments.names.iter().any(|n| name.contains(n));
+    if !changes.iter().any(|change| named(&change.name)) {
         return Err("there is no such bug".into());
     }
     std::fs::create_dir_all(&arguments.scratch).map_err(|e| e.to_string())?;
@@ -62,9 +66,11 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     // A run of some bugs leaves what is known of the others.
     let mut findings = Findings::here()?;
     if let Some(path) = arguments.json.as_deref().filter(|path| path.exists()) {
-        findings.bugs = read(path)?.bugs;
+        findings.remember(read(path)?);
         findings.bugs.retain(|bug| changes.iter().any(|change| change.name == bug.name));
     }
+    let known: BTreeSet<String> = findings.bugs.iter().map(|bug| bug.name.clone()).collect();
+    let wanted = |name: &str| named(name) && !(arguments.resume && known.contains(name));
     super::examine(changes, wanted, &scratch, (arguments.jobs, arguments.near), |finding| {
         println!("{finding}");
         findings.add(finding);

@@ -24,6 +24,9 @@ pub struct Finding {
     pub about: String,
     pub source: String,
     pub file: String,
+    /// The sources in which the bug was planted.
+    #[serde(default)]
+    pub commit: String,
     pub fate: Fate,
 }
 
@@ -39,7 +42,7 @@ pub struct Findings {
 impl Finding {
     pub fn new(change: &Change, fate: Fate) -> Self {
         let Change { name, about, source, file, .. } = change.clone();
-        Self { name, about, source, file, fate }
+        Self { name, about, source, file, commit: String::new(), fate }
     }
 }
 
@@ -70,11 +73,22 @@ impl Findings {
         })
     }
 
-    /// Adds a finding, in the place of an earlier one on the same bug.
+    /// Adds a finding of today's commit, in the place of an earlier one on the same bug.
     pub fn add(&mut self, finding: Finding) {
+        let finding = Finding { commit: self.commit.clone(), ..finding };
         match self.bugs.iter_mut().find(|known| known.name == finding.name) {
             Some(known) => *known = finding,
             None => self.bugs.push(finding),
+        }
+    }
+
+    /// Takes over what was found earlier, each finding with the commit it belongs to.
+    pub fn remember(&mut self, earlier: Findings) {
+        for mut finding in earlier.bugs {
+            if finding.commit.is_empty() {
+                finding.commit.clone_from(&earlier.commit);
+            }
+            self.bugs.push(finding);
         }
     }
 
