@@ -2,6 +2,7 @@
 
 use super::findings::Findings;
 use super::{bugs, document, mutants, root};
+use crate::console::say;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use validation::Verdict;
@@ -72,12 +73,12 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     let known: BTreeSet<String> = findings.bugs.iter().map(|bug| bug.name.clone()).collect();
     let wanted = |name: &str| named(name) && !(arguments.resume && known.contains(name));
     super::examine(changes, wanted, &scratch, (arguments.jobs, arguments.near), |finding| {
-        println!("{finding}");
+        say(format_args!("{finding}"));
         findings.add(finding);
         arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))
     })?;
     let (killed, all) = findings.killed();
-    println!("{killed} of {all} killed; {} do not compile", findings.bugs.len() - all);
+    say(format_args!("{killed} of {all} killed; {} do not compile", findings.bugs.len() - all));
     Ok(if killed == all { Verdict::Equivalent } else { Verdict::Different })
 }
 

@@ -51,7 +51,7 @@ fn heading(findings: &Findings, what: &str) -> String {
     let (s, commits) = (if commits.len() > 1 { "s" } else { "" }, Vec::from_iter(commits).join(", "));
     format!(
         "{killed} of {all} {what} killed, {share:.1} % ({}, commit{s} {commits}; {}).\n\n",
-        findings.date, findings.machine
+        findings.made.date, findings.made.machine
     )
 }
 

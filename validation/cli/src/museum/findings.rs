@@ -1,9 +1,9 @@
 //! What became of the bugs, and the JSON document that carries it.
 
 use super::plant::Change;
+use crate::provenance::Provenance;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::process::Command;
 
 /// What became of a bug.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,9 +33,8 @@ pub struct Finding {
 /// A run of the museum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
-    pub date: String,
-    pub machine: String,
-    pub commit: String,
+    #[serde(flatten)]
+    pub made: Provenance,
     pub bugs: Vec<Finding>,
 }
 
@@ -61,21 +60,12 @@ impl fmt::Display for Finding {
 impl Findings {
     /// No findings yet, made today on this machine.
     pub fn here() -> Result<Self, String> {
-        let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let model = model.map_or("unknown processor", |(_, model)| model);
-        Ok(Self {
-            date: told("date", &["-u", "+%F"])?,
-            machine: format!("{cores} cores, {model}"),
-            commit: told("git", &["rev-parse", "--short", "HEAD"])?,
-            bugs: vec![],
-        })
+        Ok(Self { made: Provenance::here()?, bugs: vec![] })
     }
 
     /// Adds a finding of today's commit, in the place of an earlier one on the same bug.
     pub fn add(&mut self, finding: Finding) {
-        let finding = Finding { commit: self.commit.clone(), ..finding };
+        let finding = Finding { commit: self.made.commit.clone(), ..finding };
         match self.bugs.iter_mut().find(|known| known.name == finding.name) {
             Some(known) => *known = finding,
             None => self.bugs.push(finding),
@@ -86,7 +76,7 @@ impl Findings {
     pub fn remember(&mut self, earlier: Findings) {
         for mut finding in earlier.bugs {
             if finding.commit.is_empty() {
-                finding.commit.clone_from(&earlier.commit);
+                finding.commit.clone_from(&earlier.made.commit);
             }
             self.bugs.push(finding);
         }
@@ -101,10 +91,4 @@ impl Findings {
     pub fn survivors(&self) -> impl Iterator<Item = &Finding> {
         self.bugs.iter().filter(|b| b.fate == Fate::Survived)
     }
-}
-
-fn told(program: &str, arguments: &[&str]) -> Result<String, String> {
-    let output = Command::new(program).args(arguments).current_dir(super::root()).output();
-    let output = output.map_err(|e| format!("{program}: {e}"))?;
-    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
