@@ -25,6 +25,7 @@ mod surroundings;
 mod table;
 mod textures;
 mod thin_lens;
+mod vanishing;
 
 use crate::stage::{TWICE, confirmed, expose, fault, load, measured};
 use etalon::render::Settings;
@@ -73,6 +74,7 @@ pub const FAMILIES: &[Family] = &[
     ("round_lights", round_lights::cases),
     ("small_lights", small_lights::cases),
     ("surroundings", surroundings::cases),
+    ("vanishing", vanishing::cases),
     ("envmap", envmap::cases),
     ("interreflection", interreflection::cases),
     ("interfaces", interfaces::cases),
