@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 use validate::console::{percentage, print, say};
+use validate::provenance::Made;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
     closed_forms, converge, furnace, images, ledger, limits, materials, metamorphic, museum, peers,
@@ -335,7 +336,7 @@ fn finish(report: Report, json: Option<PathBuf>) -> Result<Verdict, Box<dyn Erro
         (count(Verdict::Equivalent), count(Verdict::Inconclusive), count(Verdict::Different));
     say(format_args!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict));
     if let Some(path) = json {
-        std::fs::write(path, to_json(&report)?)?;
+        std::fs::write(path, to_json(&Made::here(&report)?)? + "\n")?;
     }
     Ok(report.verdict)
 }

@@ -14,6 +14,22 @@ pub struct Provenance {
     pub commit: String,
 }
 
+/// A document with its provenance before it.
+#[derive(Serialize)]
+pub struct Made<'a, T> {
+    #[serde(flatten)]
+    made: Provenance,
+    #[serde(flatten)]
+    what: &'a T,
+}
+
+impl<'a, T> Made<'a, T> {
+    /// What was made here and today.
+    pub fn here(what: &'a T) -> Result<Self, String> {
+        Ok(Self { made: Provenance::here()?, what })
+    }
+}
+
 impl Provenance {
     /// Here and today. Errors: there is no git, or no checkout.
     pub fn here() -> Result<Self, String> {

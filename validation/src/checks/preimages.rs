@@ -101,7 +101,9 @@ impl Map<'_> {
             {
                 let value = du.cross(dv).length();
                 let rounding = ROUNDING * (dv.length() / steps[0] + du.length() / steps[1]);
-                let error = ((value - last).abs().max(rounding) / value).abs();
+                let apart = (value - last).abs();
+                // Not `max`, which would take rounding for the error of a first quotient, that nothing has confirmed.
+                let error = (if apart < rounding { rounding } else { apart } / value).abs();
                 if error < best.error {
                     best = Integral { value, error };
                 }

@@ -27,7 +27,7 @@ mod textures;
 mod thin_lens;
 mod vanishing;
 
-use crate::stage::{TWICE, confirmed, expose, fault, load, measured};
+use crate::stage::{TWICE, confirmed, expose, fault, gather, load, measured};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
 use etalon::spectrum::observer::luminance;
@@ -90,11 +90,7 @@ pub const FAMILIES: &[Family] = &[
 
 /// All cases, named `family::case`.
 pub fn cases() -> Vec<ClosedForm> {
-    let named = |&(family, cases): &Family| {
-        let rename = move |case: ClosedForm| ClosedForm { name: format!("{family}::{}", case.name), ..case };
-        cases().into_iter().map(rename).collect::<Vec<_>>()
-    };
-    FAMILIES.iter().flat_map(named).collect()
+    gather(FAMILIES, |case| &mut case.name)
 }
 
 impl ClosedForm {

@@ -1,6 +1,6 @@
 //! `validate museum`.
 
-use super::findings::Findings;
+use super::findings::{Findings, results};
 use super::{bugs, document, mutants, root};
 use crate::console::say;
 use std::collections::BTreeSet;
@@ -9,7 +9,6 @@ use validation::Verdict;
 use validation::report::to_json;
 
 /// Where the findings are kept, and the document that shows them.
-const RESULTS: &str = "validation/museum/results.json";
 const MUTANTS: &str = "validation/museum/mutants.json";
 const DOCUMENT: &str = "docs/museum.md";
 
@@ -67,7 +66,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     // A run of some bugs leaves what is known of the others.
     let mut findings = Findings::here()?;
     if let Some(path) = arguments.json.as_deref().filter(|path| path.exists()) {
-        findings.remember(read(path)?);
+        findings.remember(Findings::read(path)?);
         findings.bugs.retain(|bug| changes.iter().any(|change| change.name == bug.name));
     }
     let known: BTreeSet<String> = findings.bugs.iter().map(|bug| bug.name.clone()).collect();
@@ -92,18 +91,13 @@ fn write_document() -> Result<Verdict, String> {
     let told = |e: std::io::Error| format!("{}: {e}", path.display());
     let mut text = std::fs::read_to_string(&path).map_err(told)?;
     /// The name of the place in the document, the file of findings, and what makes a table of them.
-    type Table = (&'static str, &'static str, fn(&Findings) -> String);
-    let tables: [Table; 2] = [("museum", RESULTS, document::museum), ("mutants", MUTANTS, document::mutants)];
+    type Table = (&'static str, PathBuf, fn(&Findings) -> String);
+    let tables: [Table; 2] =
+        [("museum", results(), document::museum), ("mutants", root().join(MUTANTS), document::mutants)];
     for (name, file, table) in tables {
-        let file = root().join(file);
-        let table = if file.exists() { table(&read(&file)?) } else { "Not yet run.\n".into() };
+        let table = if file.exists() { table(&Findings::read(&file)?) } else { "Not yet run.\n".into() };
         text = document::insert(&text, name, &table)?;
     }
     std::fs::write(&path, text).map_err(told)?;
     Ok(Verdict::Equivalent)
-}
-
-fn read(path: &Path) -> Result<Findings, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
 }

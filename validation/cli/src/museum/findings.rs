@@ -4,6 +4,12 @@ use super::plant::Change;
 use crate::provenance::Provenance;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The committed findings on the catalogue.
+pub fn results() -> PathBuf {
+    super::root().join("validation/museum/results.json")
+}
 
 /// What became of a bug.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +69,12 @@ impl Findings {
         Ok(Self { made: Provenance::here()?, bugs: vec![] })
     }
 
+    /// The findings of a document. Errors: no such file, or other content.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
     /// Adds a finding of today's commit, in the place of an earlier one on the same bug.
     pub fn add(&mut self, finding: Finding) {
         let finding = Finding { commit: self.made.commit.clone(), ..finding };
@@ -90,5 +102,28 @@ impl Findings {
 
     pub fn survivors(&self) -> impl Iterator<Item = &Finding> {
         self.bugs.iter().filter(|b| b.fate == Fate::Survived)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn earlier_findings_keep_their_commit() {
+        let text = r#"{"date": "2026-01-01", "machine": "m", "commit": "abc", "bugs": [
+            {"name": "a", "about": "b", "source": "c", "file": "d",
+             "fate": {"killed": {"program": "p", "test": "t", "seconds": 1.0}}},
+            {"name": "e", "about": "f", "source": "g", "file": "h", "commit": "older", "fate": "survived"}]}"#;
+        let earlier: Findings = serde_json::from_str(text).unwrap();
+        let mut findings = Findings { made: earlier.made.clone(), bugs: vec![] };
+        findings.made.commit = "now".into();
+        findings.remember(earlier);
+        assert_eq!(findings.killed(), (1, 2));
+        let again = Finding { fate: Fate::Survived, ..findings.bugs[0].clone() };
+        findings.add(again);
+        let commits: Vec<&str> = findings.bugs.iter().map(|bug| bug.commit.as_str()).collect();
+        assert_eq!(commits, ["now", "older"]);
+        assert_eq!(findings.killed(), (0, 2));
     }
 }
