@@ -150,8 +150,11 @@ pub fn measured(image: &Rendered) -> Image {
     }
 }
 
+/// A name and the cases that bear it.
+pub type Family<T> = (&'static str, fn() -> Vec<T>);
+
 /// The members of all families, each renamed `family::member`.
-pub fn gather<T>(families: &[(&str, fn() -> Vec<T>)], name: fn(&mut T) -> &mut String) -> Vec<T> {
+pub fn gather<T>(families: &[Family<T>], name: fn(&mut T) -> &mut String) -> Vec<T> {
     let mut all = vec![];
     for (family, members) in families {
         for mut member in members() {

@@ -27,7 +27,7 @@ mod textures;
 mod thin_lens;
 mod vanishing;
 
-use crate::stage::{TWICE, confirmed, expose, fault, gather, load, measured};
+use crate::stage::{Family, TWICE, confirmed, expose, fault, gather, load, measured};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
 use etalon::spectrum::observer::luminance;
@@ -65,11 +65,8 @@ pub struct ClosedForm {
 /// What is compared: a number of an image.
 pub type Measure = fn(&Image) -> f64;
 
-/// A name and the cases that bear it.
-pub type Family = (&'static str, fn() -> Vec<ClosedForm>);
-
 /// All families, by name.
-pub const FAMILIES: &[Family] = &[
+pub const FAMILIES: &[Family<ClosedForm>] = &[
     ("irradiance", irradiance::cases),
     ("round_lights", round_lights::cases),
     ("small_lights", small_lights::cases),

@@ -18,7 +18,7 @@ mod tessellation;
 mod transport;
 mod wavelengths;
 
-use crate::stage::{TWICE, confirmed, expose, fault, gather, load, measured};
+use crate::stage::{Family, TWICE, confirmed, expose, fault, gather, load, measured};
 use etalon::image::{Window, merge};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
@@ -141,11 +141,8 @@ pub struct Relation {
     pub samples: u64,
 }
 
-/// A name and the relations that bear it.
-pub type Family = (&'static str, fn() -> Vec<Relation>);
-
 /// All families, by name.
-pub const FAMILIES: &[Family] = &[
+pub const FAMILIES: &[Family<Relation>] = &[
     ("exact", exact::relations),
     ("caustics", caustics::relations),
     ("lights", lights::relations),
