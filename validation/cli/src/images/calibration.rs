@@ -66,6 +66,8 @@ pub struct Calibration {
 
 /// Asks all reference scenes in RGB; `tell` hears of every one.
 pub fn calibrate(effort: &Effort, mut tell: impl FnMut(&Row)) -> Result<Calibration, String> {
+    // Before it begins: sources may move on while it renders.
+    let made = Provenance::here()?;
     let mut scenes: Vec<Reference> = references(&folder())?;
     // Without light there is nothing to lose.
     scenes.retain(|scene| scene.name.ends_with("::rgb") && !scene.name.starts_with("depth"));
@@ -79,7 +81,6 @@ pub fn calibrate(effort: &Effort, mut tell: impl FnMut(&Row)) -> Result<Calibrat
     }
     let (verdict, message) = conclude(&rows);
     let (level, margin) = (settings.level, settings.margin);
-    let made = Provenance::here()?;
     Ok(Calibration { made, verdict, message, level, margin, samples_of_pairs: effort.samples, rows })
 }
 
