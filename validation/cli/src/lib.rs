@@ -3,7 +3,7 @@
 //! [`materials`] shows every material of the registry to the checks, [`limits`] those that should turn into others,
 //! [`sampling`] all else that is drawn, and [`peers`] the BSDFs of other programs; [`furnace`] measures energy over
 //! roughness and index, and [`agreement`] compares values and densities with Mitsuba's golden ones. [`ledger`] keeps
-//! p-values.
+//! p-values, and [`images`] asks of real renders whether their comparison keeps its promises.
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
 //! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike; [`stability`] asks the
@@ -13,16 +13,19 @@
 pub mod agreement;
 pub mod closed_forms;
 pub mod companions;
+pub mod console;
 pub mod converge;
 pub mod drawn_light;
 pub mod drawn_places;
 pub mod furnace;
+pub mod images;
 pub mod ledger;
 pub mod limits;
 pub mod materials;
 pub mod metamorphic;
 pub mod museum;
 pub mod peers;
+pub mod provenance;
 pub mod references;
 pub mod renderers;
 pub mod report;

@@ -5,15 +5,16 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
+use validate::console::{percentage, print, say};
+use validate::provenance::Made;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references,
-    renderers, report, sampling, stability,
+    closed_forms, converge, furnace, images, ledger, limits, materials, metamorphic, museum, peers,
+    references, renderers, report, sampling, stability,
 };
 use validation::checks::Effort;
-use validation::image::{self, Settings};
 use validation::report::to_json;
-use validation::{Outcome, Report, Verdict};
+use validation::{Report, Verdict};
 
 /// Judges materials, images and scenes.
 ///
@@ -111,23 +112,10 @@ enum Command {
         #[arg(long, value_name = "CSV")]
         losses: Option<PathBuf>,
     },
-    /// Whether the p-values of a ledger are uniform
-    Ledger { file: PathBuf },
+    /// Whether the p-values of a ledger are uniform, and its reseeded runs reject as often as their level says
+    Ledger(ledger::command::Arguments),
     /// Whether two images have the same expectation
-    Images {
-        /// The reference
-        a: PathBuf,
-        b: PathBuf,
-        /// Largest relative difference of a channel's mean that is none, such as 0.25%
-        #[arg(long, default_value = "0.25%", value_parser = percentage)]
-        margin: f64,
-        /// Write a JSON document
-        #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
-        /// Write a picture of signed z-scores
-        #[arg(long, value_name = "PNG")]
-        map: Option<PathBuf>,
-    },
+    Images(images::command::Arguments),
     /// All of it on one page: tables, plots and pictures
     Report {
         #[arg(short, long, value_name = "HTML", default_value = "report.html")]
@@ -227,11 +215,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             }
             finish(Report::new("furnace", outcomes), json)
         }
-        Command::Ledger { file } => {
-            let report = ledger::judge(&file)?;
-            report.outcomes.iter().for_each(print);
-            Ok(report.verdict)
-        }
+        Command::Ledger(arguments) => ledger::command::run(arguments),
         Command::Converge {
             scene,
             renderers: names,
@@ -264,26 +248,14 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             if let Some(path) = html {
                 std::fs::write(path, study.html())?;
             }
-            print!("{}", study.text());
+            say(format_args!("{}", study.text().trim_end()));
             Ok(Verdict::Equivalent)
         }
-        Command::Images { a, b, margin, json, map } => {
-            let settings = Settings::with_margin(margin);
-            let (first, second) = (image::load(&a)?, image::load(&b)?);
-            let comparison = image::compare(&first, &second, &settings)?;
-            if let Some(path) = map {
-                image::write_difference_map(&first, &second, &settings, &path)?;
-            }
-            if let Some(path) = json {
-                std::fs::write(path, to_json(&comparison)?)?;
-            }
-            println!("{}: {}", comparison.verdict, comparison.message);
-            Ok(comparison.verdict)
-        }
+        Command::Images(arguments) => images::command::run(arguments),
         Command::Report { output, from, quick } => {
             let effort = if quick { report::Effort::QUICK } else { report::Effort::USUAL };
             let verdict = report::write(&output, from.as_deref(), effort, |step| eprintln!("{step}"))?;
-            println!("{verdict}: {}", output.display());
+            say(format_args!("{verdict}: {}", output.display()));
             Ok(verdict)
         }
         Command::Stability { name, thorough, number, json, markdown } => {
@@ -292,7 +264,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             for case in stability::cases() {
                 if name.as_ref().is_none_or(|n| case.name.contains(n)) {
                     let row = case.check(effort, number);
-                    println!("{:<13} {}: {}", row.verdict, row.case, row.found);
+                    say(format_args!("{:<13} {}: {}", row.verdict, row.case, row.found));
                     rows.push(row);
                 }
             }
@@ -359,22 +331,13 @@ fn judge(
     Ok(Report::new(title, outcomes))
 }
 
-fn print(outcome: &Outcome) {
-    println!("{:<13} {}: {}", outcome.verdict.to_string(), outcome.subject, outcome.message);
-}
-
 fn finish(report: Report, json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
     let count = |v: Verdict| report.outcomes.iter().filter(|o| o.verdict == v).count();
     let (equal, open, bad) =
         (count(Verdict::Equivalent), count(Verdict::Inconclusive), count(Verdict::Different));
-    println!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict);
+    say(format_args!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict));
     if let Some(path) = json {
-        std::fs::write(path, to_json(&report)?)?;
+        std::fs::write(path, to_json(&Made::here(&report)?)? + "\n")?;
     }
     Ok(report.verdict)
-}
-
-fn percentage(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches('%').parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
-    number.map(|v| v / 100.0).ok_or_else(|| "expected such as 0.25%".into())
 }
