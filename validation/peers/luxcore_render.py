@@ -7,6 +7,7 @@ and light tracing is no part of `path`. The bidirectional path length cannot be 
 done, so it may render more than it was asked for; the time is that of what it rendered.
 """
 import json
+import os
 import sys
 import time
 
@@ -131,7 +132,9 @@ def main():
     pixels = np.zeros((height, width, 3), dtype=np.float32)
     session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB, pixels, 0)
     neutral.write_exr(out, pixels[::-1])
-    print(json.dumps({"seconds": seconds, "startup": begun - start, "cpu_seconds": cpu, "samples": samples}))
+    print(json.dumps({"seconds": seconds, "startup": begun - start, "cpu_seconds": cpu, "samples": samples}), flush=True)
+    # Taking the engine down sometimes crashes; the picture is written.
+    os._exit(0)
 
 
 if __name__ == "__main__":

@@ -31,8 +31,9 @@ pub fn share_called_different(
         let mut ladders = [vec![], vec![]];
         // The beginning of a shuffle (Fisher and Yates).
         for k in 0..seeds {
-            let other = k + (stream.uniform() * (order.len() - k) as f64) as usize;
-            order.swap(k, other.min(order.len() - 1));
+            let left = order.len() - k;
+            let other = k + ((stream.uniform() * left as f64) as usize).min(left - 1);
+            order.swap(k, other);
             let turned = usize::from(stream.uniform() < 0.5);
             let Pair(sides) = &pool[order[k]];
             for (side, ladder) in ladders.iter_mut().enumerate() {

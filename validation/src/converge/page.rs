@@ -37,7 +37,7 @@ pub fn frame(title: &str, body: &str) -> String {
 
 /// Plots and tables of one scene; ratios are those of the first line over the others.
 pub fn curves(lines: &[Line]) -> String {
-    let drawing = |title: &str, of: fn(&Line) -> Option<&Curve>| {
+    let drawing = |title: &str, of: for<'a> fn(&Line<'a>) -> Option<&'a Curve>| {
         let drawn: Vec<(&str, &Curve)> = lines.iter().filter_map(|l| Some((l.name, of(l)?))).collect();
         format!("<div><h3>relMSE, {title}</h3>{}</div>", plot(&drawn, title))
     };

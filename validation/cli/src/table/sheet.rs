@@ -107,7 +107,7 @@ fn figure(name: &str, scene: &Scene, bench: &Bench) -> Result<String, String> {
         return Err(format!("{name}: its pictures differ in size"));
     }
     let scratch = bench.folder.join("scratch.png");
-    let mut uri = |pixels: Vec<[u8; 3]>| {
+    let uri = |pixels: Vec<[u8; 3]>| {
         let image = Rgb8 { width: width as u32, height: height as u32, pixels };
         write_png(&scratch, &image).map_err(|e| e.to_string())?;
         data_uri(&scratch)
