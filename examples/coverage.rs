@@ -120,7 +120,7 @@ fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String
         (0..count).map(|p| all.iter().any(|r| (mean(&r[p]) - truths[p]).abs() > 1e-6 * truths[p])).collect();
     for Estimator { blocks, student, smoothed } in estimators((arguments.spp / BLOCK) as usize) {
         let t = if student { quantile(blocks - 1) } else { NORMAL_95 };
-        let (mut held, mut images_held, mut variances) = (0u64, 0u64, [0.0; 2]);
+        let (mut held, mut images_held, mut extrapolated_held, mut variances) = (0u64, 0u64, 0u64, [0.0; 2]);
         for replicate in &all {
             let found: Vec<(f64, f64)> = replicate.iter().map(|values| estimate(values, blocks)).collect();
             for p in (0..count).filter(|p| noisy[*p]) {
@@ -130,6 +130,8 @@ fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String
             }
             let (m, v) = found.iter().fold((0.0, 0.0), |(m, v), pixel| (m + pixel.0, v + pixel.1));
             let (m, v) = (m / count as f64, v / (count * count) as f64);
+            extrapolated_held +=
+                u64::from((m - truth).abs() <= NORMAL_95 * extrapolated(replicate, v, blocks).sqrt());
             // Pixels are independent, so the image's mean has many more degrees of freedom than one of them.
             images_held += u64::from((m - truth).abs() <= NORMAL_95 * v.sqrt());
             variances = [variances[0] + v, variances[1] + (m - truth) * (m - truth)];
@@ -137,11 +139,12 @@ fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String
         let pixels = noisy.iter().filter(|n| **n).count() * all.len();
         println!(
             "{{{about},\"spp\":{},\"replicates\":{},\"blocks\":{blocks},\"student\":{student},\"smoothed\":{smoothed},\
-             \"pixels\":{:.4},\"image\":{:.4},\"estimated_over_true_variance\":{:.3}}}",
+             \"pixels\":{:.4},\"image\":{:.4},\"image_extrapolated\":{:.4},\"estimated_over_true_variance\":{:.3}}}",
             arguments.spp,
             all.len(),
             held as f64 / pixels.max(1) as f64,
             images_held as f64 / all.len() as f64,
+            extrapolated_held as f64 / all.len() as f64,
             variances[0] / variances[1]
         );
     }
@@ -160,6 +163,18 @@ fn estimators(pieces: usize) -> Vec<Estimator> {
         .rev()
         .flat_map(|blocks| [false, true].map(|smoothed| Estimator { blocks, student: true, smoothed }));
     std::iter::once(plain).chain(others).collect()
+}
+
+/// The variance of the image's mean, from its estimate `v` of `blocks` blocks and that of a quarter as many. With samples whose
+/// mean has a variance ∝ n^−θ, B blocks find B^(θ−1) times the variance; the ratio r of both estimates is 4^(1−θ), and
+/// v r^log₄B is what one block would find. For independent samples r = 1.
+fn extrapolated(replicate: &[Vec<f64>], v: f64, blocks: usize) -> f64 {
+    if blocks < 8 {
+        return v;
+    }
+    let coarse: f64 = replicate.iter().map(|values| estimate(values, blocks / 4).1).sum();
+    let ratio = coarse / (replicate.len() * replicate.len()) as f64 / v;
+    v * libm::pow(ratio, libm::log2(blocks as f64) / 2.0)
 }
 
 /// Mean of the variances within two pixels of the pixel `p`.

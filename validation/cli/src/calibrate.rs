@@ -93,7 +93,11 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         for factor in [1.0, 1.05] {
             let share = share_called_different(&pool, seeds, factor, arguments.trials, &mut stream);
             let share = share.ok_or("an error is below the noise of the reference")?;
-            println!("{seeds} seeds, {:.0} % slower: called different in {:.2} %", 100.0 * (factor - 1.0), 100.0 * share);
+            println!(
+                "{seeds} seeds, {:.0} % slower: called different in {:.2} %",
+                100.0 * (factor - 1.0),
+                100.0 * share
+            );
             found.push(Share { seeds, factor, share });
         }
     }

@@ -190,7 +190,8 @@ pub fn study(
                     return Err(format!("{}: its pictures differ in size", runner.name));
                 }
                 let found = errors(&picture, &runner.reference);
-                runner.measured.startup += startup / (settings.ladder.len() as f64 * f64::from(settings.seeds));
+                runner.measured.startup +=
+                    startup / (settings.ladder.len() as f64 * f64::from(settings.seeds));
                 for (rungs, error) in [
                     (&mut runner.measured.trimmed, found.trimmed),
                     (&mut runner.measured.untrimmed, found.relative_mse),

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    calibrate, closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references,
-    report, sampling, stability, table,
+    calibrate, closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers,
+    references, report, sampling, stability, table,
 };
 use validation::checks::Effort;
 use validation::image::{self, Settings};

@@ -152,7 +152,8 @@ struct Said {
 
 impl Said {
     fn of(text: &str) -> Said {
-        let read = |text: &str| serde_json::from_str::<serde_json::Value>(text).ok().filter(|v| v.is_object());
+        let read =
+            |text: &str| serde_json::from_str::<serde_json::Value>(text).ok().filter(|v| v.is_object());
         let Some(document) = text.lines().rev().find_map(read).or_else(|| read(text)) else {
             return Said::default();
         };
@@ -201,7 +202,10 @@ mod tests {
     #[test]
     fn the_environment_fills_in() {
         assert_eq!(from_environment("{env:ETALON_NO_SUCH:python3} x").unwrap(), "python3 x");
-        assert_eq!(from_environment("a {env:CARGO_PKG_NAME:b} c").unwrap(), format!("a {} c", env!("CARGO_PKG_NAME")));
+        assert_eq!(
+            from_environment("a {env:CARGO_PKG_NAME:b} c").unwrap(),
+            format!("a {} c", env!("CARGO_PKG_NAME"))
+        );
         assert!(from_environment("{env:open").is_err());
     }
 

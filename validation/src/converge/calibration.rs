@@ -57,7 +57,8 @@ mod tests {
 
     fn pool(scatter: f64) -> Vec<Pair> {
         let mut stream = Stream::named("pool", 0);
-        let mut side = || (0..3).map(|_| [1.0, 1.0].map(|v: f64| v * libm::exp(scatter * stream.normal()))).collect();
+        let mut side =
+            || (0..3).map(|_| [1.0, 1.0].map(|v: f64| v * libm::exp(scatter * stream.normal()))).collect();
         (0..200).map(|_| Pair([side(), side()])).collect()
     }
 

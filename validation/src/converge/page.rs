@@ -51,7 +51,8 @@ pub fn curves(lines: &[Line]) -> String {
             })
         };
         let slope = |c: Option<&Curve>| optional(c.and_then(|c| c.slope));
-        let to = |c: Option<&Curve>, k: usize| optional(c.and_then(|c| c.seconds_to.get(k).copied().flatten()));
+        let to =
+            |c: Option<&Curve>, k: usize| optional(c.and_then(|c| c.seconds_to.get(k).copied().flatten()));
         let cells = [
             escape(line.name),
             ratio(line.ratio_trimmed),
@@ -79,7 +80,10 @@ pub fn missing(entries: &[(&str, &str)]) -> String {
     if rows.is_empty() {
         String::new()
     } else {
-        format!("<details><summary>Missing</summary><div class=\"wide\"><table>{}</table></div></details>", rows.replace("<td>", "<td class=\"wrap\">"))
+        format!(
+            "<details><summary>Missing</summary><div class=\"wide\"><table>{}</table></div></details>",
+            rows.replace("<td>", "<td class=\"wrap\">")
+        )
     }
 }
 
@@ -97,7 +101,11 @@ pub fn show(i: Interval) -> String {
 /// Three significant figures.
 pub fn figures(value: f64) -> String {
     let digits = if value == 0.0 { 0.0 } else { libm::floor(libm::log10(value.abs())) };
-    if !(-3.0..5.0).contains(&digits) { format!("{value:.2e}") } else { format!("{value:.*}", (2.0 - digits).max(0.0) as usize) }
+    if !(-3.0..5.0).contains(&digits) {
+        format!("{value:.2e}")
+    } else {
+        format!("{value:.*}", (2.0 - digits).max(0.0) as usize)
+    }
 }
 
 #[cfg(test)]

@@ -36,7 +36,8 @@ pub fn plot(curves: &[(&str, &Curve)], label: &str) -> String {
         svg += &rule(at, TOP, at, HEIGHT - BOTTOM, named);
         if named {
             let below = HEIGHT - BOTTOM + 17.0;
-            svg += &format!("<text x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{}</text>", number(value));
+            svg +=
+                &format!("<text x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{}</text>", number(value));
         }
     }
     for (value, named) in ticks(errors) {
@@ -44,7 +45,8 @@ pub fn plot(curves: &[(&str, &Curve)], label: &str) -> String {
         svg += &rule(LEFT, at, WIDTH - RIGHT, at, named);
         if named {
             let (beside, at) = (LEFT - 6.0, at + 4.0);
-            svg += &format!("<text x=\"{beside}\" y=\"{at:.1}\" text-anchor=\"end\">{}</text>", number(value));
+            svg +=
+                &format!("<text x=\"{beside}\" y=\"{at:.1}\" text-anchor=\"end\">{}</text>", number(value));
         }
     }
     for (i, (_, curve)) in curves.iter().enumerate().rev() {
@@ -105,7 +107,11 @@ fn ticks([low, high]: [f64; 2]) -> Vec<(f64, bool)> {
 }
 
 fn number(value: f64) -> String {
-    if (1e-2..1e4).contains(&value) { format!("{}", libm::round(value * 100.0) / 100.0) } else { format!("{value:.0e}") }
+    if (1e-2..1e4).contains(&value) {
+        format!("{}", libm::round(value * 100.0) / 100.0)
+    } else {
+        format!("{value:.0e}")
+    }
 }
 
 #[cfg(test)]

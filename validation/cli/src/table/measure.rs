@@ -175,8 +175,10 @@ impl Bench<'_> {
     }
 
     fn pilot(&self, name: &str) -> Result<Vec<u32>, String> {
-        let seconds = |samples: u32| self.render(name, samples, seed("pilot", samples)).map(|r| self.time(&r));
-        let (first, last) = (self.settings.seconds[0], self.settings.seconds[self.settings.seconds.len() - 1]);
+        let seconds =
+            |samples: u32| self.render(name, samples, seed("pilot", samples)).map(|r| self.time(&r));
+        let (first, last) =
+            (self.settings.seconds[0], self.settings.seconds[self.settings.seconds.len() - 1]);
         let few = seconds(4)?;
         // Few samples say little of a rate that must hold for many.
         let more = (4.0 * (0.5 * first / few).clamp(1.0, 1024.0)) as u32;

@@ -107,7 +107,11 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
 }
 
 /// The settings of the folder: those given, written there at first; others than those of its pictures are refused.
-fn kept_settings(folder: &Path, given: Settings, report_only: bool) -> Result<Settings, Box<dyn std::error::Error>> {
+fn kept_settings(
+    folder: &Path,
+    given: Settings,
+    report_only: bool,
+) -> Result<Settings, Box<dyn std::error::Error>> {
     let file = folder.join("settings.json");
     if file.is_file() {
         let kept: Settings = serde_json::from_str(&std::fs::read_to_string(&file)?)?;

@@ -19,8 +19,7 @@ pub fn page(table: &Table, sections: &[String]) -> String {
     let clock = if table.settings.processor_time { "processor seconds" } else { "seconds" };
     let mut rows = String::new();
     for scene in &table.scenes {
-        let mut cells =
-            vec![format!("<a href=\"#{0}\">{0}</a>", escape(&scene.name)), escape(&scene.class)];
+        let mut cells = vec![format!("<a href=\"#{0}\">{0}</a>", escape(&scene.name)), escape(&scene.class)];
         for against in &scene.against {
             cells.extend(cells_of(against));
         }
@@ -70,7 +69,8 @@ pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
             startup: Some(line.startup),
         })
         .collect();
-    let absent: Vec<(&str, &str)> = scene.missing.iter().map(|(name, why)| (name.as_str(), why.as_str())).collect();
+    let absent: Vec<(&str, &str)> =
+        scene.missing.iter().map(|(name, why)| (name.as_str(), why.as_str())).collect();
     let shown = scene.lines.first().map(|line| line.renderer.clone());
     let best = scene.against.iter().filter_map(|a| a.best_trimmed.as_ref().map(|b| b.0.clone()));
     let mut pictures = String::new();

@@ -59,12 +59,14 @@ pub struct Against {
     pub verdict: String,
 }
 
+/// One of the errors.
+type Measure = fn(&Errors) -> f64;
+
 /// The rungs of one renderer, of the seeds that have all of them.
-fn rungs(runs: &[Run], name: &str, settings: &Settings, error: fn(&Errors) -> f64) -> Vec<Rung> {
+fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<Rung> {
     let count = settings.seconds.len();
-    let at = |seed: u32, rung: usize| {
-        runs.iter().find(|r| r.renderer == name && r.seed == seed && r.rung == rung)
-    };
+    let at =
+        |seed: u32, rung: usize| runs.iter().find(|r| r.renderer == name && r.seed == seed && r.rung == rung);
     let whole: Vec<Vec<&Run>> = (0..settings.seeds)
         .filter_map(|seed| (0..count).map(|rung| at(seed, rung)).collect::<Option<Vec<_>>>())
         .collect();
@@ -82,8 +84,8 @@ fn rungs(runs: &[Run], name: &str, settings: &Settings, error: fn(&Errors) -> f6
 /// What was measured of a scene so far; `failed` is why it was not measured at all.
 pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) -> Result<Scene, String> {
     let (runs, schedule) = (bench.runs()?, bench.schedule()?);
-    let of = |name: &str, error: fn(&Errors) -> f64| rungs(&runs, name, bench.settings, error);
-    let (trimmed, whole): (fn(&Errors) -> f64, fn(&Errors) -> f64) = (|e| e.trimmed, |e| e.relative_mse);
+    let of = |name: &str, error: Measure| rungs(&runs, name, bench.settings, error);
+    let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
     let ours = [of(&plan.ours, trimmed), of(&plan.ours, whole)];
     let mut lines = vec![];
     for name in plan.renderers() {
@@ -195,19 +197,16 @@ mod tests {
             startup: 0.0,
             errors,
         };
-        let settings = Settings {
-            seconds: vec![1.0, 2.0],
-            seeds: 3,
-            reference: 4,
-            threads: 0,
-            processor_time: true,
-        };
+        let settings =
+            Settings { seconds: vec![1.0, 2.0], seeds: 3, reference: 4, threads: 0, processor_time: true };
         let found = rungs(&[run(0, 0), run(0, 1), run(1, 0)], "a", &settings, |e| e.trimmed);
         assert_eq!(found.len(), 2);
         assert_eq!((found[1].errors.clone(), found[1].seconds.clone()), (vec![1.0], vec![7.0]));
         assert!(rungs(&[run(1, 0)], "a", &settings, |e| e.trimmed).is_empty());
 
-        let three = |cost: f64| vec![Rung { samples: 1, errors: vec![cost, 1.1 * cost, 0.9 * cost], seconds: vec![1.0; 3] }];
+        let three = |cost: f64| {
+            vec![Rung { samples: 1, errors: vec![cost, 1.1 * cost, 0.9 * cost], seconds: vec![1.0; 3] }]
+        };
         let found = ratio(&three(1.0), &three(5.0)).unwrap();
         assert_eq!([4.9, 5.1].map(|aim| verdict(Some(&found), aim)), ["reached", "missed"]);
         assert_eq!(verdict(None, 1.0), "no answer");
