@@ -43,6 +43,13 @@ def connect_color(tree, value, socket):
     tree.links.new(texture.outputs["Color"], socket)
 
 
+def connect_value(tree, value, socket):
+    """The same for one number: the mean of an image's colours."""
+    color = tree.nodes.new("ShaderNodeRGBToBW")
+    connect_color(tree, value, color.inputs["Color"])
+    tree.links.new(color.outputs["Val"], socket)
+
+
 def scatterer(tree, material):
     if material["type"] == "diffuse":
         made = node(tree, "ShaderNodeBsdfDiffuse", Roughness=0.0)
@@ -55,11 +62,20 @@ def scatterer(tree, material):
         made.distribution = "GGX"
         connect_color(tree, material["reflectance"], made.inputs["Color"])
     else:
-        if isinstance(material["reflectance"], dict):
-            sys.exit("not translated: a metal with a textured reflectance")
+        tinted = material["reflectance"] != [1.0] * 3
+        if tinted and isinstance(material["reflectance"], list):
+            sys.exit("not translated: a tinted metal with indices")
         made = node(tree, "ShaderNodeBsdfMetallic", Roughness=math.sqrt(material["roughness"]))
         made.distribution, made.fresnel_type = "GGX", "PHYSICAL_CONDUCTOR"
         made.inputs["IOR"].default_value, made.inputs["Extinction"].default_value = material["eta"], material["k"]
+        if tinted:
+            # A grey texture scales the metal: what is left is black.
+            mixed = tree.nodes.new("ShaderNodeMixShader")
+            black = node(tree, "ShaderNodeBsdfDiffuse", Color=rgba([0, 0, 0]))
+            connect_value(tree, material["reflectance"], mixed.inputs["Fac"])
+            tree.links.new(black.outputs[0], mixed.inputs[1])
+            tree.links.new(made.outputs[0], mixed.inputs[2])
+            made = mixed
     return made.outputs[0]
 
 

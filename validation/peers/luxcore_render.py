@@ -59,10 +59,17 @@ class Translation:
         elif material["roughness"] == 0.0:
             self.add(prefix, type="mirror", kr=words(reflectance(material)))
         else:
-            if isinstance(material["reflectance"], dict):
-                sys.exit("not translated: a metal with a textured reflectance")
-            self.add(prefix, type="metal2", n=words(material["eta"]), k=words(material["k"]),
+            tinted = material["reflectance"] != [1.0] * 3
+            if material["eta"] is None or tinted and isinstance(material["reflectance"], list):
+                sys.exit("not translated: a rough metal without indices, or tinted")
+            inner = f"{prefix}bare" if tinted else prefix
+            self.add(inner, type="metal2", n=words(material["eta"]), k=words(material["k"]),
                      uroughness=material["roughness"], vroughness=material["roughness"])
+            if tinted:
+                # A grey texture scales the metal: what is left is black.
+                self.add(f"{prefix}black", type="matte", kd="0 0 0")
+                self.add(prefix, type="mix", material1=f"{name}black", material2=f"{name}bare",
+                         amount=self.color(material["reflectance"]))
         if mesh["radiance"]:
             self.add(prefix, emission=words(mesh["radiance"]), emission__gain="1 1 1")
 

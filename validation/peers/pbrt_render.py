@@ -34,9 +34,11 @@ def material(entry, textures):
     if kind == "glass":
         # pbrt knows no exterior index: the ratio is what refracts.
         return f'Material "dielectric" "float eta" {entry["interior"] / entry["exterior"]}'
-    if entry["eta"] is None or isinstance(reflectance, dict):
-        if isinstance(reflectance, dict) or entry["roughness"] > 0:
-            sys.exit("not translated: a metal with a texture, or a rough ideal mirror")
+    if isinstance(reflectance, dict) or entry["eta"] is not None and reflectance != [1.0] * 3:
+        sys.exit("not translated: a metal with a texture, or tinted")
+    if entry["eta"] is None:
+        if entry["roughness"] > 0:
+            sys.exit("not translated: a rough ideal mirror")
         return f'Material "conductor" "rgb reflectance" [{words(min(v, 0.9999) for v in reflectance)}] "float roughness" 0'
     return (f'Material "conductor" "rgb eta" [{words(entry["eta"])}] "rgb k" [{words(entry["k"])}] '
             f'"float roughness" {entry["roughness"]} "bool remaproughness" false')
@@ -53,7 +55,7 @@ def translation(scene, engine, out, spp, seed):
              f'Camera "perspective" "float fov" {fov} "float lensradius" {sensor["lens_radius"]} '
              f'"float focaldistance" {sensor["focus_distance"]}',
              f'Film "rgb" "integer xresolution" {sensor["width"]} "integer yresolution" {sensor["height"]} '
-             f'"string filename" "{out}" "float iso" 100 "string sensor" "cie1931"',
+             f'"string filename" "{out}" "float iso" 100 "string sensor" "cie1931" "bool savefp16" false',
              'PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5',
              f'Sampler "zsobol" "integer pixelsamples" {spp} "integer seed" {seed}',
              f'Integrator "{engine}" "integer maxdepth" {scene["max_depth"] - 1 if scene["max_depth"] > 0 else 1000}',
