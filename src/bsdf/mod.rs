@@ -81,6 +81,8 @@ pub struct Traits {
     pub dispersive: bool,
     /// Lets light through.
     pub transmits: bool,
+    /// Lobes without density are not the same from either end, so that only camera paths can follow them.
+    pub one_way: bool,
 }
 
 impl Traits {
@@ -92,6 +94,7 @@ impl Traits {
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
             transmits: self.transmits || other.transmits,
+            one_way: self.one_way || other.one_way,
         }
     }
 }

@@ -55,7 +55,8 @@ impl Adapter {
 
     /// The nested material's, with what `own` adds: the tangent is always needed.
     pub fn traits(&self, textured: bool) -> Traits {
-        self.nested.traits().or(Traits { anisotropic: true, textured, ..Traits::default() })
+        let one_way = self.flip_invalid || self.shadowing;
+        self.nested.traits().or(Traits { anisotropic: true, textured, one_way, ..Traits::default() })
     }
 }
 

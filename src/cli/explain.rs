@@ -40,6 +40,7 @@ impl Arguments {
             "geometry_bytes": scene.geometry_bytes(),
             "materials": materials,
             "emitters": emitters,
+            "light_paths": scene.caustics.as_ref().map_or(0, |caustics| caustics.paths),
             "emitter_count": scene.emitters.list.len(),
             "uses": scene.features.names(),
             "kernel": kernel.name,

@@ -70,6 +70,9 @@ struct SceneArguments {
     /// Edges of the longest path, instead of the scene's; -1 means no limit
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     max_depth: Option<i64>,
+    /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
+    #[arg(long, value_name = "SHARE", value_parser = light_paths)]
+    light_paths: Option<f64>,
     /// Size of the film instead of the scene's, such as 640x480
     #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
     size: Option<(u32, u32)>,
@@ -89,6 +92,7 @@ impl SceneArguments {
             size: self.size,
             seed: self.seed,
             sampler: self.sampler.clone(),
+            light_paths: self.light_paths,
         };
         Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
     }
@@ -97,6 +101,12 @@ impl SceneArguments {
 fn definition(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     if name.is_empty() { Err("expected a name before `=`".into()) } else { Ok((name.into(), value.into())) }
+}
+
+fn light_paths(text: &str) -> Result<f64, String> {
+    let range = etalon::integrator::path::LIGHT_PATHS;
+    let share = text.parse().ok().filter(|share| range.contains(share));
+    share.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
 }
 
 fn color(text: &str) -> Result<ColorMode, String> {

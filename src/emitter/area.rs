@@ -44,7 +44,7 @@ impl Area {
             } else {
                 sphere.sample_cone::<false>(p, u, one_minus_cos)
             };
-            let chosen = AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf: 1.0 };
+            let chosen = AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf: 1.0, primitive: 0 };
             return self.arriving(p, &chosen, λ).map(|sample| DirectSample { pdf, ..sample });
         }
         let chosen = shape.sample_area(u);

@@ -82,6 +82,18 @@ impl Film {
         (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)
     }
 
+    /// The pixel that light at a place of the film (in pixels) is given to, and its weight: [`Film::place`] from the
+    /// other end.
+    pub fn pixel_at(&self, place: DVec2, u: DVec2) -> Option<((u32, u32), f64)> {
+        let c = self.crop;
+        let limits = |count: u32| {
+            move |pixel: u32| if self.border { (u32::MAX, u32::MAX) } else { (pixel, count - 1 - pixel) }
+        };
+        let (x, wx) = self.filter.pixel_at(place.x - f64::from(c.x), u.x, c.width, limits(c.width))?;
+        let (y, wy) = self.filter.pixel_at(place.y - f64::from(c.y), u.y, c.height, limits(c.height))?;
+        Some(((c.x + x, c.y + y), wx * wy))
+    }
+
     /// Width over height.
     pub fn aspect(&self) -> f64 {
         self.size.0 as f64 / self.size.1 as f64

@@ -4,6 +4,7 @@
 //! [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
 
 mod aov;
+pub mod caustics;
 mod depth;
 mod direct;
 pub mod light;
@@ -108,6 +109,7 @@ macro_rules! kernels {
 kernels! {
     "plain": 0,
     "plain+environment": Features::ENVIRONMENT,
+    "caustics": Features::CAUSTICS,
     "textured": Features::TEXTURES | Features::ENVIRONMENT,
     "full": Features::ALL,
 }
@@ -147,6 +149,15 @@ impl AnyIntegrator {
             Self::Direct(_) => direct::NAME,
             Self::Depth(_) => depth::NAME,
             Self::Aov(_) => aov::NAME,
+        }
+    }
+
+    /// The settings of the path tracer that fills the colours, if one does.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Path(path) => Some(path),
+            Self::Aov(aov) => aov.nested.as_ref()?.path(),
+            Self::Direct(_) | Self::Depth(_) => None,
         }
     }
 

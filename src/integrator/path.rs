@@ -1,5 +1,6 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
+use super::caustics;
 use super::light::{self, Vertex, power_heuristic};
 use super::{AnyIntegrator, CameraPath, Counters, Event};
 use crate::bsdf::{Bsdf, Material, Visitor};
@@ -34,11 +35,16 @@ pub struct Path {
     pub hide_emitters: bool,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
+    /// Light paths to a camera path, where there are caustics; see [`caustics`]. By default a fixed share.
+    pub light_paths: Option<f64>,
 }
+
+/// How many light paths to a camera path there can be.
+pub const LIGHT_PATHS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
 
 impl Default for Path {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, emitter_samples: 1 }
+        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, emitter_samples: 1, light_paths: None }
     }
 }
 
@@ -51,7 +57,14 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let about = "emitter samples at every vertex (an extension)";
     let emitter_samples = params.integer("emitter_samples", 1, 1..=1024, about)? as u32;
     let max_depth = u32::try_from(max_depth).unwrap_or(u32::MAX);
-    Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples }))
+    let about =
+        "light paths to a camera path, where there are caustics; 0 leaves all to camera paths (an extension)";
+    let light_paths = params.optional_float("light_paths", about)?;
+    if light_paths.is_some_and(|share| !LIGHT_PATHS.contains(&share)) {
+        let help = format!("expected {} to {}", LIGHT_PATHS.start(), LIGHT_PATHS.end());
+        return Err(params.error("light_paths", "no such share", help));
+    }
+    Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths }))
 }
 
 /// How the path came to where it is: what its next emitter is to be weighed with.
@@ -79,6 +92,10 @@ struct State {
     depth: u32,
     /// Whether the ray still goes straight from the camera.
     direct_view: bool,
+    /// The factors of how much likelier light paths make this path, and whether they would begin at the last vertex;
+    /// see [`caustics`].
+    light_ratio: f64,
+    from_caster: bool,
 }
 
 impl State {
@@ -88,6 +105,8 @@ impl State {
         arrival: Arrival { pdf: 1.0, delta: true },
         depth: 0,
         direct_view: true,
+        light_ratio: 1.0,
+        from_caster: false,
     };
 }
 
@@ -222,6 +241,8 @@ impl Path {
         };
         if let Some(emitter) = shape.emitter {
             if self.hide_emitters && state.depth == 0 {
+                // Light paths do not see the camera through an emitter.
+                state.light_ratio = 0.0;
                 return Some(Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive));
             }
             path.covered |= !self.hide_emitters;
@@ -229,7 +250,13 @@ impl Path {
             let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
             if !emitted.is_zero() {
                 let weight = if state.arrival.delta {
-                    1.0
+                    match &scene.caustics {
+                        Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
+                            let back = -ray.direction;
+                            caustics.weight_of_hit(scene, state.light_ratio, emitter as usize, &point, back)
+                        }
+                        _ => 1.0,
+                    }
                 } else {
                     let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
                     let chosen = scene.emitters.probability(emitter as usize);
@@ -310,6 +337,22 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
+        if F & Features::CAUSTICS != 0 && state.light_ratio > 0.0 {
+            let to_light = vertex.to_world(sample.wi);
+            let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(wo).abs());
+            state.light_ratio *= if sample.delta && side.traits.one_way {
+                0.0
+            } else if state.depth == 0 {
+                let seen = scene.pixels_per_area(&path.ray, point.p) * cos_camera;
+                caustics::first(sample.delta, sample.pdf, cos_light, seen)
+            } else if sample.delta {
+                1.0 / (sample.eta * sample.eta)
+            } else {
+                let to_camera = bsdf.evaluate(sample.wi, vertex.wo).pdf;
+                caustics::further(to_camera, sample.pdf, cos_camera, cos_light)
+            };
+            state.from_caster = state.depth > 0 && !side.traits.smooth;
+        }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;
         state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta };

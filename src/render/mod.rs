@@ -7,15 +7,18 @@ pub mod passes;
 pub mod pilot;
 pub mod preview;
 pub mod sample;
+mod splats;
 
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::{Channel, Image, Provenance, Window};
 use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::scene::Scene;
+use passes::{Partial, render_passes};
 use rayon::prelude::*;
 use sample::Camera;
+use splats::Splats;
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Edge of the square tiles that threads take, in pixels.
@@ -95,6 +98,11 @@ struct Tile {
 /// Renders. `None` if `progress` was told to stop, or if the threads could not be started.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
+    if scene.caustics.is_some() {
+        let begun = Partial::new(scene, settings);
+        let done = render_passes(scene, settings, begun, progress, |_| ControlFlow::Continue(()))?;
+        return Some((done.image(scene, settings), done.report));
+    }
     let kernel = settings.kernel.unwrap_or_else(|| kernel_for(scene.features));
     let camera = Camera::new(scene, settings.seed, kernel);
     let names = camera.channel_names();
@@ -103,7 +111,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         let windows: Vec<Window> = tiles(settings.window).collect();
         windows
             .into_par_iter()
-            .map(|w| tile(&camera, w, names.len(), settings, progress))
+            .map(|w| tile(&camera, w, &Splats::default(), names.len(), settings, progress))
             .collect::<Option<Vec<Tile>>>()
     })?;
     let mut report = Report { kernel: kernel.name, threads: pool.current_num_threads(), ..Report::default() };
@@ -152,6 +160,7 @@ fn pixel(window: Window, i: usize) -> (u32, u32) {
 fn tile(
     camera: &Camera,
     window: Window,
+    splats: &Splats,
     channels: usize,
     settings: &Settings,
     progress: &Progress,
@@ -174,7 +183,8 @@ fn tile(
             .collect();
         let values = &mut values[..channels * which.len()];
         camera.samples(&which, &mut counters, values);
-        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact(channels)) {
+        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
+            splats.add_to(pixel, sample, values);
             let mut finite = true;
             for (sum, value) in sums.iter_mut().zip(values) {
                 sum.add(sample, *value);

@@ -9,6 +9,7 @@ use crate::film::{Accumulators, BLOCK};
 use crate::image::{Channel, Image, Window};
 use crate::integrator::{KernelEntry, kernel_for};
 use crate::render::sample::Camera;
+use crate::render::splats::{self, Splats};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
@@ -94,10 +95,13 @@ pub fn render_passes(
         let now = Settings { samples: pass.clone(), shard: true, ..settings.clone() };
         let begin = Instant::now();
         let channels = partial.channels.len();
+        let splats = pool.install(|| Splats::trace(&camera, settings.window, &pass, progress))?;
+        partial.report.rays += splats.counters.rays;
+        partial.report.cut += splats.counters.cut;
         let shared = Mutex::new(&mut partial);
         pool.install(|| {
             windows.par_iter().try_for_each(|&window| {
-                let done = tile(&camera, window, channels, &now, progress)?;
+                let done = tile(&camera, window, &splats, channels, &now, progress)?;
                 shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
                 Some(())
             })
@@ -105,7 +109,8 @@ pub fn render_passes(
         partial.report.samples += (pass.end - pass.start) * settings.window.pixels() as u64;
         partial.report.list_first();
         partial.samples.end = pass.end;
-        if begin.elapsed() < PASS {
+        let many = (pass.end - pass.start) * camera.light_paths() >= splats::MANY;
+        if begin.elapsed() < PASS && !many {
             longest *= 2;
         }
         if after_pass(&partial).is_break() {

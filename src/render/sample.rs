@@ -59,19 +59,55 @@ impl<'a> Camera<'a> {
         if self.radiance {
             (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
             for ((path, weight), values) in paths.iter().zip(&weights).zip(values.chunks_mut(channels)) {
-                self.colors(path, *weight, &mut values[..colors]);
+                let covered = f64::from(u8::from(path.covered));
+                self.colors((&path.λ, path.radiance, covered), *weight, &mut values[..colors]);
             }
         }
     }
 
-    /// R, G, B, alpha and the bands.
+    /// How many channels hold light: R, G, B, alpha and the bands.
+    pub fn color_channels(&self) -> usize {
+        let film = &self.scene.sensor.film;
+        if self.radiance { 3 + usize::from(film.alpha) + film.bands.len() } else { 0 }
+    }
+
+    /// Light paths for each sample number.
+    pub fn light_paths(&self) -> u64 {
+        self.scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths))
+    }
+
+    /// Traces one light path, counted over all samples, and hands on to which pixels it brings what in the colour channels.
+    pub fn light_path(
+        &self,
+        number: u64,
+        counters: &mut Counters,
+        mut splat: impl FnMut((u32, u32), &[f64]),
+    ) {
+        let Some(caustics) = &self.scene.caustics else { return };
+        let mut values = vec![0.0; self.color_channels()];
+        let drawn = (self.scene.sensor.sampler.kind, self.seed);
+        caustics.trace(
+            self.scene,
+            drawn,
+            number,
+            |u| self.wavelengths(u),
+            counters,
+            |found| {
+                self.colors((&found.λ, found.radiance, 0.0), found.weight, &mut values);
+                splat(found.pixel, &values);
+            },
+        );
+    }
+
+    /// Linear sRGB, alpha and the bands of light along a path, and how much of a surface was met.
     #[inline]
-    fn colors(&self, path: &CameraPath, weight: f64, values: &mut [f64]) {
-        let (λ, radiance) = (&path.λ, path.radiance);
+    fn colors(
+        &self, (λ, radiance, covered): (&Wavelengths, Spectrum, f64), weight: f64, values: &mut [f64]
+    ) {
         let film = &self.scene.sensor.film;
         let (rgb, more) = values.split_at_mut(3);
         let (alpha, bands) = more.split_at_mut(usize::from(film.alpha));
-        alpha.fill(f64::from(u8::from(path.covered)) * weight);
+        alpha.fill(covered * weight);
         for (value, c) in rgb.iter_mut().zip(λ.to_rgb(radiance)) {
             *value = c * weight;
         }
@@ -116,15 +152,20 @@ impl<'a> Camera<'a> {
     }
 
     #[inline]
+    fn wavelengths(&self, u: f64) -> Wavelengths {
+        match (self.scene.mode, self.band_range) {
+            (ColorMode::Rgb, _) => Wavelengths::rgb(),
+            (ColorMode::Spectral, None) => Wavelengths::sample_visible(u),
+            (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u, lo, hi),
+        }
+    }
+
+    #[inline]
     fn path(&self, pixel: (u32, u32), sampler: Sampler, u: Numbers) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;
         let (place, weight) = film.place(pixel, u.pair(0));
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
-        let λ = match (self.scene.mode, self.band_range) {
-            (ColorMode::Rgb, _) => Wavelengths::rgb(),
-            (ColorMode::Spectral, None) => Wavelengths::sample_visible(u.one(4)),
-            (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u.one(4), lo, hi),
-        };
+        let λ = self.wavelengths(u.one(4));
         let ray = self.scene.sensor.camera.ray(place, u.pair(1));
         (CameraPath { ray, λ, sampler, radiance: Spectrum::ZERO, covered: false }, weight)
     }

@@ -10,6 +10,7 @@ use super::xml::{self, Document, Element};
 use super::{Features, Overrides, Scene, Shape, Side, overrides};
 use crate::bsdf::AnyMaterial;
 use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
+use crate::integrator::caustics::Caustics;
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::{DVec3, Ray, Transform, length};
 use crate::sensor::Sensor;
@@ -117,7 +118,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         }
     };
     let hash = hash(document, &loader, mode)?;
-    let features = features(&builder, &integrator);
+    let mut features = features(&builder, &integrator);
     let geometries: Vec<&Geometry> = builder.shapes.iter().map(|s| &s.geometry).collect();
     let accel = Accel::with_instances(&geometries, builder.instances.trees());
     let (lo, hi) = accel.bounds();
@@ -127,6 +128,8 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));
     let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
+    let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
+    features.0 |= if caustics.is_some() { Features::CAUSTICS } else { 0 };
     Ok(Scene {
         shapes,
         owners,
@@ -136,6 +139,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         accel,
         sensor,
         integrator,
+        caustics,
         mode,
         features,
         hash,

@@ -82,6 +82,15 @@ impl Instances {
         self.groups.iter().flat_map(|group| &group.shapes)
     }
 
+    /// The bounding boxes of the looks of groups that have such a shape.
+    pub fn bounds_of_groups_with(&self, wanted: impl Fn(&Shape) -> bool) -> Vec<(DVec3, DVec3)> {
+        let has = |look: &&(u32, Transform)| self.groups[look.0 as usize].shapes.iter().any(&wanted);
+        let bounds = |&(group, to_world): &(u32, Transform)| {
+            Instance::new(self.groups[group as usize].tree.clone(), to_world).bounds()
+        };
+        self.looks.iter().filter(has).map(bounds).collect()
+    }
+
     /// Bytes of the groups' search structures.
     pub fn search_bytes(&self) -> usize {
         self.groups.iter().map(|group| group.tree.bytes()).sum()

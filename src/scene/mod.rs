@@ -19,7 +19,8 @@ pub mod xml;
 use crate::bsdf::{AnyMaterial, Traits};
 use crate::emitter::Emitters;
 use crate::integrator::AnyIntegrator;
-use crate::math::Ray;
+use crate::integrator::caustics::Caustics;
+use crate::math::{DVec3, Ray};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
 use crate::shape::{Geometry, Hit, SurfacePoint};
@@ -62,6 +63,8 @@ pub struct Overrides {
     pub seed: Option<u32>,
     /// A sampler by name.
     pub sampler: Option<String>,
+    /// Light paths to a camera path.
+    pub light_paths: Option<f64>,
 }
 
 /// Everything that a render needs.
@@ -75,6 +78,8 @@ pub struct Scene {
     pub accel: Accel,
     pub sensor: Sensor,
     pub integrator: AnyIntegrator,
+    /// How caustics are found, where light paths help.
+    pub caustics: Option<Caustics>,
     pub mode: ColorMode,
     /// What the scene uses; decides which kernel runs.
     pub features: Features,
@@ -95,7 +100,9 @@ impl Features {
     pub const DISPERSION: u32 = 4;
     /// Light from outside.
     pub const ENVIRONMENT: u32 = 8;
-    pub const ALL: u32 = 15;
+    /// Light paths look for caustics.
+    pub const CAUSTICS: u32 = 16;
+    pub const ALL: u32 = 31;
 
     /// The names of the features, for people.
     pub fn names(self) -> Vec<&'static str> {
@@ -104,6 +111,7 @@ impl Features {
             (Self::ANISOTROPY, "anisotropy"),
             (Self::DISPERSION, "dispersion"),
             (Self::ENVIRONMENT, "environment"),
+            (Self::CAUSTICS, "caustics"),
         ];
         all.into_iter().filter(|(bit, _)| self.0 & bit != 0).map(|(_, name)| name).collect()
     }
@@ -128,6 +136,12 @@ impl Scene {
         }
         let (shape, local) = self.shape_of(hit.primitive);
         (shape, shape.geometry.point::<UV>(ray, hit, local))
+    }
+
+    /// How many pixels (in px²) the film sees for each unit of area across a camera ray at its point `p`.
+    pub fn pixels_per_area(&self, ray: &Ray, p: DVec3) -> f64 {
+        let (width, height) = self.sensor.film.size;
+        self.sensor.camera.seen_per_area(ray, p) * (f64::from(width) * f64::from(height))
     }
 
     /// A number for each shape: those of groups come after the others.

@@ -16,6 +16,10 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
         let integrator = child(root, "integrator", "path")?;
         set(integrator, "max_depth", &depth.to_string());
     }
+    if let Some(share) = overrides.light_paths {
+        let integrator = child(root, "integrator", "path")?;
+        set_as("float", integrator, "light_paths", &share.to_string());
+    }
     if let Some((width, height)) = overrides.size {
         let film = child(child(root, "sensor", "")?, "film", "hdrfilm")?;
         let crop = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];
@@ -59,8 +63,12 @@ fn child<'a>(parent: &'a mut Element, tag: &str, kind: &str) -> Result<&'a mut E
 
 /// Sets an integer parameter.
 fn set(parent: &mut Element, name: &str, value: &str) {
+    set_as("integer", parent, name, value);
+}
+
+fn set_as(kind: &str, parent: &mut Element, name: &str, value: &str) {
     parent.children.retain(|c| c.name() != Some(name));
-    let parameter = element(parent, "integer", &[("name", name), ("value", value)]);
+    let parameter = element(parent, kind, &[("name", name), ("value", value)]);
     parent.children.push(parameter);
 }
 

@@ -3,6 +3,8 @@
 //! *How to add one*: write `sensor/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to [`SENSORS`]
 //! and a variant to [`AnySensor`].
 
+#[cfg(test)]
+mod contract;
 mod orthographic;
 mod perspective;
 mod thinlens;
@@ -15,6 +17,7 @@ use crate::scene::loader::Loader;
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::{Entry, construct};
 use crate::scene::xml::Element;
+use glam::DVec4;
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
 pub use thinlens::ThinLens;
@@ -25,6 +28,19 @@ pub enum AnySensor {
     Perspective(Perspective),
     ThinLens(ThinLens),
     Orthographic(Orthographic),
+}
+
+/// A point as a camera sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Unit direction from the point to the lens, world space.
+    pub towards: DVec3,
+    /// How far the way must be free.
+    pub distance: f64,
+    /// The place on the film, 0 to 1 from the upper left where it is on it.
+    pub film: DVec2,
+    /// The part of the film that a unit of area across the line of sight fills there.
+    pub per_area: f64,
 }
 
 /// A camera with what it records on and how it is sampled.
@@ -65,12 +81,58 @@ impl AnySensor {
         }
     }
 
+    /// How a point in the world is seen through a place on the unit square of the lens, if nothing is in the way. `None` for
+    /// what lies behind the camera or beyond its clipping distances.
+    pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
+        match self {
+            Self::Perspective(camera) => camera.connect(p),
+            Self::ThinLens(camera) => camera.connect(p, lens),
+            Self::Orthographic(camera) => camera.connect(p),
+        }
+    }
+
+    /// [`View::per_area`] at the point `p` of a camera ray.
+    pub fn seen_per_area(&self, ray: &Ray, p: DVec3) -> f64 {
+        match self {
+            Self::Perspective(camera) => camera.foreshortening.per_area(ray.direction, p),
+            Self::ThinLens(camera) => camera.foreshortening.per_area(ray.direction, p),
+            Self::Orthographic(camera) => camera.per_area(),
+        }
+    }
+
     pub fn name(&self) -> &'static str {
         match self {
             Self::Perspective(_) => perspective::NAME,
             Self::ThinLens(_) => thinlens::NAME,
             Self::Orthographic(_) => orthographic::NAME,
         }
+    }
+}
+
+/// How much of the film an area fills in front of a camera whose film is an image of half size `half` at depth 1.
+///
+/// A place x of the film is seen along A d, d = (x, y, 1) less something that does not depend on x, so the film's area
+/// dx fills the solid angle |det A| dx / |A d|³. With ω = A d / |A d| the third component of A⁻¹ω is 1 / |A d|, and a point at
+/// depth z lies at the distance z |A d|. Together, dx/dA across the line of sight is 1 / (|det A| (A⁻¹ω)₃ z²).
+#[derive(Clone, Copy, Debug)]
+struct Foreshortening {
+    /// The third row of A⁻¹: depth from a point, and from a direction.
+    depth: DVec4,
+    /// 1 / (|det A| · area of the film).
+    scale: f64,
+}
+
+impl Foreshortening {
+    fn new(to_world: &Transform, half: DVec2) -> Self {
+        let determinant = to_world.matrix.determinant().abs();
+        Self { depth: to_world.inverse.row(2), scale: 1.0 / (4.0 * half.x * half.y * determinant) }
+    }
+
+    /// [`View::per_area`] at the point `p` along ω from the camera.
+    #[inline]
+    fn per_area(&self, w: DVec3, p: DVec3) -> f64 {
+        let depth = self.depth.truncate().dot(p) + self.depth.w;
+        self.scale / (self.depth.truncate().dot(w) * depth * depth)
     }
 }
 

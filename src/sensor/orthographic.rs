@@ -1,7 +1,7 @@
 //! The camera of parallel rays.
 
-use super::{AnySensor, Sensor, common};
-use crate::math::frame::unit;
+use super::{AnySensor, Sensor, View, common};
+use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -38,5 +38,24 @@ impl Orthographic {
         let p = DVec3::new(1.0 - 2.0 * film.x, (1.0 - 2.0 * film.y) / self.aspect, self.near);
         let direction = unit(self.to_world.vector(DVec3::Z));
         Ray { end: self.far - self.near, ..Ray::free(self.to_world.point(p), direction) }
+    }
+
+    /// The way back of [`Orthographic::ray`].
+    pub fn connect(&self, p: DVec3) -> Option<View> {
+        let local = self.to_world.inverse.transform_point3(p);
+        let forward = self.to_world.vector(DVec3::Z);
+        let distance = (local.z - self.near) * length(forward);
+        (distance > 0.0 && distance < self.far - self.near).then(|| View {
+            towards: -unit(forward),
+            distance,
+            film: 0.5 * DVec2::new(1.0 - local.x, 1.0 - local.y * self.aspect),
+            per_area: self.per_area(),
+        })
+    }
+
+    /// The film is 2 × 2/aspect in local units; of the volume |det A| above them, |A z| is height.
+    pub fn per_area(&self) -> f64 {
+        let forward = length(self.to_world.vector(DVec3::Z));
+        self.aspect * forward / (4.0 * self.to_world.matrix.determinant().abs())
     }
 }

@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use super::{AnySensor, Sensor, common, half_width, require_rigid};
+use super::{AnySensor, Foreshortening, Sensor, View, common, half_width, require_rigid};
 use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform};
 use crate::scene::error::SceneError;
@@ -16,6 +16,7 @@ pub struct Perspective {
     to_world: Transform,
     /// Half the size of the image at distance 1.
     half: DVec2,
+    pub(super) foreshortening: Foreshortening,
     principal_offset: DVec2,
     near: f64,
     far: f64,
@@ -25,12 +26,14 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let common = common(params)?;
     params.optional_float("focus_distance", "of a `thinlens`; ignored here, as in Mitsuba")?;
     let half = half_width(params, common.film.aspect())?;
+    let half = DVec2::new(half, half / common.film.aspect());
     let x = params.float("principal_point_offset_x", 0.0, "of the film's centre, in film widths")?;
     let y = params.float("principal_point_offset_y", 0.0, "of the film's centre, in film heights")?;
     require_rigid(params, &common.to_world)?;
     let camera = AnySensor::Perspective(Perspective {
         to_world: common.to_world,
-        half: DVec2::new(half, half / common.film.aspect()),
+        half,
+        foreshortening: Foreshortening::new(&common.to_world, half),
         principal_offset: DVec2::new(x, y),
         near: common.near,
         far: common.far,
@@ -47,5 +50,23 @@ impl Perspective {
         let direction = unit(self.to_world.vector(d));
         let origin = self.to_world.point(DVec3::ZERO) + direction * (self.near * per_depth);
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
+    }
+
+    /// The way back of [`Perspective::ray`].
+    pub fn connect(&self, p: DVec3) -> Option<View> {
+        let local = self.to_world.inverse.transform_point3(p);
+        if !(local.z > self.near && local.z < self.far) {
+            return None;
+        }
+        let d = local / local.z;
+        let towards = self.to_world.point(DVec3::ZERO) - p;
+        let distance = length(towards);
+        let towards = towards / distance;
+        Some(View {
+            towards,
+            distance: distance - self.near * length(d),
+            film: 0.5 * (DVec2::ONE - d.truncate() / self.half) - self.principal_offset,
+            per_area: self.foreshortening.per_area(-towards, p),
+        })
     }
 }

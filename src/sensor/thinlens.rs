@@ -1,6 +1,6 @@
 //! A camera with a lens.
 
-use super::{AnySensor, Sensor, common, half_width, require_rigid};
+use super::{AnySensor, Foreshortening, Sensor, View, common, half_width, require_rigid};
 use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform, warp};
 use crate::scene::error::SceneError;
@@ -17,6 +17,7 @@ pub const EXAMPLES: &[&str] = &[r#"<sensor type="thinlens"><float name="aperture
 pub struct ThinLens {
     to_world: Transform,
     half: DVec2,
+    pub(super) foreshortening: Foreshortening,
     aperture_radius: f64,
     focus_distance: f64,
     near: f64,
@@ -40,9 +41,11 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let about = "depth of the plane of focus; `far_clip` by default";
     let focus_distance = params.float_where("focus_distance", common.far, about, expected, |v| v > 0.0)?;
     require_rigid(params, &common.to_world)?;
+    let half = DVec2::new(half, half / common.film.aspect());
     let camera = AnySensor::ThinLens(ThinLens {
         to_world: common.to_world,
-        half: DVec2::new(half, half / common.film.aspect()),
+        half,
+        foreshortening: Foreshortening::new(&common.to_world, half),
         aperture_radius,
         focus_distance,
         near: common.near,
@@ -63,6 +66,26 @@ impl ThinLens {
         let origin = self.to_world.point(on_lens) + direction * (self.near * per_depth);
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
     }
+
+    /// The way back of [`ThinLens::ray`] from the same place on the lens.
+    pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
+        let local = self.to_world.inverse.transform_point3(p);
+        if !(local.z > self.near && local.z < self.far) {
+            return None;
+        }
+        let on_lens = (warp::disk_concentric(lens) * self.aperture_radius).extend(0.0);
+        let d = (local - on_lens) / local.z;
+        let towards = self.to_world.point(on_lens) - p;
+        let distance = length(towards);
+        let towards = towards / distance;
+        let place = d.truncate() + on_lens.truncate() / self.focus_distance;
+        Some(View {
+            towards,
+            distance: distance - self.near * length(d),
+            film: 0.5 * (DVec2::ONE - place / self.half),
+            per_area: self.foreshortening.per_area(-towards, p),
+        })
+    }
 }
 
 #[cfg(test)]
@@ -74,6 +97,7 @@ mod tests {
         let camera = ThinLens {
             to_world: Transform::IDENTITY,
             half: DVec2::new(0.5, 0.4),
+            foreshortening: Foreshortening::new(&Transform::IDENTITY, DVec2::new(0.5, 0.4)),
             aperture_radius: 0.3,
             focus_distance: 7.0,
             near: 1e-2,

@@ -121,7 +121,8 @@ impl Cylinder {
         let c = on_circle(u.x);
         let outward = self.x * c.x + self.y * c.y;
         let p = self.start + self.axis * (u.y * self.length) + outward * self.radius;
-        AreaSample { p, n: if self.inward { -outward } else { outward }, uv: u, pdf: 1.0 / self.area() }
+        let n = if self.inward { -outward } else { outward };
+        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0 }
     }
 
     pub fn bounds(&self) -> (DVec3, DVec3) {

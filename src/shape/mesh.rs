@@ -119,7 +119,13 @@ impl Mesh {
         let (triangle, _, rest) = self.areas.sample(u.x);
         let b = warp::triangle(DVec2::new(rest, u.y));
         let point = self.point::<true>(triangle as u32, b.x, b.y);
-        AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf: 1.0 / self.areas.total() }
+        AreaSample {
+            p: point.p,
+            n: point.ng,
+            uv: point.uv,
+            pdf: 1.0 / self.areas.total(),
+            primitive: triangle as u32,
+        }
     }
 
     /// Bytes of the vertex and index arrays.

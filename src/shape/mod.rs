@@ -128,6 +128,8 @@ pub struct AreaSample {
     pub uv: DVec2,
     /// Density with respect to area.
     pub pdf: f64,
+    /// The primitive it lies on, counted over this shape.
+    pub primitive: u32,
 }
 
 impl Geometry {

@@ -85,7 +85,7 @@ impl Patch {
             }
         };
         let p = self.centre + self.e1 * xy.x + self.e2 * xy.y;
-        AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area }
+        AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area, primitive: 0 }
     }
 
     /// The corners of the parallelogram, or of the one about the ellipse.

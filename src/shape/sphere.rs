@@ -77,7 +77,7 @@ impl Sphere {
 
     pub fn sample_area(&self, u: DVec2) -> AreaSample {
         let surface = self.point::<true>(self.centre + warp::sphere(u) * self.radius);
-        AreaSample { p: surface.p, n: surface.ng, uv: surface.uv, pdf: 1.0 / self.area() }
+        AreaSample { p: surface.p, n: surface.ng, uv: surface.uv, pdf: 1.0 / self.area(), primitive: 0 }
     }
 
     /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose outside is its

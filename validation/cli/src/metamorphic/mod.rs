@@ -7,6 +7,7 @@
 //! *How to add one*: an entry in the `relations` of the file it belongs to; for a new family, a file and its line in
 //! [`FAMILIES`].
 
+mod caustics;
 mod exact;
 mod invisible;
 mod lights;
@@ -140,6 +141,7 @@ pub type Family = (&'static str, fn() -> Vec<Relation>);
 /// All families, by name.
 pub const FAMILIES: &[Family] = &[
     ("exact", exact::relations),
+    ("caustics", caustics::relations),
     ("lights", lights::relations),
     ("motion", motion::relations),
     ("invisible", invisible::relations),

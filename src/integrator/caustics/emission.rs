@@ -1,0 +1,86 @@
+//! How a light path begins.
+
+use super::aim::Aim;
+use crate::emitter::{AnyEmitter, Emitters};
+use crate::math::{DVec3, Discrete, Ray};
+use crate::sampler::Numbers;
+use crate::scene::Shape;
+use crate::shape::SurfacePoint;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// Chooses an area emitter by its power, a point of it uniformly, and a direction aimed at casters.
+#[derive(Debug)]
+pub struct Emission {
+    /// Over all emitters; those without a surface have no part.
+    choice: Discrete,
+    aim: Aim,
+}
+
+/// The first edge of a light path.
+pub struct Start {
+    pub ray: Ray,
+    pub radiance: Spectrum,
+    /// To the emitter's normal.
+    pub cos: f64,
+    /// Of point and direction, in m⁻²·sr⁻¹.
+    pub density: f64,
+}
+
+impl Emission {
+    /// `None` where nothing shines or nothing is specular.
+    pub fn new(emitters: &Emitters, shapes: &[Shape], casters: &[(DVec3, DVec3)]) -> Option<Self> {
+        let power = |entry: &crate::emitter::select::Entry| match (&entry.emitter, entry.shape) {
+            (AnyEmitter::Area(area), Some(shape)) => area.power(&shapes[shape as usize].geometry),
+            _ => 0.0,
+        };
+        let choice = Discrete::new(emitters.list.iter().map(power));
+        let some = choice.total() > 0.0 && choice.total().is_finite() && !casters.is_empty();
+        some.then(|| Self { choice, aim: Aim::new(casters) })
+    }
+
+    /// Takes the pairs 0 and 1 and the dimensions 5 and 6.
+    pub fn sample(
+        &self,
+        emitters: &Emitters,
+        shapes: &[Shape],
+        u: Numbers,
+        λ: &Wavelengths,
+    ) -> Option<Start> {
+        let (index, _, _) = self.choice.sample(u.one(5));
+        let entry = &emitters.list[index];
+        let shape = &shapes[entry.shape? as usize];
+        let start = shape.geometry.sample_area(u.pair(0));
+        let w = self.aim.sample(start.p, start.n, u.one(6), u.pair(1));
+        let density = self.density_at(index, start.pdf, start.p, start.n, w);
+        if density == 0.0 {
+            return None;
+        }
+        let point = SurfacePoint { uv: start.uv, ..SurfacePoint::plain(start.p, start.n, start.n) };
+        let radiance = entry.emitter.surface_radiance(&point, w, λ);
+        let ray = Ray::leaving(start.p, w, f64::INFINITY, shape.first_primitive + start.primitive);
+        (!radiance.is_zero()).then(|| Start { ray, radiance, cos: w.dot(start.n), density })
+    }
+
+    /// Of a point of emitter `index` with normal n and the direction w from it, in m⁻²·sr⁻¹. `pdf` is that of the point.
+    fn density_at(&self, index: usize, pdf: f64, p: DVec3, n: DVec3, w: DVec3) -> f64 {
+        self.choice.probability(index) * pdf * self.aim.density(p, n, w)
+    }
+
+    /// As [`Emission::sample`] makes them, in m⁻²·sr⁻¹.
+    pub fn density(
+        &self,
+        shapes: &[Shape],
+        emitters: &Emitters,
+        index: usize,
+        point: &SurfacePoint,
+        w: DVec3,
+    ) -> f64 {
+        match emitters.list[index].shape {
+            None => 0.0,
+            Some(shape) => {
+                let pdf = 1.0 / shapes[shape as usize].geometry.area();
+                self.density_at(index, pdf, point.p, point.ng, w)
+            }
+        }
+    }
+}

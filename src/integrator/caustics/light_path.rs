@@ -1,0 +1,170 @@
+//! Light paths.
+
+use super::Caustics;
+use crate::bsdf::Bsdf;
+use crate::integrator::Counters;
+use crate::integrator::light::{Vertex, power_heuristic};
+use crate::integrator::path::{MAX_VERTICES, side_towards};
+use crate::math::{DVec2, DVec3, Ray};
+use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Numbers, Sampler};
+use crate::scene::Scene;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// What a light path brings to a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Splat {
+    pub pixel: (u32, u32),
+    pub λ: Wavelengths,
+    pub radiance: Spectrum,
+    /// Of the estimate, the reconstruction filter included: its range exceeds that of the lanes.
+    pub weight: f64,
+}
+
+/// The column that stands for light paths where samplers are given a pixel: no film is as wide.
+const LIGHT: u32 = u32::MAX;
+
+/// A light path on its way.
+struct LightPath {
+    ray: Ray,
+    λ: Wavelengths,
+    emitted: Spectrum,
+    /// What has become of the light since it left.
+    throughput: Spectrum,
+    /// cos / density at the emitter: a lane might not hold it.
+    scale: f64,
+    /// r, as far as it is known; see [`super`].
+    ratio: f64,
+}
+
+impl Caustics {
+    /// Traces light path `number`, counted over all samples, and hands on what it brings to the film.
+    pub fn trace(
+        &self,
+        scene: &Scene,
+        (kind, seed): (Kind, u32),
+        number: u64,
+        wavelengths: impl Fn(f64) -> Wavelengths,
+        counters: &mut Counters,
+        mut splat: impl FnMut(Splat),
+    ) {
+        let sampler = Sampler::new(kind, seed, (LIGHT, (number >> 32) as u32), number as u32);
+        let u = sampler.block(CAMERA);
+        let λ = wavelengths(u.one(4));
+        let Some(start) = self.emission.sample(&scene.emitters, &scene.shapes, u, &λ) else { return };
+        let scale = start.cos / start.density;
+        let mut path = LightPath {
+            ray: start.ray,
+            λ,
+            emitted: start.radiance,
+            throughput: Spectrum::ONE,
+            scale,
+            ratio: self.paths as f64 / scale,
+        };
+        for edges in 1..=MAX_VERTICES {
+            let u = sampler.block(FIRST_VERTEX - 1 + edges);
+            match self.step(scene, &mut path, edges, u, counters, &mut splat) {
+                Some(ray) => path.ray = ray,
+                None => return,
+            }
+        }
+        counters.cut += 1;
+    }
+
+    /// Goes along the ray, connects what it meets with the camera, and scatters.
+    fn step(
+        &self,
+        scene: &Scene,
+        path: &mut LightPath,
+        edges: u32,
+        u: Numbers,
+        counters: &mut Counters,
+        splat: &mut impl FnMut(Splat),
+    ) -> Option<Ray> {
+        counters.rays += 1;
+        let hit = scene.accel.closest(&path.ray)?;
+        let (shape, point) = scene.surface::<true>(&path.ray, &hit);
+        let to_light = -path.ray.direction;
+        let side = side_towards(shape, point.ns.dot(to_light));
+        if edges == 1 && side.traits.smooth {
+            return None;
+        }
+        let λ = path.λ;
+        let frame = point.frame(side.traits.anisotropic);
+        let bsdf = scene.materials[side.material as usize].at(&point, &λ);
+        let (primitive, wo) = (hit.primitive, DVec3::ZERO);
+        let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
+        vertex.wo = vertex.to_local(to_light);
+        if edges > 1
+            && edges < self.settings.max_depth
+            && side.traits.smooth
+            && let Some((ray, found)) = self.connect(scene, path, &vertex, u)
+        {
+            counters.rays += 1;
+            if !scene.accel.occluded(&ray) {
+                splat(found);
+            }
+        }
+        if edges >= self.settings.max_depth.saturating_sub(1) {
+            return None;
+        }
+        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
+        let to_camera = vertex.to_world(sample.wi);
+        let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(to_camera).abs());
+        if sample.delta && side.traits.one_way {
+            return None;
+        }
+        if sample.delta {
+            let η2 = sample.eta * sample.eta;
+            let shading = super::refraction(vertex.wo, sample.wi, sample.eta);
+            path.throughput *= sample.weight * (η2 * shading * cos_camera / cos_light) as f32;
+            path.ratio *= η2;
+        } else {
+            let back = bsdf.evaluate(sample.wi, vertex.wo);
+            path.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
+            path.ratio *= super::further(sample.pdf, back.pdf, cos_camera, cos_light);
+        }
+        if path.throughput.is_zero() {
+            return None;
+        }
+        if sample.dispersed {
+            path.λ.collapse();
+        }
+        if edges >= self.settings.rr_depth {
+            let survival = path.λ.mean(path.throughput) as f64;
+            if survival < 1.0 {
+                if u.one(6) >= survival {
+                    return None;
+                }
+                path.throughput *= (1.0 / survival) as f32;
+            }
+        }
+        Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
+    }
+
+    /// What the camera gets of the light at a vertex if nothing is between them.
+    fn connect<B: Bsdf>(
+        &self,
+        scene: &Scene,
+        path: &LightPath,
+        vertex: &Vertex<B>,
+        u: Numbers,
+    ) -> Option<(Ray, Splat)> {
+        let (point, film) = (vertex.point, &scene.sensor.film);
+        let view = scene.sensor.camera.connect(point.p, u.pair(0))?;
+        let place = view.film * DVec2::new(film.size.0 as f64, film.size.1 as f64);
+        let (pixel, filter) = film.pixel_at(place, DVec2::new(u.one(4), u.one(7)))?;
+        let scattered = vertex.bsdf.evaluate(vertex.to_local(view.towards), vertex.wo);
+        if scattered.value.is_zero() {
+            return None;
+        }
+        let cos_light = point.ng.dot(path.ray.direction).abs();
+        let pixels = f64::from(film.size.0) * f64::from(film.size.1);
+        let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
+        let ratio = path.ratio * super::first(false, scattered.pdf, cos_light, seen);
+        let weight =
+            power_heuristic(ratio, 1.0) * filter * seen * path.scale / (cos_light * self.paths as f64);
+        let radiance = path.throughput * path.emitted * scattered.value;
+        let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);
+        Some((ray, Splat { pixel, λ: path.λ, radiance, weight }))
+    }
+}

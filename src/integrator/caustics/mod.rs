@@ -1,0 +1,123 @@
+//! Light tracing of caustics, and the weights that share them between camera and light.
+//!
+//! A path tracer finds light that a mirror or a glass throws upon a surface only by chance: it must hit the emitter by
+//! following the specular chain from the surface. From the other end, that is easy. So beside the camera paths there are *light
+//! paths*: they leave an emitter, aimed at what is specular, and every rough surface that they reach beyond is
+//! connected with the camera.
+//!
+//! **Which paths.** Let x₁ … xₙ be the vertices from the one that the camera sees to the one on the emitter. Light paths make those with
+//! n ≥ 3 whose xₙ₋₁ is of a material of delta lobes only (a *caster*), whose xₙ lies on an area emitter, and whose x₁ scatters
+//! into more than single directions; no relief with a mirror's or a glass's lobes is among them, whose weights are
+//! not the same from either end (`Traits::one_way`). All others are left to camera paths alone. Emitter sampling cannot make them, so
+//! two techniques share them, with the power heuristic.
+//!
+//! **The ratio of the densities.** Per sample number there is one camera path to each pixel, and there are M light paths for the
+//! film. With area densities, the squared distances of all edges between x₁ and xₙ cancel between the two, and
+//!
+//! r = p_light / p_camera = M pₐ(xₙ) p(xₙ→xₙ₋₁) / cosₙ · ∏ ρᵢ (i = n−1 … 2) · cos₁ / (p(x₁→x₂) J),
+//!
+//! where at vertex i with the directions ωl to the light's side and ωc to the camera's side
+//! ρᵢ = p(ωl→ωc) |cos ωl| / (p(ωc→ωl) |cos ωc|), which is 1 on a matte surface, cos₁ is that of ωl at x₁, and J is how
+//! many pixels (in px²) the film sees for each unit of area about x₁. A lobe without density is chosen with the same probability from
+//! either end; what is left of ρᵢ there is the change of the étendue, 1/η² with η = η(light's side)/η(camera's side).
+//! Cosines are those of geometric normals. Russian roulette is not in the densities: the weights sum to one without it.
+//!
+//! **The estimate.** The integrand in area measure, over the density of the light path, leaves at every vertex
+//! f |cos ωl|ₛ · |cos ωc| / (p(ωl→ωc) |cos ωl|), with the shading cosine (index s) that the camera path would have used:
+//! the correction that shading normals need (Veach 1997, §5.3) is in it. At x₁ it is f |cos ωl|ₛ / |cos ωl| · J / M.
+
+mod aim;
+mod emission;
+mod light_path;
+
+use super::path::Path;
+use super::{AnyIntegrator, light::power_heuristic};
+use crate::emitter::Emitters;
+use crate::math::DVec3;
+use crate::scene::instances::Instances;
+use crate::scene::{Scene, Shape};
+use crate::sensor::Sensor;
+use crate::shape::SurfacePoint;
+use emission::Emission;
+pub use light_path::Splat;
+
+/// Light paths to a camera path where the scene file asks for no other number.
+const LIGHT_PATHS: f64 = 0.25;
+
+/// What light paths need to know of a scene.
+#[derive(Debug)]
+pub struct Caustics {
+    emission: Emission,
+    settings: Path,
+    /// Light paths for each sample number.
+    pub paths: u32,
+}
+
+impl Caustics {
+    /// `None` where there is nothing that light paths would find, or where they are not wanted.
+    pub fn plan(
+        integrator: &AnyIntegrator,
+        sensor: &Sensor,
+        shapes: &[Shape],
+        instances: &Instances,
+        emitters: &Emitters,
+    ) -> Option<Self> {
+        let settings = *integrator.path()?;
+        let share = settings.light_paths.unwrap_or(LIGHT_PATHS);
+        if settings.max_depth < 3 || share == 0.0 {
+            return None;
+        }
+        let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.bounds());
+        let casters: Vec<_> = own.chain(instances.bounds_of_groups_with(is_caster)).collect();
+        let emission = Emission::new(emitters, shapes, &casters)?;
+        let pixels = sensor.film.crop.pixels() as f64;
+        Some(Self { emission, settings, paths: (share * pixels).ceil().min(f64::from(u32::MAX)) as u32 })
+    }
+
+    /// The weight of a camera path that hit emitter `index` at `point` coming from a caster; w is the direction back. `ratio` is the product of what
+    /// [`first`] and [`further`] gave on its way.
+    pub fn weight_of_hit(
+        &self,
+        scene: &Scene,
+        ratio: f64,
+        index: usize,
+        point: &SurfacePoint,
+        w: DVec3,
+    ) -> f64 {
+        let density = self.emission.density(&scene.shapes, &scene.emitters, index, point, w);
+        if ratio == 0.0 || density == 0.0 {
+            return 1.0;
+        }
+        let cos = point.ng.dot(w).abs();
+        power_heuristic(1.0, ratio * self.paths as f64 * density / cos)
+    }
+}
+
+/// Whether light paths look for what a shape does to light.
+pub fn is_caster(shape: &Shape) -> bool {
+    shape.sides.iter().any(|side| !side.traits.smooth && !side.traits.one_way)
+}
+
+/// The factor of r from x₁: zero where a delta lobe went on, for then no light path can be connected there. `seen` is J.
+pub fn first(delta: bool, pdf: f64, cos_light: f64, seen: f64) -> f64 {
+    if delta { 0.0 } else { cos_light / (pdf * seen) }
+}
+
+/// The ratio of the cosines of ωo and ωi to the normal at which a delta lobe sent one to the other: 1 for reflection. `eta` is that of the
+/// sample. A relief has a normal of its own, so it is found from the directions: along ωo + η ωi by Snell's law.
+///
+/// A camera path's weight T/(P η²) is a density of ωl, a light path's of ωc, and dωl/dωc is the ratio of the cosines
+/// times that of the squared indices: this is the shading cosine's place in the estimate.
+pub fn refraction(wo: DVec3, wi: DVec3, eta: f64) -> f64 {
+    if eta == 1.0 {
+        return 1.0;
+    }
+    let normal = wo + wi * eta;
+    (wo.dot(normal) / wi.dot(normal)).abs()
+}
+
+/// ρ of a vertex whose lobe has a density; `to_camera` and `to_light` are the densities with which either is sampled from the other, and
+/// the cosines are those of the two directions.
+pub fn further(to_camera: f64, to_light: f64, cos_camera: f64, cos_light: f64) -> f64 {
+    to_camera * cos_light / (to_light * cos_camera)
+}

@@ -1,0 +1,110 @@
+//! What light paths bring to the pixels of a window.
+//!
+//! The light paths of sample number s have the numbers s M .. (s + 1) M. What they bring to a pixel is added to that pixel's camera
+//! sample s, in the order of their numbers: so a sample of a pixel is still a function of scene, seed, pixel and number,
+//! and all that holds for samples (merging, blocks, variances) holds for both together.
+
+use super::Progress;
+use super::sample::Camera;
+use crate::image::Window;
+use crate::integrator::Counters;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+/// Light paths that one thread traces at once.
+const CHUNK: u64 = 1024;
+
+/// Light paths whose splats are kept at once, if a pass can be made that short: some tens of megabytes.
+pub const MANY: u64 = 1 << 20;
+
+/// The splats of a range of samples upon a window, pixel by pixel, each pixel's in the order of their light paths.
+#[derive(Debug, Default)]
+pub struct Splats {
+    window: Option<Window>,
+    channels: usize,
+    /// Where each pixel's splats begin, and where the last one's end.
+    first: Vec<usize>,
+    samples: Vec<u64>,
+    /// All channels of each.
+    values: Vec<f64>,
+    pub counters: Counters,
+}
+
+/// The splats of some light paths, in their order.
+#[derive(Default)]
+struct Part {
+    pixels: Vec<u32>,
+    samples: Vec<u64>,
+    values: Vec<f64>,
+    counters: Counters,
+}
+
+impl Splats {
+    /// Traces the light paths of a range of samples. Nothing where the scene has no use for them; `None` if told to stop.
+    pub fn trace(camera: &Camera, window: Window, samples: &Range<u64>, progress: &Progress) -> Option<Self> {
+        let per_sample = camera.light_paths();
+        let numbers = samples.start * per_sample..samples.end * per_sample;
+        let chunks: Vec<u64> = numbers.clone().step_by(CHUNK as usize).collect();
+        let part = |&first: &u64| {
+            let mut part = Part::default();
+            if progress.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            for number in first..numbers.end.min(first + CHUNK) {
+                let Part { pixels, samples, values, counters } = &mut part;
+                camera.light_path(number, counters, |(x, y), channels| {
+                    let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
+                    if x < window.width && y < window.height {
+                        pixels.push(y * window.width + x);
+                        samples.push(number / per_sample);
+                        values.extend_from_slice(channels);
+                    }
+                });
+            }
+            Some(part)
+        };
+        let parts = chunks.par_iter().map(part).collect::<Option<Vec<Part>>>()?;
+        let channels = camera.color_channels();
+        Some(Self::sorted(&parts, window, channels))
+    }
+
+    /// A counting sort by pixel, which keeps the order within each.
+    fn sorted(parts: &[Part], window: Window, channels: usize) -> Self {
+        let mut first = vec![0; window.pixels() + 1];
+        for pixel in parts.iter().flat_map(|part| &part.pixels) {
+            first[*pixel as usize + 1] += 1;
+        }
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
+        }
+        let count = first[window.pixels()];
+        let (mut samples, mut values) = (vec![0; count], vec![0.0; count * channels]);
+        let mut next = first.clone();
+        let mut counters = Counters::default();
+        for part in parts {
+            for (i, pixel) in part.pixels.iter().enumerate() {
+                let at = next[*pixel as usize];
+                next[*pixel as usize] += 1;
+                samples[at] = part.samples[i];
+                values[at * channels..][..channels].copy_from_slice(&part.values[i * channels..][..channels]);
+            }
+            counters.rays += part.counters.rays;
+            counters.cut += part.counters.cut;
+        }
+        Self { window: Some(window), channels, first, samples, values, counters }
+    }
+
+    /// Adds to a sample of a pixel, whose colour channels come first, what light paths bring to it.
+    pub fn add_to(&self, (x, y): (u32, u32), sample: u64, values: &mut [f64]) {
+        let Some(window) = self.window else { return };
+        let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
+        let mine = self.first[at]..self.first[at + 1];
+        let begin = mine.start + self.samples[mine.clone()].partition_point(|s| *s < sample);
+        for i in (begin..mine.end).take_while(|i| self.samples[*i] == sample) {
+            for (value, splat) in values.iter_mut().zip(&self.values[i * self.channels..][..self.channels]) {
+                *value += splat;
+            }
+        }
+    }
+}

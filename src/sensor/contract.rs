@@ -1,0 +1,85 @@
+//! What every camera must hold to, asked of every example of every camera.
+
+use super::{AnySensor, SENSORS};
+use crate::math::{DVec2, DVec3, Ray, length};
+use crate::scene::load_text;
+use crate::spectrum::ColorMode;
+
+/// Every example, and each turned, moved and, if it bears it, stretched.
+fn cameras() -> Vec<(String, AnySensor)> {
+    let mut cameras = vec![];
+    for entry in SENSORS {
+        for example in entry.examples {
+            let moved = "<lookat origin=\"3, 2, -4\" target=\"0, 1, 0.5\" up=\"0.1, 1, 0\"/>";
+            let stretched = format!("<scale x=\"3\" y=\"2\" z=\"0.5\"/>{moved}");
+            for place in ["", moved, &stretched] {
+                let mut text = (*example).to_owned();
+                if !place.is_empty() {
+                    if text.contains("<transform") {
+                        text = text.replace("</transform>", &format!("{place}</transform>"));
+                    } else {
+                        let transform = format!("<transform name=\"to_world\">{place}</transform></sensor>");
+                        text = text.replace("</sensor>", &transform);
+                    }
+                }
+                let scene = format!("<scene version=\"3.0.0\">{text}</scene>");
+                // Only parallel rays can be stretched.
+                match load_text("camera.xml", &scene, ColorMode::Rgb) {
+                    Ok(scene) => cameras.push((text, scene.sensor.camera)),
+                    Err(e) => assert!(place == stretched, "{e}"),
+                }
+            }
+        }
+    }
+    assert!(cameras.len() > SENSORS.len(), "too few to tell");
+    cameras
+}
+
+fn places() -> impl Iterator<Item = (DVec2, DVec2)> {
+    (0..64).map(|i| {
+        let part = |step: u32| f64::from(i * step % 64) / 64.0 + 1.0 / 128.0;
+        (DVec2::new(part(1), part(7)), DVec2::new(part(19), part(27)))
+    })
+}
+
+#[test]
+fn what_a_ray_meets_is_seen_through_the_same_place() {
+    for (text, camera) in cameras() {
+        for (film, lens) in places() {
+            let ray = camera.ray(film, lens);
+            let t = 5.0;
+            let p = ray.at(t);
+            let view = camera.connect(p, lens).unwrap_or_else(|| panic!("{text}: unseen"));
+            assert!(length(view.towards + ray.direction) < 1e-12, "{text}");
+            assert!((view.distance - t).abs() < 1e-12, "{text}: {} for {t}", view.distance);
+            assert!((view.film - film).abs().max_element() < 1e-12, "{text}: {} for {film}", view.film);
+            let seen = camera.seen_per_area(&ray, p);
+            assert!((view.per_area / seen - 1.0).abs() < 1e-12, "{text}");
+            assert!(camera.connect(ray.at(-0.1 * t), lens).is_none(), "{text}: seen before the near plane");
+            assert!(
+                camera.connect(ray.at(2.0 * ray.end), lens).is_none(),
+                "{text}: seen beyond the far plane"
+            );
+        }
+    }
+}
+
+#[test]
+fn area_on_the_film_is_what_the_density_says() {
+    for (text, camera) in cameras() {
+        for (film, lens) in places() {
+            let ray = camera.ray(film, lens);
+            let p = ray.at(5.0);
+            // The plane across the ray, and where the rays of two neighbours cut it.
+            let cut = |by: DVec2| {
+                let other: Ray = camera.ray(film + by, lens);
+                other.at((p - other.origin).dot(ray.direction) / other.direction.dot(ray.direction))
+            };
+            let h = 1e-4;
+            let edge = |by: DVec2| -> DVec3 { (cut(by * h) - cut(-by * h)) / (2.0 * h) };
+            let area = length(edge(DVec2::X).cross(edge(DVec2::Y)));
+            let seen = camera.seen_per_area(&ray, p);
+            assert!((area * seen - 1.0).abs() < 1e-6, "{text}: {} at {film}", area * seen);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Light paths change the noise and nothing else, whatever lens, film, glass and surface they pass.
+
+use super::still_life::*;
+use super::{Relation, Term};
+use crate::stage::*;
+use etalon::spectrum::ColorMode;
+
+/// The integrator with so many light paths to a camera path.
+fn with_light_paths(share: f64) -> String {
+    path(6).replace("</integrator>", &(float("light_paths", share) + "</integrator>"))
+}
+
+/// A matte floor and wall under a lamp, and this besides.
+fn room(things: &str) -> String {
+    let objects = objects(&[]);
+    objects[..2].concat() + &lamp(8.0) + things
+}
+
+fn glass(more: &str) -> String {
+    bsdf("dielectric", &(float("int_ior", 1.5) + more))
+}
+
+/// A ball above the floor.
+fn ball(wears: &str) -> String {
+    sphere([-0.5, 0.0, 0.7], 0.6, wears)
+}
+
+fn block(wears: &str) -> String {
+    shape("cube", &[scale([0.4, 0.4, 0.5]), rotate('z', 25.0), translate([0.8, 0.2, 0.55])], wears)
+}
+
+fn relation(name: &str, camera: &str, world: &str) -> Relation {
+    let side = |share: f64| vec![Term::new(scene(&[&with_light_paths(share), camera, world]))];
+    Relation::expectation(name, side(0.0), side(1.0)).samples(4096)
+}
+
+fn in_spectra(relation: Relation) -> Relation {
+    let spectral =
+        |terms: Vec<Term>| terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect();
+    Relation { left: spectral(relation.left), right: spectral(relation.right), ..relation }
+}
+
+pub fn relations() -> Vec<Relation> {
+    let place = || look_at(EYE, [0.0, 0.0, 0.6], [0.0, 0.0, 1.0]);
+    let filtered = |filter: &str, more: &str| {
+        let film = film(SIZE, SIZE)
+            .replace("<rfilter type=\"box\"/>", filter)
+            .replace("</film>", &format!("{more}</film>"));
+        pinhole(&place(), 42.0, &(film + INDEPENDENT))
+    };
+    let camera_of = |kind: &str, more: &str, steps: &[String]| {
+        format!("<sensor type=\"{kind}\">{more}{}{}{INDEPENDENT}</sensor>", to_world(steps), film(SIZE, SIZE))
+    };
+    let lens = camera_of(
+        "thinlens",
+        &(float("fov", 42.0) + &float("aperture_radius", 0.2) + &float("focus_distance", 4.0)),
+        &[place()],
+    );
+    let parallel = camera_of("orthographic", "", &[scale([1.6, 1.6, 1.0]), place()]);
+    let crop = "<integer name=\"crop_offset_x\" value=\"3\"/><integer name=\"crop_offset_y\" value=\"9\"/>\
+                <integer name=\"crop_width\" value=\"16\"/><integer name=\"crop_height\" value=\"14\"/>";
+    let mirror = || bsdf("conductor", "");
+    let pane = shape(
+        "rectangle",
+        &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])],
+        &bsdf("thindielectric", ""),
+    );
+    let bulb = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""));
+    let rough_floor = shape(
+        "rectangle",
+        &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])],
+        &bsdf("roughplastic", &(float("alpha", 0.3) + &grey("diffuse_reflectance", 0.5))),
+    );
+    let metal_floor =
+        shape("rectangle", &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])], &rough_metal());
+    let relief = |wears: &str| {
+        let image = "<string name=\"filename\" value=\"textures/normals.png\"/>\
+                     <boolean name=\"raw\" value=\"true\"/>";
+        bsdf("normalmap", &format!("<texture type=\"bitmap\" name=\"normalmap\">{image}</texture>{wears}"))
+    };
+    let as_it_comes = |relief: &str| {
+        let off = |name: &str| format!("<boolean name=\"{name}\" value=\"false\"/>");
+        let both = off("flip_invalid_normals") + &off("use_shadowing_function");
+        relief.replace("<bsdf type=\"normalmap\">", &format!("<bsdf type=\"normalmap\">{both}"))
+    };
+    let vase = shape(
+        "obj",
+        &[scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])],
+        &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + &glass("")),
+    );
+    let blend =
+        format!("<bsdf type=\"blendbsdf\">{}{}{}</bsdf>", float("weight", 0.5), diffuse(0.5), mirror());
+    let second =
+        shape("rectangle", &[scale([0.3; 3]), rotate('y', 90.0), translate([-2.0, -0.5, 1.0])], &area(20.0));
+    let veil = shape(
+        "rectangle",
+        &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
+        &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
+    );
+    let hidden = |relation: Relation| {
+        let hide = |terms: Vec<Term>| {
+            let option = "<boolean name=\"hide_emitters\" value=\"true\"/></integrator>";
+            let hide = |term: Term| Term { scene: term.scene.replace("</integrator>", option), ..term };
+            terms.into_iter().map(hide).collect()
+        };
+        Relation { left: hide(relation.left), right: hide(relation.right), ..relation }
+    };
+    let (plain, tent) = (camera(), "<rfilter type=\"tent\"/>");
+    vec![
+        relation("glass_ball", &plain, &room(&ball(&glass("")))),
+        relation("mirror_ball", &plain, &room(&ball(&mirror()))),
+        relation("thin_lens", &lens, &room(&ball(&glass("")))),
+        relation("parallel_view", &parallel, &room(&ball(&glass("")))),
+        relation("gaussian_film", &filtered("<rfilter type=\"gaussian\"/>", ""), &room(&ball(&mirror()))),
+        relation(
+            "ringing_film_cropped",
+            &filtered("<rfilter type=\"lanczos\"/>", crop),
+            &room(&ball(&mirror())),
+        ),
+        relation(
+            "film_with_border",
+            &filtered(tent, "<boolean name=\"sample_border\" value=\"true\"/>"),
+            &room(&ball(&mirror())),
+        ),
+        relation("pane", &plain, &room(&pane)),
+        relation("bulb_in_a_globe", &plain, &room(&bulb)),
+        relation("block_of_glass", &plain, &room(&block(&glass("")))),
+        relation("tinted_glass", &plain, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
+        relation("upon_rough_plastic", &plain, &room(&(ball(&mirror()) + &rough_floor))),
+        relation("upon_rough_metal", &plain, &room(&(ball(&mirror()) + &metal_floor))),
+        relation("relief_of_a_mirror", &plain, &room(&block(&relief(&mirror())))),
+        relation("relief_of_glass", &plain, &room(&block(&relief(&glass(""))))),
+        relation("relief_of_a_mirror_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&mirror()))))),
+        relation("relief_of_glass_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&glass("")))))),
+        relation("vase_of_glass", &plain, &room(&vase)),
+        relation("half_a_mirror", &plain, &room(&(ball(&blend) + &block(&mirror())))),
+        relation("two_lamps", &plain, &room(&(ball(&mirror()) + &second))),
+        relation("behind_a_veil", &plain, &room(&(ball(&mirror()) + &veil))),
+        hidden(relation(
+            "behind_a_hidden_lamp",
+            &plain,
+            &room(&(ball(&mirror()) + &sphere([0.4, -1.5, 0.5], 0.2, &area(4.0)))),
+        )),
+        in_spectra(relation("in_spectra", &plain, &room(&ball(&glass(""))))),
+        in_spectra(relation(
+            "dispersion",
+            &plain,
+            &room(&block("<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>")),
+        )),
+    ]
+}
