@@ -36,7 +36,7 @@ pub struct Rendered {
     pub height: usize,
     /// Without start-up.
     pub seconds: f64,
-    /// The same in processor time of all threads.
+    /// The same in processor time of all threads; of the whole process where the renderer does not say.
     pub cpu_seconds: f64,
     /// What came before and after.
     pub startup: f64,
@@ -83,8 +83,7 @@ impl Renderer {
             width,
             height,
             seconds,
-            // What loads a scene is mostly one thread.
-            cpu_seconds: said.cpu_seconds.unwrap_or((cpu - said.load_seconds.unwrap_or(0.0)).max(1e-3)),
+            cpu_seconds: said.cpu_seconds.unwrap_or(cpu.max(1e-3)),
             startup: (wall - seconds).max(0.0),
         })
     }
@@ -147,7 +146,6 @@ fn sibling(program: &str) -> PathBuf {
 struct Said {
     seconds: Option<f64>,
     cpu_seconds: Option<f64>,
-    load_seconds: Option<f64>,
 }
 
 impl Said {
@@ -158,11 +156,7 @@ impl Said {
             return Said::default();
         };
         let number = |name: &str| document.get(name)?.as_f64().filter(|s| *s > 0.0);
-        Said {
-            seconds: number("seconds"),
-            cpu_seconds: number("cpu_seconds"),
-            load_seconds: number("load_seconds"),
-        }
+        Said { seconds: number("seconds"), cpu_seconds: number("cpu_seconds") }
     }
 }
 
