@@ -203,6 +203,13 @@ impl Roughness {
         }
     }
 
+    /// Whether lobes are narrow in any direction and place.
+    pub fn narrow(&self) -> bool {
+        /// Half of what such a metal reflects goes into a cone of 30°.
+        const NARROW: f64 = 0.25;
+        [Some(&self.alpha_u), self.alpha_v.as_ref()].into_iter().flatten().any(|alpha| alpha.mean() < NARROW)
+    }
+
     #[inline]
     pub fn at(&self, uv: DVec2) -> Distribution {
         let alpha_u = self.alpha_u.eval_scalar(uv);

@@ -81,11 +81,18 @@ pub struct Traits {
     pub dispersive: bool,
     /// Lets light through.
     pub transmits: bool,
+    /// Has a lobe that is narrow, but not without density.
+    pub glossy: bool,
     /// Lobes without density are not the same from either end, so that only camera paths can follow them.
     pub one_way: bool,
 }
 
 impl Traits {
+    /// Whether it throws light that it gets from an emitter into few directions.
+    pub fn focuses(&self) -> bool {
+        self.glossy || !self.smooth && !self.one_way
+    }
+
     /// What is true of either.
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -94,6 +101,7 @@ impl Traits {
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
             transmits: self.transmits || other.transmits,
+            glossy: self.glossy || other.glossy,
             one_way: self.one_way || other.one_way,
         }
     }

@@ -89,6 +89,7 @@ impl Material for RoughDielectric {
     fn traits(&self) -> Traits {
         Traits {
             smooth: true,
+            glossy: self.roughness.narrow(),
             anisotropic: self.roughness.anisotropic(),
             textured: self.roughness.varies() || self.reflectance.varies() || self.transmittance.varies(),
             transmits: true,

@@ -65,7 +65,7 @@ impl Area {
         // The surface itself must not stand in the way of its own light.
         let distance = d - 4.0 * (position_error(chosen.p) + position_error(p));
         let radiance = self.radiance.eval(chosen.uv, λ);
-        Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false })
+        Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false, n: chosen.n })
     }
 
     #[inline]

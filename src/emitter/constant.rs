@@ -1,7 +1,7 @@
 //! The same light from everywhere.
 
 use super::{AnyEmitter, DirectSample};
-use crate::math::{DVec2, INV_PI, warp};
+use crate::math::{DVec2, DVec3, INV_PI, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -36,7 +36,14 @@ impl Constant {
 
     pub fn sample(&self, u: DVec2, λ: &Wavelengths) -> DirectSample {
         let radiance = self.radiance.eval(DVec2::ZERO, λ);
-        DirectSample { wi: warp::sphere(u), distance: f64::INFINITY, radiance, pdf: Self::PDF, delta: false }
+        DirectSample {
+            wi: warp::sphere(u),
+            distance: f64::INFINITY,
+            radiance,
+            pdf: Self::PDF,
+            delta: false,
+            n: DVec3::ZERO,
+        }
     }
 
     pub fn radiance(&self, λ: &Wavelengths) -> (Spectrum, f64) {

@@ -39,7 +39,14 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 impl Directional {
     pub fn sample(&self, λ: &Wavelengths) -> Option<DirectSample> {
         let radiance = self.irradiance.eval(DVec2::ZERO, λ);
-        Some(DirectSample { wi: -self.direction, distance: f64::INFINITY, radiance, pdf: 1.0, delta: true })
+        Some(DirectSample {
+            wi: -self.direction,
+            distance: f64::INFINITY,
+            radiance,
+            pdf: 1.0,
+            delta: true,
+            n: DVec3::ZERO,
+        })
     }
 
     pub fn irradiance(&self) -> f64 {

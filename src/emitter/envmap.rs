@@ -105,6 +105,7 @@ impl EnvironmentMap {
             radiance: self.eval(place, λ),
             pdf,
             delta: false,
+            n: DVec3::ZERO,
         })
     }
 

@@ -60,6 +60,8 @@ pub struct DirectSample {
     pub pdf: f64,
     /// No other technique can find this direction.
     pub delta: bool,
+    /// Unit normal of the surface that shines, on the side that does; zero where none does.
+    pub n: DVec3,
 }
 
 impl AnyEmitter {

@@ -42,7 +42,7 @@ impl Point {
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, falloff) = arriving(p, self.position)?;
         let radiance = self.intensity.eval(DVec2::ZERO, λ) * falloff;
-        Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true })
+        Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 
     pub fn power(&self) -> f64 {

@@ -37,14 +37,11 @@ impl Emitters {
 
     /// The emitter that u in [0, 1) falls on, its probability, and u to be used again.
     #[inline]
-    pub fn sample(&self, u: f64) -> Option<(&Entry, f64, f64)> {
+    pub fn sample(&self, u: f64) -> Option<(usize, f64, f64)> {
         match self.list.len() {
             0 => None,
-            1 => Some((&self.list[0], 1.0, u)),
-            _ => {
-                let (index, probability, rest) = self.choice.sample(u);
-                Some((&self.list[index], probability, rest))
-            }
+            1 => Some((0, 1.0, u)),
+            _ => Some(self.choice.sample(u)),
         }
     }
 

@@ -59,7 +59,7 @@ impl Spot {
             let scale = 0.5 / (local.z * tan(self.cutoff));
             radiance *= texture.eval(DVec2::new(0.5 + local.x * scale, 0.5 + local.y * scale), λ);
         }
-        Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true })
+        Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 
     pub fn power(&self) -> f64 {

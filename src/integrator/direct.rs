@@ -88,7 +88,8 @@ impl Direct {
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
-                let light = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ);
+                let light =
+                    light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ, |_, _| 0.0);
                 let Some(light) = light else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {

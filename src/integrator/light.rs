@@ -1,6 +1,7 @@
 //! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
 
 use crate::bsdf::Bsdf;
+use crate::emitter::DirectSample;
 use crate::math::ray::Ends;
 use crate::math::{DVec2, DVec3, Frame, Ray};
 use crate::scene::{Scene, Side};
@@ -13,6 +14,12 @@ use crate::spectrum::{Spectrum, Wavelengths};
 pub fn power_heuristic(a: f64, b: f64) -> f64 {
     let ratio = b / a;
     1.0 / (1.0 + ratio * ratio)
+}
+
+/// The same of three techniques, from how much likelier than this one the others are.
+#[inline]
+pub fn power_heuristic_of_three(b_over_a: f64, c_over_a: f64) -> f64 {
+    1.0 / (1.0 + b_over_a * b_over_a + c_over_a * c_over_a)
 }
 
 /// A surface point where light is gathered.
@@ -58,7 +65,8 @@ pub struct Proposal {
 /// this technique has to contribute, up to visibility.
 ///
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
-/// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n.
+/// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of an emitter and a sample with which density, as
+/// one of directions, light paths make the whole path too; see [`super::caustics`].
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
@@ -67,8 +75,10 @@ pub fn sample_emitter<B: Bsdf>(
     u: DVec2,
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
+    light_paths: impl Fn(usize, &DirectSample) -> f64,
 ) -> Option<Proposal> {
-    let (entry, probability, _) = scene.emitters.sample(choice)?;
+    let (index, probability, _) = scene.emitters.sample(choice)?;
+    let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let light = entry.emitter.sample(shape, vertex.point.p, u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
@@ -76,7 +86,12 @@ pub fn sample_emitter<B: Bsdf>(
         return None;
     }
     let pdf = light.pdf * probability;
-    let weight = if light.delta { 1.0 } else { power_heuristic(count * pdf, rivals * scattered.pdf) };
+    let weight = if light.delta {
+        1.0
+    } else {
+        let own = count * pdf;
+        power_heuristic_of_three(rivals * scattered.pdf / own, light_paths(index, &light) / own)
+    };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     Some(Proposal {
         ray: if entry.shape.is_some() { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },

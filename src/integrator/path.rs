@@ -1,9 +1,10 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
 use super::caustics;
-use super::light::{self, Vertex, power_heuristic};
+use super::light::{self, Vertex, power_heuristic, power_heuristic_of_three};
 use super::{AnyIntegrator, CameraPath, Counters, Event};
 use crate::bsdf::{Bsdf, Material, Visitor};
+use crate::emitter::DirectSample;
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FIRST_VERTEX, FURTHER_EMITTER_SAMPLES, ManyNumbers, Numbers};
 use crate::scene::error::SceneError;
@@ -249,19 +250,21 @@ impl Path {
             let entry = &scene.emitters.list[emitter as usize];
             let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
             if !emitted.is_zero() {
-                let weight = if state.arrival.delta {
-                    match &scene.caustics {
-                        Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
-                            let back = -ray.direction;
-                            caustics.weight_of_hit(scene, state.light_ratio, emitter as usize, &point, back)
-                        }
-                        _ => 1.0,
-                    }
+                let by_emitter = if state.arrival.delta {
+                    0.0
                 } else {
                     let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
                     let chosen = scene.emitters.probability(emitter as usize);
-                    power_heuristic(state.arrival.pdf, chosen * pdf * self.emitter_samples as f64)
+                    chosen * pdf * self.emitter_samples as f64 / state.arrival.pdf
                 };
+                let by_light_path = match &scene.caustics {
+                    Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
+                        let end = (emitter as usize, point.p, point.ng);
+                        state.light_ratio * caustics.last(scene, end, -ray.direction)
+                    }
+                    _ => 0.0,
+                };
+                let weight = power_heuristic_of_three(by_emitter, by_light_path);
                 path.radiance += state.throughput * emitted * weight as f32;
             }
         }
@@ -324,12 +327,26 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         vertex.wo = vertex.to_local(wo);
         if side.traits.smooth {
             let counts = (settings.emitter_samples as f64, 1.0);
-            if let Some(light) = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ) {
+            let ratio = if state.depth > 0 && side.traits.focuses() { state.light_ratio } else { 0.0 };
+            let light_paths = |emitter: usize, light: &DirectSample| match &scene.caustics {
+                Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
+                    let end = (emitter, point.p + light.wi * light.distance, light.n);
+                    let to_camera = bsdf.evaluate(vertex.to_local(light.wi), vertex.wo).pdf;
+                    let (cos_light, cos_camera) = (point.ng.dot(light.wi).abs(), point.ng.dot(wo).abs());
+                    let ratio = ratio * caustics::further(to_camera, 1.0, cos_camera, cos_light);
+                    ratio * caustics.last(scene, end, -light.wi)
+                }
+                _ => 0.0,
+            };
+            let sample = |u: &Numbers| {
+                light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ, light_paths)
+            };
+            if let Some(light) = sample(&u) {
                 shadows.push(index, light.ray, state.throughput * light.radiance);
             }
             for further in 1..settings.emitter_samples {
                 let u = sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further);
-                if let Some(light) = light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ) {
+                if let Some(light) = sample(&u) {
                     shadows.push(index, light.ray, state.throughput * light.radiance);
                 }
             }
@@ -351,7 +368,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let to_camera = bsdf.evaluate(sample.wi, vertex.wo).pdf;
                 caustics::further(to_camera, sample.pdf, cos_camera, cos_light)
             };
-            state.from_caster = state.depth > 0 && !side.traits.smooth;
+            state.from_caster = state.depth > 0 && side.traits.focuses();
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;

@@ -18,6 +18,8 @@ pub struct Emission {
 
 /// The first edge of a light path.
 pub struct Start {
+    /// The emitter, the point of it, and its normal there.
+    pub end: (usize, DVec3, DVec3),
     pub ray: Ray,
     pub radiance: Spectrum,
     /// To the emitter's normal.
@@ -58,7 +60,8 @@ impl Emission {
         let point = SurfacePoint { uv: start.uv, ..SurfacePoint::plain(start.p, start.n, start.n) };
         let radiance = entry.emitter.surface_radiance(&point, w, λ);
         let ray = Ray::leaving(start.p, w, f64::INFINITY, shape.first_primitive + start.primitive);
-        (!radiance.is_zero()).then(|| Start { ray, radiance, cos: w.dot(start.n), density })
+        let end = (index, start.p, start.n);
+        (!radiance.is_zero()).then(|| Start { end, ray, radiance, cos: w.dot(start.n), density })
     }
 
     /// Of a point of emitter `index` with normal n and the direction w from it, in m⁻²·sr⁻¹. `pdf` is that of the point.
@@ -72,14 +75,15 @@ impl Emission {
         shapes: &[Shape],
         emitters: &Emitters,
         index: usize,
-        point: &SurfacePoint,
+        p: DVec3,
+        n: DVec3,
         w: DVec3,
     ) -> f64 {
         match emitters.list[index].shape {
             None => 0.0,
             Some(shape) => {
                 let pdf = 1.0 / shapes[shape as usize].geometry.area();
-                self.density_at(index, pdf, point.p, point.ng, w)
+                self.density_at(index, pdf, p, n, w)
             }
         }
     }

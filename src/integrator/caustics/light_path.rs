@@ -3,11 +3,12 @@
 use super::Caustics;
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
-use crate::integrator::light::{Vertex, power_heuristic};
+use crate::integrator::light::{Vertex, power_heuristic_of_three};
 use crate::integrator::path::{MAX_VERTICES, side_towards};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Numbers, Sampler};
 use crate::scene::Scene;
+use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// What a light path brings to a pixel.
@@ -34,6 +35,10 @@ struct LightPath {
     scale: f64,
     /// r, as far as it is known; see [`super`].
     ratio: f64,
+    /// Where it began: the emitter, the point of it, and its normal there.
+    end: (usize, DVec3, DVec3),
+    /// How much likelier emitter sampling makes the first edge than the lobe of its other end does.
+    by_emitter: f64,
 }
 
 impl Caustics {
@@ -59,6 +64,8 @@ impl Caustics {
             throughput: Spectrum::ONE,
             scale,
             ratio: self.paths as f64 / scale,
+            end: start.end,
+            by_emitter: 0.0,
         };
         for edges in 1..=MAX_VERTICES {
             let u = sampler.block(FIRST_VERTEX - 1 + edges);
@@ -85,7 +92,7 @@ impl Caustics {
         let (shape, point) = scene.surface::<true>(&path.ray, &hit);
         let to_light = -path.ray.direction;
         let side = side_towards(shape, point.ns.dot(to_light));
-        if edges == 1 && side.traits.smooth {
+        if edges == 1 && !side.traits.focuses() {
             return None;
         }
         let λ = path.λ;
@@ -122,6 +129,9 @@ impl Caustics {
             let back = bsdf.evaluate(sample.wi, vertex.wo);
             path.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
             path.ratio *= super::further(sample.pdf, back.pdf, cos_camera, cos_light);
+            if edges == 1 {
+                path.by_emitter = self.emitter_pdf(scene, path, &point, hit.t) / back.pdf;
+            }
         }
         if path.throughput.is_zero() {
             return None;
@@ -139,6 +149,17 @@ impl Caustics {
             }
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
+    }
+
+    /// The density with which the first surface on the way would have chosen the first edge by sampling emitters.
+    fn emitter_pdf(&self, scene: &Scene, path: &LightPath, first: &SurfacePoint, t: f64) -> f64 {
+        let (index, p, n) = path.end;
+        let entry = &scene.emitters.list[index];
+        let Some(shape) = entry.shape else { return 0.0 };
+        let back = Ray::free(first.p, -path.ray.direction);
+        let end = SurfacePoint::plain(p, n, n);
+        let pdf = entry.emitter.surface_pdf(&scene.shapes[shape as usize].geometry, &back, t, &end);
+        scene.emitters.probability(index) * pdf * f64::from(self.settings.emitter_samples)
     }
 
     /// What the camera gets of the light at a vertex if nothing is between them.
@@ -161,8 +182,8 @@ impl Caustics {
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
         let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
         let ratio = path.ratio * super::first(false, scattered.pdf, cos_light, seen);
-        let weight =
-            power_heuristic(ratio, 1.0) * filter * seen * path.scale / (cos_light * self.paths as f64);
+        let shared = power_heuristic_of_three(1.0 / ratio, path.by_emitter / ratio);
+        let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));
         let radiance = path.throughput * path.emitted * scattered.value;
         let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);
         Some((ray, Splat { pixel, λ: path.λ, radiance, weight }))

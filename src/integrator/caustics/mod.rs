@@ -6,10 +6,10 @@
 //! connected with the camera.
 //!
 //! **Which paths.** Let x₁ … xₙ be the vertices from the one that the camera sees to the one on the emitter. Light paths make those with
-//! n ≥ 3 whose xₙ₋₁ is of a material of delta lobes only (a *caster*), whose xₙ lies on an area emitter, and whose x₁ scatters
+//! n ≥ 3 whose xₙ₋₁ is of a material with narrow lobes (a *caster*), whose xₙ lies on an area emitter, and whose x₁ scatters
 //! into more than single directions; no relief with a mirror's or a glass's lobes is among them, whose weights are
-//! not the same from either end (`Traits::one_way`). All others are left to camera paths alone. Emitter sampling cannot make them, so
-//! two techniques share them, with the power heuristic.
+//! not the same from either end (`Traits::one_way`). All others are left to camera paths alone. Where xₙ₋₁ has a lobe
+//! with a density, emitter sampling makes these paths too; the three techniques share them by the power heuristic.
 //!
 //! **The ratio of the densities.** Per sample number there is one camera path to each pixel, and there are M light paths for the
 //! film. With area densities, the squared distances of all edges between x₁ and xₙ cancel between the two, and
@@ -30,14 +30,13 @@ mod aim;
 mod emission;
 mod light_path;
 
+use super::AnyIntegrator;
 use super::path::Path;
-use super::{AnyIntegrator, light::power_heuristic};
 use crate::emitter::Emitters;
 use crate::math::DVec3;
 use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
 use crate::sensor::Sensor;
-use crate::shape::SurfacePoint;
 use emission::Emission;
 pub use light_path::Splat;
 
@@ -74,28 +73,17 @@ impl Caustics {
         Some(Self { emission, settings, paths: (share * pixels).ceil().min(f64::from(u32::MAX)) as u32 })
     }
 
-    /// The weight of a camera path that hit emitter `index` at `point` coming from a caster; w is the direction back. `ratio` is the product of what
-    /// [`first`] and [`further`] gave on its way.
-    pub fn weight_of_hit(
-        &self,
-        scene: &Scene,
-        ratio: f64,
-        index: usize,
-        point: &SurfacePoint,
-        w: DVec3,
-    ) -> f64 {
-        let density = self.emission.density(&scene.shapes, &scene.emitters, index, point, w);
-        if ratio == 0.0 || density == 0.0 {
-            return 1.0;
-        }
-        let cos = point.ng.dot(w).abs();
-        power_heuristic(1.0, ratio * self.paths as f64 * density / cos)
+    /// The factor of r from xₙ, where w is the direction back to xₙ₋₁: of an emitter, a point of it and its normal there.
+    pub fn last(&self, scene: &Scene, (emitter, p, n): (usize, DVec3, DVec3), w: DVec3) -> f64 {
+        let density = self.emission.density(&scene.shapes, &scene.emitters, emitter, p, n, w);
+        // No light leaves at a right angle, and no ratio is taken of it.
+        if density > 0.0 { self.paths as f64 * density / n.dot(w).abs() } else { 0.0 }
     }
 }
 
 /// Whether light paths look for what a shape does to light.
 pub fn is_caster(shape: &Shape) -> bool {
-    shape.sides.iter().any(|side| !side.traits.smooth && !side.traits.one_way)
+    shape.sides.iter().any(|side| side.traits.focuses())
 }
 
 /// The factor of r from x₁: zero where a delta lobe went on, for then no light path can be connected there. `seen` is J.

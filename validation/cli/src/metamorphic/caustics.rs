@@ -34,6 +34,15 @@ fn relation(name: &str, camera: &str, world: &str) -> Relation {
     Relation::expectation(name, side(0.0), side(1.0)).samples(4096)
 }
 
+/// The integrator of both sides with an option that ends its element.
+fn with_integrator(relation: Relation, option: &str) -> Relation {
+    let with = |terms: Vec<Term>| {
+        let with = |term: Term| Term { scene: term.scene.replace("</integrator>", option), ..term };
+        terms.into_iter().map(with).collect()
+    };
+    Relation { left: with(relation.left), right: with(relation.right), ..relation }
+}
+
 fn in_spectra(relation: Relation) -> Relation {
     let spectral =
         |terms: Vec<Term>| terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect();
@@ -97,13 +106,15 @@ pub fn relations() -> Vec<Relation> {
         &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
         &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
     );
+    let polished = bsdf("roughconductor", &float("alpha", 0.1));
+    let frosted = bsdf("roughdielectric", &(float("alpha", 0.15) + &float("int_ior", 1.5)));
+    let hanging = sphere([1.0, -0.5, 1.6], 0.2, &area(12.0));
+    let four_emitter_samples = |relation: Relation| {
+        let option = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
+        with_integrator(relation, option)
+    };
     let hidden = |relation: Relation| {
-        let hide = |terms: Vec<Term>| {
-            let option = "<boolean name=\"hide_emitters\" value=\"true\"/></integrator>";
-            let hide = |term: Term| Term { scene: term.scene.replace("</integrator>", option), ..term };
-            terms.into_iter().map(hide).collect()
-        };
-        Relation { left: hide(relation.left), right: hide(relation.right), ..relation }
+        with_integrator(relation, "<boolean name=\"hide_emitters\" value=\"true\"/></integrator>")
     };
     let (plain, tent) = (camera(), "<rfilter type=\"tent\"/>");
     vec![
@@ -123,6 +134,10 @@ pub fn relations() -> Vec<Relation> {
             &room(&ball(&mirror())),
         ),
         relation("pane", &plain, &room(&pane)),
+        relation("polished_metal", &plain, &room(&ball(&polished))),
+        relation("polished_metal_by_two_lamps", &plain, &room(&(ball(&polished) + &second + &hanging))),
+        four_emitter_samples(relation("polished_metal_by_four_samples", &plain, &room(&ball(&polished)))),
+        relation("frosted_glass", &plain, &room(&block(&frosted))),
         relation("bulb_in_a_globe", &plain, &room(&bulb)),
         relation("block_of_glass", &plain, &room(&block(&glass("")))),
         relation("tinted_glass", &plain, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
