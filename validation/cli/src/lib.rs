@@ -7,10 +7,12 @@
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
 //! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike; [`stability`] asks the
-//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time. [`museum`] asks
+//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time,
+//! on one scene, and [`table`] on all of the convergence table. [`museum`] asks
 //! whether all of this would notice a bug, and [`report`] puts all of it on one page.
 
 pub mod agreement;
+pub mod calibrate;
 pub mod closed_forms;
 pub mod companions;
 pub mod console;
@@ -32,5 +34,6 @@ pub mod report;
 pub mod sampling;
 pub mod stability;
 pub mod stage;
+pub mod table;
 pub mod trial;
 pub mod warps;

@@ -9,8 +9,8 @@ use validate::console::{percentage, print, say};
 use validate::provenance::Made;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    closed_forms, converge, furnace, images, ledger, limits, materials, metamorphic, museum, peers,
-    references, renderers, report, sampling, stability,
+    calibrate, closed_forms, converge, furnace, images, ledger, limits, materials, metamorphic, museum,
+    peers, references, report, sampling, stability, table,
 };
 use validation::checks::Effort;
 use validation::report::to_json;
@@ -49,32 +49,11 @@ enum Command {
         ledger: Option<PathBuf>,
     },
     /// Error against run time of any renderers of renderers.toml
-    Converge {
-        scene: PathBuf,
-        /// May be repeated; the others are compared with the first
-        #[arg(long = "renderer", default_values = ["etalon", "mitsuba-llvm_ad_spectral"])]
-        renderers: Vec<String>,
-        /// Another file of renderers
-        #[arg(long, value_name = "FILE")]
-        file: Option<PathBuf>,
-        /// Sample counts
-        #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"])]
-        spp: Vec<u32>,
-        #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
-        seeds: u32,
-        /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
-        #[arg(long)]
-        reference_spp: Option<u32>,
-        /// All unless given
-        #[arg(long, default_value_t = 0)]
-        threads: usize,
-        /// Write a JSON document
-        #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
-        /// Write a page with plots
-        #[arg(long, value_name = "FILE")]
-        html: Option<PathBuf>,
-    },
+    Converge(converge::Arguments),
+    /// Error against run time of every renderer on every scene of table.toml
+    Table(table::Arguments),
+    /// Whether comparisons of efficiency find what is there and nothing else
+    Calibrate(calibrate::Arguments),
     /// All checks on all else that is drawn: light, lenses, filters, wavelengths, warps
     Sampling {
         /// Only what this is in the name of
@@ -216,41 +195,9 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             finish(Report::new("furnace", outcomes), json)
         }
         Command::Ledger(arguments) => ledger::command::run(arguments),
-        Command::Converge {
-            scene,
-            renderers: names,
-            file,
-            spp,
-            seeds,
-            reference_spp,
-            threads,
-            json,
-            html,
-        } => {
-            let known = renderers::load(&file.unwrap_or_else(renderers::file))?;
-            let chosen: Result<Vec<_>, String> = names
-                .iter()
-                .map(|name| {
-                    Ok((name.clone(), known.get(name).ok_or(format!("no renderer `{name}`"))?.clone()))
-                })
-                .collect();
-            let longest = spp.iter().copied().max().unwrap_or(1);
-            let reference_samples = reference_spp.unwrap_or(8 * longest);
-            let settings = converge::Settings { ladder: spp, seeds, reference_samples, threads };
-            let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
-            std::fs::create_dir_all(&folder)?;
-            let study = converge::study(&scene, &chosen?, &settings, &folder, |step| eprintln!("{step}"));
-            std::fs::remove_dir_all(&folder)?;
-            let study = study?;
-            if let Some(path) = json {
-                std::fs::write(path, to_json(&study)?)?;
-            }
-            if let Some(path) = html {
-                std::fs::write(path, study.html())?;
-            }
-            say(format_args!("{}", study.text().trim_end()));
-            Ok(Verdict::Equivalent)
-        }
+        Command::Converge(arguments) => converge::run(arguments),
+        Command::Table(arguments) => table::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Images(arguments) => images::command::run(arguments),
         Command::Report { output, from, quick } => {
             let effort = if quick { report::Effort::QUICK } else { report::Effort::USUAL };

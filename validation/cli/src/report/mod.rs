@@ -8,10 +8,10 @@ mod browser;
 mod charts;
 mod evidence;
 mod histogram;
-mod machine;
+pub(crate) mod machine;
 mod matrix;
 mod page;
-mod pictures;
+pub(crate) mod pictures;
 mod questions;
 #[cfg(test)]
 mod sample;
