@@ -5,9 +5,11 @@
 //! intrinsic that the `cfg` above it guarantees.
 
 mod floats;
+mod prefetch;
 mod words;
 
 pub use floats::F32x8;
+pub use prefetch::prefetch;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 pub use words::U32x8;
 

@@ -53,8 +53,9 @@ impl Mesh {
         Self { positions, triangles, normals, uvs, flipped: flip != mirrored, areas: Discrete::default() }
     }
 
+    /// The vertices of a triangle.
     #[inline]
-    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|i| double(self.positions[i as usize]))
     }
 

@@ -8,27 +8,33 @@
 //! A handful of primitives needs no tree at all.
 
 mod build;
+mod fold;
 mod instances;
 mod node;
 mod packet;
+mod pages;
 mod patches;
 mod space;
 mod spheres;
+mod splits;
 mod stack;
 mod triangles;
+mod walk;
 
 use super::{Cylinder, Hit};
 use crate::math::ray::Ends;
 use crate::math::simd::F64x4;
 use crate::math::{DVec3, Ray};
 pub use instances::Instance;
-use node::{Node, NodeRef, Target};
+use node::Node;
 use packet::Packet;
+use pages::Pages;
 use patches::Patches;
-use space::{LocalRay, Space};
+use space::Space;
 use spheres::Spheres;
 use stack::Stack;
 use triangles::{Sheared, Triangles};
+use walk::{View, Walk};
 
 /// The leaf of a tree whose primitives are not all triangles.
 #[derive(Clone, Debug, Default)]
@@ -44,8 +50,8 @@ struct Mixed {
 pub struct Accel {
     space: Space,
     /// Empty where all blocks are simply tried.
-    nodes: Vec<Node>,
-    triangles: Vec<Triangles>,
+    nodes: Pages<Node>,
+    triangles: Pages<Triangles>,
     patches: Vec<Patches>,
     /// The first so many blocks of patches have the scene on both sides. Known only where there is no tree.
     inner_patches: usize,
@@ -234,7 +240,7 @@ impl Accel {
         }
         if !self.triangles.is_empty() {
             let sheared = Sheared::new(search.ray);
-            for block in &self.triangles {
+            for block in self.triangles.iter() {
                 block.intersect(&sheared, search);
                 if ANY && search.found() {
                     return;
@@ -244,47 +250,11 @@ impl Accel {
     }
 
     fn traverse<const ANY: bool>(&self, search: &mut Search) {
-        let Some(mut local) = self.space.enter(search.ray) else { return };
-        let sheared = Sheared::new(search.ray);
+        let view = View::new(self);
+        let Some(mut walk) = Walk::new(self, *search) else { return };
         let mut stack = Stack::new();
-        let mut next = Some(NodeRef::ROOT);
-        while let Some(node) = next {
-            match node.target() {
-                Target::Node(index) => self.push_children::<ANY>(&self.nodes[index], &local, &mut stack),
-                Target::Triangles(index) => self.triangles[index].intersect(&sheared, search),
-                Target::Mixed(index) => self.intersect_mixed::<ANY>(&self.mixed[index], &sheared, search),
-            }
-            if search.found() {
-                if ANY {
-                    return;
-                }
-                local.shorten(&self.space, search.best.t);
-            }
-            next = stack.pop(local.limit);
-        }
-    }
-
-    /// Lets the children that the ray enters wait, the nearest last.
-    #[inline(always)]
-    fn push_children<const ANY: bool>(&self, node: &Node, local: &LocalRay, stack: &mut Stack) {
-        let (mut hits, entry) = node.intersect(local);
-        let mut entered = [(NodeRef::EMPTY, 0.0); 8];
-        let mut count = 0;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
-            hits &= hits - 1;
-            let child = (node.children[lane], entry[lane]);
-            let mut at = count;
-            while !ANY && at > 0 && entered[at - 1].1 < child.1 {
-                entered[at] = entered[at - 1];
-                at -= 1;
-            }
-            entered[at] = child;
-            count += 1;
-        }
-        for (child, entry) in &entered[..count] {
-            stack.push(*child, *entry);
-        }
+        while walk.step::<ANY>(&view, &mut stack) {}
+        *search = walk.search;
     }
 
     fn intersect_mixed<const ANY: bool>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {

@@ -1,10 +1,13 @@
 //! Nodes with eight children.
 
 use super::space::LocalRay;
-use crate::math::simd::F32x8;
+use super::walk::View;
+use crate::math::simd::{F32x8, prefetch};
+use bytemuck::{Pod, Zeroable};
 
 /// A child: a node, a block of triangles, a mixed leaf, or nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct NodeRef(u32);
 
 /// What a [`NodeRef`] leads to.
@@ -32,6 +35,26 @@ impl NodeRef {
         Self(index as u32 | 2 << 30)
     }
 
+    /// Begins to bring what this leads to into the cache.
+    #[inline(always)]
+    pub fn prefetch(self, view: &View) {
+        match self.target() {
+            Target::Node(index) => prefetch(view.nodes, index),
+            Target::Triangles(index) => prefetch(view.triangles, index),
+            Target::Mixed(_) => {}
+        }
+    }
+
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     #[inline(always)]
     pub fn target(self) -> Target {
         let index = (self.0 & !Self::KIND) as usize;
@@ -44,8 +67,8 @@ impl NodeRef {
 }
 
 /// Eight boxes and what is in them.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(32))]
 pub struct Node {
     /// planes[side][axis][child], side 0 the lower.
     planes: [[[f32; 8]; 3]; 2],
@@ -73,12 +96,12 @@ impl Node {
         let mut entry = F32x8::splat(0.0);
         let mut exit = F32x8::splat(ray.limit);
         for axis in 0..3 {
-            let near = F32x8::new(&self.planes[ray.negative[axis]][axis]);
-            let far = F32x8::new(&self.planes[1 - ray.negative[axis]][axis]);
-            let (origin, inverse) = (F32x8::splat(ray.origin[axis]), F32x8::splat(ray.inverse[axis]));
-            let slack = F32x8::splat(LocalRay::SLACK);
-            entry = ((near - origin) * inverse).max(entry);
-            exit = ((far - origin) * inverse * slack).min(exit);
+            let negative = ray.negative[axis] & 1;
+            let near = F32x8::new(&self.planes[negative][axis]);
+            let far = F32x8::new(&self.planes[1 - negative][axis]);
+            let origin = F32x8::splat(ray.origin[axis]);
+            entry = ((near - origin) * F32x8::splat(ray.inverse[axis])).max(entry);
+            exit = ((far - origin) * F32x8::splat(ray.far_inverse[axis])).min(exit);
         }
         (entry.at_most(exit), entry.to_array())
     }

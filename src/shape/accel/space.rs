@@ -23,6 +23,8 @@ pub struct LocalRay {
     pub origin: [f32; 3],
     /// 1 / direction; never infinite.
     pub inverse: [f32; 3],
+    /// The same with the slack that the far side of a slab test is given.
+    pub far_inverse: [f32; 3],
     /// For each axis 1 where the direction is negative: which of the two planes is met first.
     pub negative: [usize; 3],
     /// Boxes beyond this are not looked at.
@@ -38,6 +40,11 @@ impl Space {
         let exponent = if extent > 0.0 { libm::ilogb(extent) + 1 } else { 0 };
         // Scenes at the very ends of the exponent range keep a finite scale.
         Self { centre, scale: libm::scalbn(1.0, -exponent.clamp(-1000, 1000)) }
+    }
+
+    /// How long the unit of length is here.
+    pub fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// A box in unit coordinates, widened to hold all rounding.
@@ -68,6 +75,7 @@ impl Space {
         let mut local = LocalRay {
             origin: moved.to_array().map(|v| v as f32),
             inverse: inverse.to_array().map(|v| v as f32),
+            far_inverse: inverse.to_array().map(|v| v as f32 * SLACK),
             negative: direction.to_array().map(|d| usize::from(d.is_sign_negative())),
             limit: f32::INFINITY,
             moved: entry,
@@ -83,7 +91,4 @@ impl LocalRay {
     pub fn shorten(&mut self, space: &Space, t: f64) {
         self.limit = (t * space.scale - self.moved) as f32 * SLACK + PADDING;
     }
-
-    /// The slack that the far side of a slab test is given.
-    pub const SLACK: f32 = SLACK;
 }

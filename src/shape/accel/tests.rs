@@ -64,7 +64,7 @@ fn the_tree_finds_what_trying_everything_finds() {
     let tree = Accel::new(&refs);
     assert!(tree.node_count() > 1);
     let mut flat = Accel::new(&refs);
-    flat.nodes.clear();
+    flat.nodes = Pages::zeroed(0);
     let mut rng = Pcg32::new(2, 2);
     let mut hits = 0;
     for _ in 0..100_000 {
@@ -81,6 +81,40 @@ fn the_tree_finds_what_trying_everything_finds() {
         }
     }
     assert!(hits > 30_000, "{hits}");
+}
+
+/// Sticks in all directions, so thin that their triangles are cut before the tree is built.
+fn twigs() -> Geometry {
+    let mut rng = Pcg32::new(7, 7);
+    let mut data = MeshData::default();
+    for i in 0..300 {
+        let (at, along) = (direction(&mut rng) * uniform(&mut rng), direction(&mut rng));
+        let across = crate::math::Frame::about(along).s * 0.01;
+        let corners = [at, at + along, at + across, at + along + across];
+        data.positions.extend(corners.map(|p| p.to_array().map(|v| v as f32)));
+        data.triangles.extend([[0, 1, 2], [2, 1, 3]].map(|t| t.map(|k| 4 * i + k)));
+    }
+    Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true))
+}
+
+#[test]
+fn pieces_lead_to_whole_triangles() {
+    let shape = twigs();
+    let tree = Accel::new(&[&shape]);
+    let mut flat = Accel::new(&[&shape]);
+    flat.nodes = Pages::zeroed(0);
+    let stored: usize = tree.triangles.iter().map(Triangles::count).sum();
+    assert!(stored > 650, "{stored}: nothing was cut");
+    let mut rng = Pcg32::new(8, 8);
+    let mut hits = 0;
+    for _ in 0..20_000 {
+        let ray = Ray::free(direction(&mut rng) * 2.0, direction(&mut rng));
+        let found = tree.closest(&ray);
+        assert_eq!(found, flat.closest(&ray), "{ray:?}");
+        assert_eq!(found.is_some(), tree.occluded(&ray));
+        hits += usize::from(found.is_some());
+    }
+    assert!(hits > 1_000, "{hits}");
 }
 
 #[test]

@@ -7,6 +7,7 @@
 use super::Search;
 use crate::math::Ray;
 use crate::math::simd::F64x4;
+use bytemuck::{Pod, Zeroable};
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
 pub struct Sheared {
@@ -39,7 +40,7 @@ impl Sheared {
 }
 
 /// Four triangles; missing ones have no area.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Triangles {
     /// vertices[corner][axis][triangle].
@@ -59,6 +60,16 @@ impl Triangles {
             }
         }
         self.primitives[lane] = primitive;
+    }
+
+    /// How many there are.
+    #[cfg(test)]
+    pub fn count(&self) -> usize {
+        self.primitives.iter().filter(|&&primitive| primitive != Search::NONE).count()
+    }
+
+    pub fn holds(&self, primitive: u32) -> bool {
+        self.primitives.contains(&primitive)
     }
 
     #[inline(always)]

@@ -3,9 +3,9 @@
 use super::evidence::Evidence;
 use super::histogram::Histogram;
 use super::matrix::matrix;
-use super::museum::Findings;
 use super::pictures::Pictures;
 use super::sections;
+use crate::museum::findings::Findings;
 use validation::Outcome;
 use validation::html::escape;
 

@@ -1,0 +1,235 @@
+//! From a binary tree to one with eight children a node.
+//!
+//! Among all trees that keep the binary tree's order, the one of least expected cost is found from the leaves up
+//! (Ylitie, Karras & Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section
+//! 3.1): for each binary node and each count i, the least cost of at most i trees that together hold what is below it.
+//! A ray enters a box with a chance proportional to its area.
+
+use super::node::{Node, NodeRef};
+use obvhs::bvh2::Bvh2;
+
+/// What testing a block of four triangles costs, in tests of a node.
+const BLOCK_COST: f32 = 0.6;
+
+/// A leaf that could be whole is divided only if that leaves no more than this part of its cost: full blocks save
+/// memory, which large scenes wait for.
+const THRIFT: f32 = 0.6;
+
+/// How many items fit a leaf.
+pub const LEAF: u8 = 4;
+
+/// What a leaf of the binary tree holds.
+#[derive(Clone, Copy)]
+pub struct Content {
+    /// The area of the surface.
+    pub surface: f32,
+    /// How much of a leaf it takes.
+    pub size: u8,
+    pub is_triangle: bool,
+}
+
+/// What is known of a node of the binary tree and what is below it.
+#[derive(Clone, Copy, Default)]
+struct Decision {
+    /// The least cost of at most 1, 2, … 7 trees.
+    costs: [f32; 7],
+    /// How it comes about: `choices[i]` trees of at most i come from the left child, and 0 means as for i − 1.
+    /// `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight children come from the left.
+    choices: [u8; 8],
+    surface: f32,
+    /// More than [`LEAF`] is too large for a leaf.
+    size: u8,
+    has_triangles: bool,
+    only_triangles: bool,
+}
+
+/// What the nodes of eight are made of.
+pub struct Plan<'a> {
+    binary: &'a Bvh2,
+    decisions: Vec<Decision>,
+}
+
+/// A node to be.
+#[derive(Default)]
+pub struct Wide {
+    /// Binary nodes, the most promising for a shadow ray first.
+    children: [u32; 8],
+    count: u8,
+    /// A bit for each child that is a leaf.
+    leaves: u8,
+    /// The number of the first child that is a node, and of the first that is a leaf.
+    first_node: u32,
+    first_leaf: u32,
+}
+
+impl<'a> Plan<'a> {
+    /// `content` tells what a primitive is.
+    pub fn new(binary: &'a Bvh2, content: impl Fn(u32) -> Content) -> Self {
+        let mut plan = Self { binary, decisions: vec![Decision::default(); binary.nodes.len()] };
+        for index in parents_first(binary).into_iter().rev() {
+            plan.decisions[index as usize] = plan.decide(index as usize, &content);
+        }
+        plan
+    }
+
+    fn decide(&self, index: usize, content: &impl Fn(u32) -> Content) -> Decision {
+        let node = &self.binary.nodes[index];
+        let area = node.aabb().half_area();
+        if node.is_leaf() {
+            let Content { surface, size, is_triangle } =
+                content(self.binary.primitive_indices[node.first_index as usize]);
+            let costs = [area * BLOCK_COST; 7];
+            let (has_triangles, only_triangles) = (is_triangle, is_triangle);
+            return Decision { costs, choices: [0; 8], surface, size, has_triangles, only_triangles };
+        }
+        let (l, r) =
+            (&self.decisions[node.first_index as usize], &self.decisions[node.first_index as usize + 1]);
+        let mut decision = Decision {
+            surface: l.surface + r.surface,
+            size: (l.size + r.size).min(LEAF + 1),
+            has_triangles: l.has_triangles | r.has_triangles,
+            only_triangles: l.only_triangles & r.only_triangles,
+            ..Decision::default()
+        };
+        let split = |trees: usize| {
+            let mut best = (f32::INFINITY, 0);
+            for k in trees.saturating_sub(7).max(1)..=(trees - 1).min(7) {
+                let cost = l.costs[k - 1] + r.costs[trees - k - 1];
+                if cost < best.0 {
+                    best = (cost, k as u8);
+                }
+            }
+            best
+        };
+        let (inner, from_left) = split(8);
+        let (inner, leaf) = (inner + area, area * BLOCK_COST);
+        decision.choices[0] = from_left;
+        decision.choices[1] = u8::from(decision.size > LEAF || inner < leaf);
+        let mut best = if decision.choices[1] == 0 { leaf } else { inner };
+        decision.costs[0] = best;
+        for trees in 2..8 {
+            let (cost, from_left) = split(trees);
+            let thrift = if decision.size <= LEAF && decision.choices[1] == 0 { THRIFT } else { 1.0 };
+            if cost < best * thrift {
+                (best, decision.choices[trees]) = (cost, from_left);
+            }
+            decision.costs[trees - 1] = best;
+        }
+        decision
+    }
+
+    pub fn has_triangles(&self, index: u32) -> bool {
+        self.decisions[index as usize].has_triangles
+    }
+
+    pub fn only_triangles(&self, index: u32) -> bool {
+        self.decisions[index as usize].only_triangles
+    }
+
+    /// All nodes, children of one behind each other, and the binary nodes that leaves are made of.
+    pub fn lay_out(&self) -> (Vec<Wide>, Vec<u32>) {
+        let mut nodes = vec![Wide::default()];
+        let mut leaves = vec![];
+        let mut waiting = vec![(0, 0)];
+        while let Some((index, to)) = waiting.pop() {
+            let mut wide =
+                Wide { first_node: nodes.len() as u32, first_leaf: leaves.len() as u32, ..Wide::default() };
+            self.children(index, &mut wide);
+            for (slot, &child) in wide.children[..usize::from(wide.count)].iter().enumerate() {
+                if self.decisions[child as usize].choices[1] == 0 {
+                    wide.leaves |= 1 << slot;
+                    leaves.push(child);
+                } else {
+                    waiting.push((child, nodes.len()));
+                    nodes.push(Wide::default());
+                }
+            }
+            nodes[to] = wide;
+        }
+        (nodes, leaves)
+    }
+
+    /// The node, given what all leaves have become.
+    pub fn node(&self, wide: &Wide, leaves: &[NodeRef]) -> Node {
+        let mut node = Node::empty();
+        let (mut next_node, mut next_leaf) = (wide.first_node as usize, wide.first_leaf as usize);
+        for (slot, &child) in wide.children[..usize::from(wide.count)].iter().enumerate() {
+            let target = if wide.leaves >> slot & 1 == 1 {
+                next_leaf += 1;
+                leaves[next_leaf - 1]
+            } else {
+                next_node += 1;
+                NodeRef::node(next_node - 1)
+            };
+            let aabb = self.binary.nodes[child as usize].aabb();
+            node.set(slot, aabb.min.to_array(), aabb.max.to_array(), target);
+        }
+        node
+    }
+
+    /// Finds the children of the node made of binary node `index`.
+    fn children(&self, index: u32, wide: &mut Wide) {
+        let node = &self.binary.nodes[index as usize];
+        if node.is_leaf() {
+            self.collect(index, 1, wide);
+        } else {
+            let from_left = self.decisions[index as usize].choices[0];
+            self.collect(node.first_index, from_left, wide);
+            self.collect(node.first_index + 1, 8 - from_left, wide);
+        }
+        // How much of a surface a child holds for what it costs to search.
+        let promise = |child: u32| {
+            let decision = &self.decisions[child as usize];
+            decision.surface / decision.costs[0]
+        };
+        wide.children[..usize::from(wide.count)].sort_by(|&a, &b| promise(b).total_cmp(&promise(a)));
+    }
+
+    fn collect(&self, index: u32, trees: u8, wide: &mut Wide) {
+        let choices = &self.decisions[index as usize].choices;
+        match (2..=trees).rev().find(|&i| choices[usize::from(i)] != 0) {
+            Some(i) => {
+                let from_left = choices[usize::from(i)];
+                let left = self.binary.nodes[index as usize].first_index;
+                self.collect(left, from_left, wide);
+                self.collect(left + 1, i - from_left, wide);
+            }
+            None => {
+                wide.children[usize::from(wide.count)] = index;
+                wide.count += 1;
+            }
+        }
+    }
+
+    /// The primitives below a binary node that becomes a leaf.
+    pub fn primitives(&self, index: u32) -> impl Iterator<Item = u32> {
+        let mut waiting = [index; LEAF as usize];
+        let mut count = 1;
+        std::iter::from_fn(move || {
+            while count > 0 {
+                count -= 1;
+                let node = &self.binary.nodes[waiting[count] as usize];
+                if node.is_leaf() {
+                    return Some(self.binary.primitive_indices[node.first_index as usize]);
+                }
+                waiting[count] = node.first_index + 1;
+                waiting[count + 1] = node.first_index;
+                count += 2;
+            }
+            None
+        })
+    }
+}
+
+/// All nodes, each before those below it.
+fn parents_first(binary: &Bvh2) -> Vec<u32> {
+    let (mut order, mut waiting) = (Vec::with_capacity(binary.nodes.len()), vec![0]);
+    while let Some(index) = waiting.pop() {
+        order.push(index);
+        let node = &binary.nodes[index as usize];
+        if !node.is_leaf() {
+            waiting.extend([node.first_index + 1, node.first_index]);
+        }
+    }
+    order
+}

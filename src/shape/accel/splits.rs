@@ -1,0 +1,155 @@
+//! Thin triangles across the axes, in several boxes each.
+//!
+//! The box of such a triangle is nearly empty, and a ray would look into it in vain. Before the tree is built it is
+//! cut in halves again and again, the box first from which that takes most area, as long as there are pieces to spend
+//! (in the spirit of Karras & Aila 2013, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies",
+//! section 4). Every piece leads to the whole triangle, so what is found does not change.
+
+use crate::math::DVec3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A box is cut if it has so many times the area of the least boxes around ever smaller pieces of its triangle.
+const EMPTY: f64 = 16.0;
+
+/// Up to so many pieces more than triangles.
+const MORE: f64 = 0.5;
+
+/// A part of a triangle.
+pub struct Piece {
+    outline: Vec<DVec3>,
+    /// The triangle's number.
+    pub of: u32,
+}
+
+impl Piece {
+    /// The corners of the box.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+        self.outline.iter().fold(nothing, |(lo, hi), p| (lo.min(*p), hi.max(*p)))
+    }
+
+    /// Half the area of the box.
+    fn area(&self) -> f64 {
+        let (lo, hi) = self.bounds();
+        let d = hi - lo;
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
+
+    /// The part on one side of the middle of the box across its longest axis.
+    fn half(&self, upper: bool) -> Self {
+        let (lo, hi) = self.bounds();
+        let axis = (hi - lo).max_position();
+        let middle = 0.5 * (lo + hi)[axis];
+        let inside = |p: DVec3| if upper { p[axis] >= middle } else { p[axis] <= middle };
+        let mut outline = Vec::with_capacity(self.outline.len() + 2);
+        for (i, &a) in self.outline.iter().enumerate() {
+            let b = self.outline[(i + 1) % self.outline.len()];
+            if inside(a) {
+                outline.push(a);
+            }
+            if inside(a) != inside(b) {
+                let mut cut = a + (b - a) * ((middle - a[axis]) / (b[axis] - a[axis]));
+                cut[axis] = middle;
+                outline.push(cut);
+            }
+        }
+        Self { outline, of: self.of }
+    }
+
+    /// Whether cutting could pay, and how much: what the two halves have less in area.
+    fn gain(&self) -> f64 {
+        self.area() - self.half(false).area() - self.half(true).area()
+    }
+}
+
+/// What a triangle would have in box area if it were cut ever finer: its shadows along the axes.
+fn least_area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).abs().element_sum()
+}
+
+/// The pieces of those triangles that are cut; each has at least two.
+pub fn pieces(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) -> Vec<Piece> {
+    // Gains are positive, so their bits are in their order.
+    let key = |piece: &Piece, place: usize| (piece.gain().max(0.0).to_bits(), Reverse(place));
+    let mut pieces: Vec<Piece> = vec![];
+    for (of, corners) in triangles {
+        let piece = Piece { outline: corners.to_vec(), of };
+        if piece.area() > EMPTY * least_area(corners) {
+            pieces.push(piece);
+        }
+    }
+    let mut heap: BinaryHeap<_> = pieces.iter().enumerate().map(|(i, piece)| key(piece, i)).collect();
+    let most = pieces.len() + (count as f64 * MORE) as usize;
+    while pieces.len() < most {
+        let Some((gain, Reverse(place))) = heap.pop() else { break };
+        if gain == 0 {
+            break;
+        }
+        let upper = pieces[place].half(true);
+        pieces[place] = pieces[place].half(false);
+        heap.push(key(&pieces[place], place));
+        heap.push(key(&upper, pieces.len()));
+        pieces.push(upper);
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DVec2, warp};
+    use rand_pcg::{Pcg32, rand_core::Rng};
+
+    fn uniform(rng: &mut Pcg32) -> f64 {
+        rng.next_u32() as f64 / 4294967296.0
+    }
+
+    #[test]
+    fn pieces_cover_thin_triangles_with_less_area() {
+        let mut rng = Pcg32::new(21, 1);
+        let mut triangle = || {
+            let along = warp::sphere(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+            let at = DVec3::new(uniform(&mut rng), uniform(&mut rng), uniform(&mut rng));
+            [at, at + along, at + along + DVec3::splat(0.003)]
+        };
+        let triangles: Vec<[DVec3; 3]> = (0..200).map(|_| triangle()).collect();
+        let numbered = || triangles.iter().enumerate().map(|(i, t)| (i as u32, *t));
+        let pieces = pieces(numbered(), triangles.len());
+        let cut: std::collections::BTreeSet<u32> = pieces.iter().map(|piece| piece.of).collect();
+        assert_eq!(pieces.len(), cut.len() + (triangles.len() as f64 * MORE) as usize);
+        assert!(cut.len() > 150, "{}", cut.len());
+        let before: f64 = numbered().map(|(of, t)| Piece { outline: t.to_vec(), of }.area()).sum();
+        let whole = numbered().filter(|(of, _)| !cut.contains(of));
+        let after = whole.map(|(of, t)| Piece { outline: t.to_vec(), of }.area()).sum::<f64>()
+            + pieces.iter().map(Piece::area).sum::<f64>();
+        assert!(after < 0.8 * before, "{after} {before}");
+        for (of, [a, b, c]) in numbered().filter(|(of, _)| cut.contains(of)) {
+            for _ in 0..100 {
+                let at = warp::triangle(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+                let p = a + (b - a) * at.x + (c - a) * at.y;
+                // Cuts and points are rounded in coordinates of about 1.
+                let rounding = DVec3::splat(1e-15);
+                let holds = |piece: &Piece| {
+                    let (lo, hi) = piece.bounds();
+                    piece.of == of && (p + rounding).cmpge(lo).all() && (p - rounding).cmple(hi).all()
+                };
+                assert!(pieces.iter().any(holds), "{p} of {of}");
+            }
+        }
+    }
+
+    #[test]
+    fn well_shaped_triangles_stay_whole() {
+        let mut rng = Pcg32::new(22, 1);
+        let mut direction = || warp::sphere(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+        for _ in 0..1000 {
+            let frame = crate::math::Frame::about(direction());
+            let corner = |i: u32| {
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU / 3.0 * i as f64);
+                frame.to_world(DVec3::new(sin, cos, 0.0))
+            };
+            assert!(pieces([(0, [0, 1, 2].map(corner))].into_iter(), 100).is_empty());
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! A ray's way through the tree.
+
+use super::node::{Node, NodeRef, Target};
+use super::space::LocalRay;
+use super::stack::Stack;
+use super::triangles::{Sheared, Triangles};
+use super::{Accel, Search};
+
+/// What a walk looks at.
+pub struct View<'a> {
+    pub nodes: &'a [Node],
+    pub triangles: &'a [Triangles],
+    accel: &'a Accel,
+}
+
+impl<'a> View<'a> {
+    #[inline(always)]
+    pub fn new(accel: &'a Accel) -> Self {
+        Self { nodes: &accel.nodes, triangles: &accel.triangles, accel }
+    }
+}
+
+/// A ray in the middle of the tree, without the stack: what is indexed cannot be held in registers, nor what is in
+/// one structure with it.
+pub struct Walk<'a> {
+    pub search: Search<'a>,
+    local: LocalRay,
+    sheared: Sheared,
+    next: NodeRef,
+    /// How many nodes wait on the stack.
+    waiting: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// `None` where the ray passes by everything.
+    #[inline(always)]
+    pub fn new(accel: &Accel, search: Search<'a>) -> Option<Self> {
+        let local = accel.space.enter(search.ray)?;
+        let sheared = Sheared::new(search.ray);
+        Some(Self { search, local, sheared, next: NodeRef::ROOT, waiting: 0 })
+    }
+
+    /// Looks at one node or leaf; false where there is no more to see.
+    #[inline(always)]
+    pub fn step<const ANY: bool>(&mut self, view: &View, stack: &mut Stack) -> bool {
+        let best = self.search.best.t;
+        match self.next.target() {
+            Target::Node(index) => {
+                let node = &view.nodes[index];
+                let (hits, entries) = node.intersect(&self.local);
+                if hits != 0 {
+                    let coming = |child: NodeRef| child.prefetch(view);
+                    self.next = stack.enter::<ANY>(&mut self.waiting, hits, &entries, &node.children, coming);
+                    return true;
+                }
+            }
+            Target::Triangles(index) => view.triangles[index].intersect(&self.sheared, &mut self.search),
+            Target::Mixed(index) => {
+                let mixed = &view.accel.mixed[index];
+                view.accel.intersect_mixed::<ANY>(mixed, &self.sheared, &mut self.search);
+            }
+        }
+        if ANY && self.search.found() {
+            return false;
+        }
+        if self.search.best.t < best {
+            self.local.shorten(&view.accel.space, self.search.best.t);
+        }
+        match stack.pop(&mut self.waiting, self.local.limit) {
+            Some(node) => {
+                self.next = node;
+                true
+            }
+            None => false,
+        }
+    }
+}
