@@ -145,7 +145,8 @@ mod tests {
             "<bug>",
             "<about>",
             "<test>",
-            "<made>",
+            "<date>",
+            "<machine>",
             "<cpu>",
             "<1>",
         ] {
