@@ -1,4 +1,7 @@
-//! The same file from builds that share nothing but the source: every optimisation level, and a processor without AVX.
+//! The same file from builds that share nothing but the source: every optimisation level, processors with less and with more
+//! than AVX2, a processor that valgrind emulates, and any other that a command runs the program on.
+//!
+//! What takes long is left out unless asked for: `cargo test --release --test builds -- --ignored`.
 
 mod scenes;
 
@@ -8,6 +11,13 @@ use std::process::Command;
 
 /// Name, optimisation level and processor of a build that this test makes.
 const BUILDS: &[(&str, &str, &str)] = &[("unoptimised", "0", "x86-64-v3"), ("without-avx", "1", "x86-64")];
+
+/// Further ones: all that this machine has, no AVX2, and no AVX, fully optimised.
+const FURTHER: &[(&str, &str, &str)] = &[
+    ("native", "3", "native"),
+    ("without-avx2", "3", "x86-64-v3 -C target-feature=-avx2,-fma"),
+    ("plain", "3", "x86-64"),
+];
 
 /// Builds the program; its dependencies stay in the target folder for the next time.
 fn build((name, level, processor): &(&str, &str, &str)) -> PathBuf {
@@ -27,29 +37,59 @@ fn build((name, level, processor): &(&str, &str, &str)) -> PathBuf {
     folder.join("release/etalon")
 }
 
-fn render(program: &Path, scene: &Path, mode: &str) -> Vec<u8> {
+/// The file that a command (a program, or an emulator and a program) makes of a scene.
+fn render(command: &[&str], scene: &Path, mode: &str) -> Vec<u8> {
     let image = scene.with_extension("exr");
-    let status = Command::new(program)
+    let output = Command::new(command[0])
+        .args(&command[1..])
         .args(["render", "--quiet", "--spp", "8", "--color", mode, "-o"])
         .args([&image, scene])
-        .status()
+        .output()
         .unwrap();
-    assert!(status.success(), "{} fails at {}", program.display(), scene.display());
+    assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
     std::fs::read(image).unwrap()
+}
+
+/// Compares the files of all scenes with those of the usual build.
+fn require_same(name: &str, command: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    for trial in SCENES {
+        let scene = folder.path().join("scene.xml");
+        std::fs::write(&scene, trial.text(Units::default())).unwrap();
+        let usual = render(&[env!("CARGO_BIN_EXE_etalon")], &scene, trial.mode.name());
+        let same = usual == render(command, &scene, trial.mode.name());
+        assert!(same, "`{}` differs between the usual build and the {name} one", trial.name);
+    }
 }
 
 #[test]
 #[cfg(target_arch = "x86_64")]
 fn no_build_changes_a_bit() {
-    let folder = tempfile::tempdir().unwrap();
     for (name, level, processor) in BUILDS {
-        let other = build(&(name, level, processor));
-        for trial in SCENES {
-            let scene = folder.path().join("scene.xml");
-            std::fs::write(&scene, trial.text(Units::default())).unwrap();
-            let usual = render(Path::new(env!("CARGO_BIN_EXE_etalon")), &scene, trial.mode.name());
-            let same = usual == render(&other, &scene, trial.mode.name());
-            assert!(same, "`{}` differs between the usual build and the {name} one", trial.name);
-        }
+        require_same(name, &[&build(&(name, level, processor)).to_string_lossy()]);
     }
+}
+
+#[test]
+#[ignore = "three builds more"]
+#[cfg(target_arch = "x86_64")]
+fn no_processor_changes_a_bit() {
+    for (name, level, processor) in FURTHER {
+        require_same(name, &[&build(&(name, level, processor)).to_string_lossy()]);
+    }
+}
+
+#[test]
+#[ignore = "needs valgrind"]
+fn valgrind_changes_no_bit() {
+    let quiet = ["valgrind", "--tool=none", "--quiet", env!("CARGO_BIN_EXE_etalon")];
+    require_same("valgrind's", &quiet);
+}
+
+/// `ETALON_OTHER` is a command that runs the program built for another processor; tests/aarch64.sh makes one.
+#[test]
+#[ignore = "needs the variable ETALON_OTHER"]
+fn another_machine_changes_no_bit() {
+    let command = std::env::var("ETALON_OTHER").expect("ETALON_OTHER is a command");
+    require_same("other", &command.split_whitespace().collect::<Vec<_>>());
 }

@@ -13,8 +13,11 @@ pub struct Subject {
     pub light: DVec3,
 }
 
+/// Makes a mesh, with places to look from.
+type Making = fn() -> Subject;
+
 /// Every mesh by name; names end with the rounded number of triangles.
-pub const MESHES: &[(&str, fn() -> Subject)] = &[
+pub const MESHES: &[(&str, Making)] = &[
     ("urchin-1k", || urchins(1, 3)),
     ("twigs-60k", twigs),
     ("urchins-164k", || urchins(8, 5)),

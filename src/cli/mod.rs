@@ -96,6 +96,25 @@ impl SceneArguments {
         };
         Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
     }
+
+    /// The words of a command line that mean the same scene.
+    fn words(&self) -> String {
+        let mut words = vec![self.scene.display().to_string()];
+        let mut say = |option: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));
+        };
+        self.define.iter().for_each(|(name, value)| say("-D", Some(format!("{name}={value}"))));
+        say("--color", Some(self.color.name().to_owned()).filter(|_| self.color != ColorMode::Spectral));
+        say("--integrator", self.integrator.clone());
+        say("--max-depth", self.max_depth.map(|m| m.to_string()));
+        say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
+        say("--sampler", self.sampler.clone());
+        say("--seed", self.seed.map(|seed| seed.to_string()));
+        let plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "-_./=,".contains(c));
+        let quoted =
+            |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
+        words.into_iter().map(quoted).collect::<Vec<_>>().join(" ")
+    }
 }
 
 fn definition(text: &str) -> Result<(String, String), String> {

@@ -74,7 +74,8 @@ impl Arguments {
         let files = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
         files.into_iter().flatten().try_for_each(|path| image::check_writable(path))?;
         let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
-        let passes = self.in_passes() || self.time.is_some() || self.target_error.is_some();
+        let chosen = self.time.is_some() || self.target_error.is_some();
+        let passes = self.in_passes() || chosen || scene.caustics.is_some();
         memory::check(&settings, channels, passes, memory::available())?;
         let resumed = self.resumed(&scene, &settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
@@ -242,7 +243,7 @@ impl Arguments {
         eprintln!("warning: {} samples are not finite; the first:", report.non_finite);
         for found in &report.first_non_finite {
             let ((x, y), sample) = (found.pixel, found.sample);
-            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.scene.display());
+            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.words());
         }
     }
 }

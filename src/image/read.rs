@@ -51,6 +51,7 @@ fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
 }
 
 fn exr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
+    super::exr::claim::check(path)?;
     let image = read_first_flat_layer_from_file(path).map_err(|e| e.to_string())?;
     let (width, height) = (image.layer_data.size.width(), image.layer_data.size.height());
     let channel = |names: &[&str]| {

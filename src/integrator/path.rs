@@ -273,6 +273,8 @@ impl Path {
             log.push(Event { hit, p: point.p, throughput, radiance, nm: λ.nm[0] });
         }
         if state.depth + 1 >= self.max_depth {
+            // The surroundings would have been seen at last, and they cover everything.
+            path.covered |= !self.hide_emitters && scene.emitters.environment.is_some();
             return None;
         }
         let side = side_towards(shape, point.ns.dot(-ray.direction));

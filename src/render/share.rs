@@ -22,6 +22,10 @@ const TILES: usize = 8;
 const FEWEST: f64 = 1.0 / 32.0;
 const MOST: f64 = 1.0;
 
+/// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may have to be kept of
+/// the four of a block.
+const AT_ONCE: f64 = (1 << 19) as f64;
+
 /// Settles the number of light paths of a scene whose file does not.
 pub fn settle(scene: &mut Scene) {
     if scene.integrator.path().is_none_or(|path| path.light_paths.is_some()) {
@@ -32,6 +36,7 @@ pub fn settle(scene: &mut Scene) {
     if part > 0.0 {
         let share = nearest_power_of_two(part.sqrt()).clamp(FEWEST, MOST);
         let pixels = scene.sensor.film.crop.pixels();
+        let share = share.min(AT_ONCE / pixels as f64);
         scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
     } else {
         scene.caustics = None;

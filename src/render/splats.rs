@@ -16,7 +16,7 @@ use std::sync::atomic::Ordering;
 const CHUNK: u64 = 1024;
 
 /// Light paths whose splats are kept at once, if a pass can be made that short: some tens of megabytes.
-pub const MANY: u64 = 1 << 20;
+pub const MANY: u64 = 1 << 19;
 
 /// The splats of a range of samples upon a window, pixel by pixel, each pixel's in the order of their light paths.
 #[derive(Debug, Default)]
@@ -25,7 +25,9 @@ pub struct Splats {
     channels: usize,
     /// Where each pixel's splats begin, and where the last one's end.
     first: Vec<usize>,
-    samples: Vec<u64>,
+    /// The sample of each, counted from the first of the range.
+    samples: Vec<u32>,
+    begin: u64,
     /// All channels of each.
     values: Vec<f64>,
     pub counters: Counters,
@@ -35,7 +37,7 @@ pub struct Splats {
 #[derive(Default)]
 struct Part {
     pixels: Vec<u32>,
-    samples: Vec<u64>,
+    samples: Vec<u32>,
     values: Vec<f64>,
     counters: Counters,
 }
@@ -52,12 +54,12 @@ impl Splats {
                 return None;
             }
             for number in first..numbers.end.min(first + CHUNK) {
-                let Part { pixels, samples, values, counters } = &mut part;
+                let Part { pixels, samples: offsets, values, counters } = &mut part;
                 camera.light_path(number, counters, |(x, y), channels| {
                     let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
                     if x < window.width && y < window.height {
                         pixels.push(y * window.width + x);
-                        samples.push(number / per_sample);
+                        offsets.push((number / per_sample - samples.start) as u32);
                         values.extend_from_slice(channels);
                     }
                 });
@@ -66,7 +68,7 @@ impl Splats {
         };
         let parts = chunks.par_iter().map(part).collect::<Option<Vec<Part>>>()?;
         let channels = camera.color_channels();
-        Some(Self::sorted(&parts, window, channels))
+        Some(Self { begin: samples.start, ..Self::sorted(&parts, window, channels) })
     }
 
     /// A counting sort by pixel, which keeps the order within each.
@@ -92,13 +94,14 @@ impl Splats {
             counters.rays += part.counters.rays;
             counters.cut += part.counters.cut;
         }
-        Self { window: Some(window), channels, first, samples, values, counters }
+        Self { window: Some(window), channels, first, samples, begin: 0, values, counters }
     }
 
     /// Adds to a sample of a pixel, whose colour channels come first, what light paths bring to it.
     pub fn add_to(&self, (x, y): (u32, u32), sample: u64, values: &mut [f64]) {
         let Some(window) = self.window else { return };
         let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
+        let sample = (sample - self.begin) as u32;
         let mine = self.first[at]..self.first[at + 1];
         let begin = mine.start + self.samples[mine.clone()].partition_point(|s| *s < sample);
         for i in (begin..mine.end).take_while(|i| self.samples[*i] == sample) {

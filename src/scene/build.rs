@@ -176,7 +176,8 @@ impl<'a, 'd> Builder<'a, 'd> {
                 Some(self.emitters.len() as u32 - 1)
             }
         };
-        let first_primitive = self.primitives as u32;
+        // Those of instances come after all of these, wherever they stand in the file.
+        let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
         self.count(geometry.primitives(), params.element)?;
         self.shapes.push(Shape { geometry, first_primitive, sides, emitter });
         Ok(())

@@ -181,6 +181,30 @@ mod tests {
         scene(&format!(r#"<shape type="shapegroup" id="g">{members}</shape>{}"#, looks.concat()))
     }
 
+    #[test]
+    fn an_instance_may_stand_anywhere_in_the_file() {
+        let (group, look) = (
+            format!(r#"<shape type="shapegroup" id="g">{}</shape>"#, shape("cube", "")),
+            r#"<shape type="instance"><ref id="g"/></shape>"#,
+        );
+        let others: Vec<String> = PLACES
+            .iter()
+            .flat_map(|p| SHAPES.map(|(kind, steps)| shape(kind, &[steps, p].concat())))
+            .collect();
+        let last = scene(&format!("{group}{}{look}", others.concat()));
+        for first in 0..others.len() {
+            let (before, after) = others.split_at(first);
+            let moved = scene(&format!("{group}{}{look}{}", before.concat(), after.concat()));
+            for primitive in 0..last.accel.primitives() {
+                let [a, b] = [&last, &moved].map(|s| {
+                    let (shape, local) = s.shape_of(primitive);
+                    (s.index_of(shape), local, shape.geometry.bounds())
+                });
+                assert_eq!(a, b, "primitive {primitive} where {first} shapes stand before the instance");
+            }
+        }
+    }
+
     fn flattened() -> Scene {
         let placed =
             |place: &&str| SHAPES.map(|(kind, steps)| shape(kind, &[steps, place].concat())).concat();

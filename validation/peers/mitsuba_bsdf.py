@@ -24,6 +24,11 @@ def glass(eta=1.5, **more):
     return {"reciprocal": True, "eta": eta}, {"int_ior": eta, "ext_ior": 1.0, **more}
 
 
+def image(rows):
+    """A texture of these numbers, as they are."""
+    return {"type": "bitmap", "bitmap": mi.Bitmap(np.array(rows, dtype=np.float32)), "raw": True}
+
+
 def configurations():
     """Name, claims and Mitsuba's dictionary of each."""
     def add(name, type_, claims, **parameters):
@@ -73,6 +78,13 @@ def configurations():
     add("mask", "mask", RECIPROCAL, opacity=0.6, nested={"type": "diffuse"})
     add("twosided", "twosided", RECIPROCAL, nested={"type": "roughconductor", "alpha": 0.3})
     add("null", "null", {"reciprocal": True, "lossless": True})
+    # A normal that leans by 17 degrees, and heights that rise by a half along u and fall by a quarter along v.
+    leaning = image([[[0.62, 0.41, 0.94]] * 2] * 2)
+    slope = image([[[0.5 * (x + 0.5) / 64 - 0.25 * (y + 0.5) / 64] for x in range(64)] for y in range(64)])
+    metal = {"type": "roughconductor", "alpha": 0.3}
+    for name, nested in (("diffuse", {"type": "diffuse"}), ("roughconductor", metal)):
+        add(f"normalmap {name}", "normalmap", {}, normalmap=leaning, nested=nested)
+        add(f"bumpmap {name}", "bumpmap", {}, heights=slope, nested=nested)
     return found
 
 

@@ -1,8 +1,8 @@
 """Renders a scene with one variant of Mitsuba 3 and says how long that took.
 
-    python3 validation/peers/mitsuba_render.py VARIANT SCENE.xml OUT.exr SPP SEED THREADS
+    python3 validation/peers/mitsuba_render.py VARIANT SCENE.xml OUT.exr SPP SEED THREADS [SAMPLER]
 
-The last line is {"seconds": s, "startup": t}. Loading, and a first picture of one sample that makes a compiled variant
+The last line is {"seconds": s, "startup": t, "cpu_seconds": c}; SAMPLER is the value of the scene's parameter `sampler`. Loading, and a first picture of one sample that makes a compiled variant
 compile, are start-up.
 """
 import json
@@ -11,7 +11,7 @@ import time
 
 
 def main():
-    variant, path, out, spp, seed, threads = sys.argv[1:7]
+    variant, path, out, spp, seed, threads, *sampler = sys.argv[1:]
     start = time.perf_counter()
     import drjit as dr
     import mitsuba as mi
@@ -19,7 +19,7 @@ def main():
     mi.set_variant(variant)
     if int(threads) > 0:
         dr.set_thread_count(int(threads))
-    scene = mi.load_file(path)
+    scene = mi.load_file(path, **({"sampler": sampler[0]} if sampler else {}))
 
     def render(count, number):
         image = mi.render(scene, spp=count, seed=number)
@@ -29,11 +29,11 @@ def main():
 
     # Compiles the kernel, which is the same for every sample count.
     render(1, 0)
-    ready = time.perf_counter()
+    ready, busy = time.perf_counter(), time.process_time()
     image = render(int(spp), int(seed))
-    done = time.perf_counter()
+    done, cpu = time.perf_counter(), time.process_time() - busy
     mi.Bitmap(image[..., :3]).write(out)
-    print(json.dumps({"seconds": done - ready, "startup": ready - start}))
+    print(json.dumps({"seconds": done - ready, "startup": ready - start, "cpu_seconds": cpu}))
 
 
 if __name__ == "__main__":

@@ -122,7 +122,7 @@ mod tests {
         let effort = Effort { samples: 1 << 17, ..Effort::default() };
         for name in ["chi2", "normalisation", "jacobian", "moments", "furnace", "weight"] {
             let run = |tilt: f64| {
-                (find(name).unwrap().run)(&Chart(Ramp { tilt }), DVec3::Z, seed_for(name, 0), &effort)
+                find(name).unwrap().run(&Chart(Ramp { tilt }), DVec3::Z, seed_for(name, 0), &effort)
             };
             assert_eq!(run(1.0).verdict, Verdict::Equivalent, "{:?}", run(1.0));
             if name == "chi2" || name == "jacobian" {

@@ -6,6 +6,7 @@
 //! `NAME.00` and on, in the order of `ChannelAccumulator::word`; leaving a part out is easy for every reader, so a
 //! shard looks like any other image to a viewer.
 
+pub(super) mod claim;
 mod read;
 mod samples;
 mod write;

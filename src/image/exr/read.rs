@@ -1,6 +1,6 @@
 //! Reading.
 
-use super::{PREFIX, SHARD_PART, VARIANCE, word_name};
+use super::{PREFIX, SHARD_PART, VARIANCE, claim, word_name};
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::provenance::{Attribute, Provenance};
 use crate::image::{Channel, Image, ImageError, Window};
@@ -17,6 +17,7 @@ type File = exr::prelude::Image<Layers<AnyChannels<FlatSamples>>>;
 /// Reads an image from a flat OpenEXR file, its own or another program's. Of the latter's parts the first is
 /// taken, with half floats and integers converted to floats.
 pub fn read_exr(path: &Path) -> Result<Image, ImageError> {
+    claim::check(path).map_err(|error| ImageError::new(error).at(path))?;
     let reader =
         read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     let file = reader.from_file(path).map_err(|error| ImageError::new(error).at(path))?;

@@ -107,7 +107,7 @@ fn pieces_lead_to_whole_triangles() {
     assert!(stored > 650, "{stored}: nothing was cut");
     let mut rng = Pcg32::new(8, 8);
     let mut hits = 0;
-    for _ in 0..20_000 {
+    for _ in 0..100_000 {
         let ray = Ray::free(direction(&mut rng) * 2.0, direction(&mut rng));
         let found = tree.closest(&ray);
         assert_eq!(found, flat.closest(&ray), "{ray:?}");

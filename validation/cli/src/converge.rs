@@ -2,11 +2,78 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde::Serialize;
+use validation::Verdict;
 use validation::converge::{Curve, Picture, Ratio, Reference, Rung, curve, errors, page, ratio, reference};
+use validation::report::to_json;
 use validation::statistics::seed_for;
 
-use crate::renderers::{Job, Renderer};
+use crate::renderers::{self, Job, Renderer};
+
+/// What the command takes.
+#[derive(Args)]
+pub struct Arguments {
+    scene: PathBuf,
+    /// May be repeated; the others are compared with the first
+    #[arg(long = "renderer", default_values = ["etalon", "mitsuba-llvm_ad_spectral"])]
+    renderers: Vec<String>,
+    /// Another file of renderers
+    #[arg(long, value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Sample counts
+    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"])]
+    spp: Vec<u32>,
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
+    seeds: u32,
+    /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
+    #[arg(long)]
+    reference_spp: Option<u32>,
+    /// All unless given
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Count the processor's seconds, on a machine that does other things meanwhile
+    #[arg(long)]
+    processor_time: bool,
+    /// Write a JSON document
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a page with plots
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+}
+
+/// The study, as the command line asks for it.
+pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
+    let file = arguments.file.unwrap_or_else(renderers::file);
+    let known = renderers::load(&file)?;
+    let find = |name: &String| match known.get(name) {
+        Some(renderer) => Ok((name.clone(), renderer.clone())),
+        None => Err(format!("{} has no renderer {name:?}", file.display())),
+    };
+    let chosen = arguments.renderers.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+    let longest = arguments.spp.iter().max().copied().unwrap_or(1);
+    let settings = Settings {
+        reference_samples: arguments.reference_spp.unwrap_or(longest.saturating_mul(8)),
+        ladder: arguments.spp,
+        seeds: arguments.seeds,
+        threads: arguments.threads,
+        processor_time: arguments.processor_time,
+    };
+    let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    let study = study(&arguments.scene, &chosen, &settings, &folder, |step| eprintln!("{step}"));
+    std::fs::remove_dir_all(&folder)?;
+    let study = study?;
+    if let Some(path) = arguments.json {
+        std::fs::write(path, to_json(&study)?)?;
+    }
+    if let Some(path) = arguments.html {
+        std::fs::write(path, study.html())?;
+    }
+    print!("{}", study.text());
+    Ok(Verdict::Equivalent)
+}
 
 /// How long to look.
 #[derive(Clone, Debug, Serialize)]
@@ -17,6 +84,8 @@ pub struct Settings {
     /// Samples of each of the [`REFERENCES`] pictures whose mean a renderer is held against.
     pub reference_samples: u32,
     pub threads: usize,
+    /// Seconds are those of the processor, not the clock's.
+    pub processor_time: bool,
 }
 
 /// Pictures of a renderer's reference.
@@ -42,6 +111,8 @@ pub struct Measured {
     pub untrimmed: Vec<Rung>,
     pub trimmed_curve: Option<Curve>,
     pub untrimmed_curve: Option<Curve>,
+    /// Mean seconds of starting up.
+    pub startup: f64,
 }
 
 /// A renderer that did not, and why.
@@ -76,8 +147,10 @@ pub fn study(
     progress: impl Fn(&str),
 ) -> Result<Study, String> {
     let out = folder.join("picture.exr");
-    let render = |renderer: &Renderer, samples: u32, seed: u32| -> Result<(Picture, f64), String> {
-        renderer.render(&Job { scene, samples, seed, threads: settings.threads }, &out)
+    let render = |renderer: &Renderer, samples: u32, seed: u32| -> Result<(Picture, f64, f64), String> {
+        let found = renderer.render(&Job { scene, samples, seed, threads: settings.threads }, &out)?;
+        let seconds = if settings.processor_time { found.cpu_seconds } else { found.seconds };
+        Ok((found.picture, seconds, found.startup))
     };
     let (mut runners, mut missing) = (vec![], vec![]);
     for (name, renderer) in renderers {
@@ -97,6 +170,7 @@ pub fn study(
                     untrimmed,
                     trimmed_curve: None,
                     untrimmed_curve: None,
+                    startup: 0.0,
                 };
                 runners.push(Runner { name, renderer, reference, measured });
             }
@@ -111,11 +185,13 @@ pub fn study(
         for (step, &samples) in settings.ladder.iter().enumerate() {
             for runner in &mut runners {
                 progress(&format!("{}: seed {} of {}, {samples} spp", runner.name, k + 1, settings.seeds));
-                let (picture, seconds) = render(runner.renderer, samples, seed("picture", k))?;
+                let (picture, seconds, startup) = render(runner.renderer, samples, seed("picture", k))?;
                 if picture.len() != runner.reference.mean.len() {
                     return Err(format!("{}: its pictures differ in size", runner.name));
                 }
                 let found = errors(&picture, &runner.reference);
+                runner.measured.startup +=
+                    startup / (settings.ladder.len() as f64 * f64::from(settings.seeds));
                 for (rungs, error) in [
                     (&mut runner.measured.trimmed, found.trimmed),
                     (&mut runner.measured.untrimmed, found.relative_mse),
@@ -148,7 +224,7 @@ fn rung(samples: u32) -> Rung {
 }
 
 /// Seeds of pictures and references never meet; renderers of 31-bit seeds can take them.
-fn seed(what: &str, number: u32) -> u32 {
+pub(crate) fn seed(what: &str, number: u32) -> u32 {
     (seed_for(what, u64::from(number)) >> 33) as u32
 }
 
@@ -174,24 +250,25 @@ impl Study {
 
     /// The page with plots and tables.
     pub fn html(&self) -> String {
+        let of = |name: &str, which: fn(&Compared) -> Option<&Ratio>| {
+            self.ratios.iter().find(|c| c.over == name).and_then(which)
+        };
         let lines: Vec<page::Line> = self
             .renderers
             .iter()
-            .filter_map(|m| {
-                Some(page::Line {
-                    name: &m.name,
-                    trimmed: m.trimmed_curve.as_ref()?,
-                    whole: m.untrimmed_curve.as_ref()?,
-                })
+            .map(|m| page::Line {
+                name: &m.name,
+                trimmed: m.trimmed_curve.as_ref(),
+                whole: m.untrimmed_curve.as_ref(),
+                ratio_trimmed: of(&m.name, |c| c.trimmed.as_ref()),
+                ratio_whole: of(&m.name, |c| c.untrimmed.as_ref()),
+                startup: Some(m.startup),
             })
-            .collect();
-        let ratios: Vec<(String, Option<&Ratio>, Option<&Ratio>)> = self
-            .ratios
-            .iter()
-            .map(|c| (format!("{} over {}", c.of, c.over), c.trimmed.as_ref(), c.untrimmed.as_ref()))
             .collect();
         let missing: Vec<(&str, &str)> =
             self.missing.iter().map(|m| (m.name.as_str(), m.reason.as_str())).collect();
-        page::page(&self.scene.to_string_lossy(), &lines, &ratios, &missing)
+        let scene = validation::html::escape(&self.scene.to_string_lossy());
+        let about = format!("<p>{scene}; brackets and bands are 95 % intervals.</p>");
+        page::frame("Error against run time", &(about + &page::curves(&lines) + &page::missing(&missing)))
     }
 }

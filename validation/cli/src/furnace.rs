@@ -100,7 +100,7 @@ impl Cell {
         let wo = from(self.degrees);
         let check = find("furnace").ok_or("there is no furnace")?;
         let seed = seed_for(&self.name, number);
-        let mut outcome = (check.run)(&subject, wo, seed, effort).of(&self.name);
+        let mut outcome = check.run(&subject, wo, seed, effort).of(&self.name);
         let Some(expected) = self.expected() else { return Ok(outcome) };
         let (albedo, margin) = if self.smooth {
             (delta_albedo(&subject, wo), SMOOTH)

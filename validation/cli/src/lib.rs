@@ -3,31 +3,37 @@
 //! [`materials`] shows every material of the registry to the checks, [`limits`] those that should turn into others,
 //! [`sampling`] all else that is drawn, and [`peers`] the BSDFs of other programs; [`furnace`] measures energy over
 //! roughness and index, and [`agreement`] compares values and densities with Mitsuba's golden ones. [`ledger`] keeps
-//! p-values.
+//! p-values, and [`images`] asks of real renders whether their comparison keeps its promises.
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
 //! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike; [`stability`] asks the
-//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time. [`museum`] asks
+//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time,
+//! on one scene, and [`table`] on all of the convergence table. [`museum`] asks
 //! whether all of this would notice a bug, and [`report`] puts all of it on one page.
 
 pub mod agreement;
+pub mod calibrate;
 pub mod closed_forms;
 pub mod companions;
+pub mod console;
 pub mod converge;
 pub mod drawn_light;
 pub mod drawn_places;
 pub mod furnace;
+pub mod images;
 pub mod ledger;
 pub mod limits;
 pub mod materials;
 pub mod metamorphic;
 pub mod museum;
 pub mod peers;
+pub mod provenance;
 pub mod references;
 pub mod renderers;
 pub mod report;
 pub mod sampling;
 pub mod stability;
 pub mod stage;
+pub mod table;
 pub mod trial;
 pub mod warps;

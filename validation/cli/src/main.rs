@@ -5,15 +5,16 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
+use validate::console::{percentage, print, say};
+use validate::provenance::Made;
 use validate::trial::{Trial, effort, effort_of_sampling};
 use validate::{
-    closed_forms, converge, furnace, ledger, limits, materials, metamorphic, museum, peers, references,
-    renderers, report, sampling, stability,
+    calibrate, closed_forms, converge, furnace, images, ledger, limits, materials, metamorphic, museum,
+    peers, references, report, sampling, stability, table,
 };
 use validation::checks::Effort;
-use validation::image::{self, Settings};
 use validation::report::to_json;
-use validation::{Outcome, Report, Verdict};
+use validation::{Report, Verdict};
 
 /// Judges materials, images and scenes.
 ///
@@ -48,32 +49,11 @@ enum Command {
         ledger: Option<PathBuf>,
     },
     /// Error against run time of any renderers of renderers.toml
-    Converge {
-        scene: PathBuf,
-        /// May be repeated; the others are compared with the first
-        #[arg(long = "renderer", default_values = ["etalon", "mitsuba-llvm_ad_spectral"])]
-        renderers: Vec<String>,
-        /// Another file of renderers
-        #[arg(long, value_name = "FILE")]
-        file: Option<PathBuf>,
-        /// Sample counts
-        #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"])]
-        spp: Vec<u32>,
-        #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
-        seeds: u32,
-        /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
-        #[arg(long)]
-        reference_spp: Option<u32>,
-        /// All unless given
-        #[arg(long, default_value_t = 0)]
-        threads: usize,
-        /// Write a JSON document
-        #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
-        /// Write a page with plots
-        #[arg(long, value_name = "FILE")]
-        html: Option<PathBuf>,
-    },
+    Converge(converge::Arguments),
+    /// Error against run time of every renderer on every scene of table.toml
+    Table(table::Arguments),
+    /// Whether comparisons of efficiency find what is there and nothing else
+    Calibrate(calibrate::Arguments),
     /// All checks on all else that is drawn: light, lenses, filters, wavelengths, warps
     Sampling {
         /// Only what this is in the name of
@@ -111,23 +91,10 @@ enum Command {
         #[arg(long, value_name = "CSV")]
         losses: Option<PathBuf>,
     },
-    /// Whether the p-values of a ledger are uniform
-    Ledger { file: PathBuf },
+    /// Whether the p-values of a ledger are uniform, and its reseeded runs reject as often as their level says
+    Ledger(ledger::command::Arguments),
     /// Whether two images have the same expectation
-    Images {
-        /// The reference
-        a: PathBuf,
-        b: PathBuf,
-        /// Largest relative difference of a channel's mean that is none, such as 0.25%
-        #[arg(long, default_value = "0.25%", value_parser = percentage)]
-        margin: f64,
-        /// Write a JSON document
-        #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
-        /// Write a picture of signed z-scores
-        #[arg(long, value_name = "PNG")]
-        map: Option<PathBuf>,
-    },
+    Images(images::command::Arguments),
     /// All of it on one page: tables, plots and pictures
     Report {
         #[arg(short, long, value_name = "HTML", default_value = "report.html")]
@@ -227,63 +194,15 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             }
             finish(Report::new("furnace", outcomes), json)
         }
-        Command::Ledger { file } => {
-            let report = ledger::judge(&file)?;
-            report.outcomes.iter().for_each(print);
-            Ok(report.verdict)
-        }
-        Command::Converge {
-            scene,
-            renderers: names,
-            file,
-            spp,
-            seeds,
-            reference_spp,
-            threads,
-            json,
-            html,
-        } => {
-            let known = renderers::load(&file.unwrap_or_else(renderers::file))?;
-            let chosen: Result<Vec<_>, String> = names
-                .iter()
-                .map(|name| {
-                    Ok((name.clone(), known.get(name).ok_or(format!("no renderer `{name}`"))?.clone()))
-                })
-                .collect();
-            let longest = spp.iter().copied().max().unwrap_or(1);
-            let reference_samples = reference_spp.unwrap_or(8 * longest);
-            let settings = converge::Settings { ladder: spp, seeds, reference_samples, threads };
-            let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
-            std::fs::create_dir_all(&folder)?;
-            let study = converge::study(&scene, &chosen?, &settings, &folder, |step| eprintln!("{step}"));
-            std::fs::remove_dir_all(&folder)?;
-            let study = study?;
-            if let Some(path) = json {
-                std::fs::write(path, to_json(&study)?)?;
-            }
-            if let Some(path) = html {
-                std::fs::write(path, study.html())?;
-            }
-            print!("{}", study.text());
-            Ok(Verdict::Equivalent)
-        }
-        Command::Images { a, b, margin, json, map } => {
-            let settings = Settings::with_margin(margin);
-            let (first, second) = (image::load(&a)?, image::load(&b)?);
-            let comparison = image::compare(&first, &second, &settings)?;
-            if let Some(path) = map {
-                image::write_difference_map(&first, &second, &settings, &path)?;
-            }
-            if let Some(path) = json {
-                std::fs::write(path, to_json(&comparison)?)?;
-            }
-            println!("{}: {}", comparison.verdict, comparison.message);
-            Ok(comparison.verdict)
-        }
+        Command::Ledger(arguments) => ledger::command::run(arguments),
+        Command::Converge(arguments) => converge::run(arguments),
+        Command::Table(arguments) => table::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Images(arguments) => images::command::run(arguments),
         Command::Report { output, from, quick } => {
             let effort = if quick { report::Effort::QUICK } else { report::Effort::USUAL };
             let verdict = report::write(&output, from.as_deref(), effort, |step| eprintln!("{step}"))?;
-            println!("{verdict}: {}", output.display());
+            say(format_args!("{verdict}: {}", output.display()));
             Ok(verdict)
         }
         Command::Stability { name, thorough, number, json, markdown } => {
@@ -292,12 +211,13 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
             for case in stability::cases() {
                 if name.as_ref().is_none_or(|n| case.name.contains(n)) {
                     let row = case.check(effort, number);
-                    println!("{:<13} {}: {}", row.verdict, row.case, row.found);
+                    say(format_args!("{:<13} {}: {}", row.verdict, row.case, row.found));
                     rows.push(row);
                 }
             }
             if let Some(path) = markdown {
-                std::fs::write(path, stability::markdown(&rows))?;
+                let old = std::fs::read_to_string(&path).unwrap_or_default();
+                std::fs::write(path, stability::updated(&old, &rows))?;
             }
             if let Some(path) = json {
                 std::fs::write(path, to_json(&rows)?)?;
@@ -358,22 +278,13 @@ fn judge(
     Ok(Report::new(title, outcomes))
 }
 
-fn print(outcome: &Outcome) {
-    println!("{:<13} {}: {}", outcome.verdict.to_string(), outcome.subject, outcome.message);
-}
-
 fn finish(report: Report, json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
     let count = |v: Verdict| report.outcomes.iter().filter(|o| o.verdict == v).count();
     let (equal, open, bad) =
         (count(Verdict::Equivalent), count(Verdict::Inconclusive), count(Verdict::Different));
-    println!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict);
+    say(format_args!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict));
     if let Some(path) = json {
-        std::fs::write(path, to_json(&report)?)?;
+        std::fs::write(path, to_json(&Made::here(&report)?)? + "\n")?;
     }
     Ok(report.verdict)
-}
-
-fn percentage(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches('%').parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
-    number.map(|v| v / 100.0).ok_or_else(|| "expected such as 0.25%".into())
 }

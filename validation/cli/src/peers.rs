@@ -54,7 +54,7 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
             for angle in ANGLES {
                 let name = format!("{}::{}::{angle}", configuration.name, check.name);
                 let (wo, seed) = (from(angle), seed_for(&name, settings.number));
-                let run = |s: &dyn Scatterer| (check.applies)(s).then(|| (check.run)(s, wo, seed, &effort));
+                let run = |s: &dyn Scatterer| (check.applies)(s).then(|| check.run(s, wo, seed, &effort));
                 let Some(outcome) = judge(&mut peer, *index, run)? else { continue };
                 let outcome = outcome.of(name);
                 progress(&outcome);

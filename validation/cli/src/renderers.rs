@@ -27,6 +27,21 @@ pub struct Job<'a> {
     pub threads: usize,
 }
 
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Red, green and blue one after the other, each in rows.
+    pub picture: Picture,
+    pub width: usize,
+    pub height: usize,
+    /// Without start-up.
+    pub seconds: f64,
+    /// The same in processor time of all threads; of the whole process where the renderer does not say.
+    pub cpu_seconds: f64,
+    /// What came before and after.
+    pub startup: f64,
+}
+
 /// The committed file.
 pub fn file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../renderers.toml")
@@ -39,38 +54,75 @@ pub fn load(path: &Path) -> Result<BTreeMap<String, Renderer>, String> {
 }
 
 impl Renderer {
-    /// Renders to the file `out` and reads it: the picture, and the seconds without start-up.
-    pub fn render(&self, job: &Job, out: &Path) -> Result<(Picture, f64), String> {
-        let words = validation::peer::words(&self.command).ok_or("a quote of the command is not closed")?;
+    /// Renders to the file `out` and reads it.
+    pub fn render(&self, job: &Job, out: &Path) -> Result<Rendered, String> {
+        let command = from_environment(&self.command)?;
+        let words = validation::peer::words(&command).ok_or("a quote of the command is not closed")?;
         let words: Vec<String> = words.iter().map(|word| fill(word, job, out)).collect();
         let (program, arguments) = words.split_first().ok_or("the command is empty")?;
         // A stale file must not pass for the answer.
         if out.exists() {
             std::fs::remove_file(out).map_err(|e| format!("{}: {e}", out.display()))?;
         }
-        let start = Instant::now();
+        let (start, busy) = (Instant::now(), children_seconds());
         let output = Command::new(sibling(program))
             .args(arguments)
             .output()
             .map_err(|e| format!("{program:?} does not start: {e}"))?;
-        let wall = start.elapsed().as_secs_f64();
+        let (wall, cpu) = (start.elapsed().as_secs_f64(), children_seconds() - busy);
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr);
             let last = text.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("it said nothing");
             return Err(format!("{program:?} failed ({}): {}", output.status, last.trim()));
         }
-        let seconds = reported(&String::from_utf8_lossy(&output.stdout)).unwrap_or(wall);
-        let found = image::load(out).map_err(|e| e.to_string())?;
-        let named = |name: &str| found.channels.iter().find(|c| c.name == name);
-        let channels: Option<Vec<_>> = ["R", "G", "B"].into_iter().map(named).collect();
-        let channels = channels.ok_or_else(|| format!("{}: there are no channels R, G, B", out.display()))?;
-        let picture: Picture = channels.iter().flat_map(|c| c.mean.iter().copied()).collect();
-        if picture.iter().all(|v| v.is_finite()) {
-            Ok((picture, seconds))
-        } else {
-            Err(format!("{program:?} made values that are not finite"))
-        }
+        let said = Said::of(&String::from_utf8_lossy(&output.stdout));
+        let seconds = said.seconds.unwrap_or(wall);
+        let (picture, width, height) = read(out)?;
+        Ok(Rendered {
+            picture,
+            width,
+            height,
+            seconds,
+            cpu_seconds: said.cpu_seconds.unwrap_or(cpu.max(1e-3)),
+            startup: (wall - seconds).max(0.0),
+        })
     }
+}
+
+/// Channels R, G and B of an OpenEXR file, and its size.
+pub fn read(file: &Path) -> Result<(Picture, usize, usize), String> {
+    let found = image::load(file).map_err(|e| e.to_string())?;
+    let named = |name: &str| found.channels.iter().find(|c| c.name == name);
+    let channels: Option<Vec<_>> = ["R", "G", "B"].into_iter().map(named).collect();
+    let channels = channels.ok_or_else(|| format!("{}: there are no channels R, G, B", file.display()))?;
+    let picture: Picture = channels.iter().flat_map(|c| c.mean.iter().copied()).collect();
+    if picture.iter().all(|v| v.is_finite()) {
+        Ok((picture, found.width, found.height))
+    } else {
+        Err(format!("{}: not all values are finite", file.display()))
+    }
+}
+
+/// Replaces `{env:NAME:default}` by the environment's variable.
+fn from_environment(command: &str) -> Result<String, String> {
+    let mut parts = command.split("{env:");
+    let mut filled = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (inside, rest) = part.split_once('}').ok_or("a brace of the command is not closed")?;
+        let (name, default) = inside.split_once(':').unwrap_or((inside, ""));
+        filled += &std::env::var(name).unwrap_or_else(|_| default.into());
+        filled += rest;
+    }
+    Ok(filled)
+}
+
+/// Processor time of the children that have ended, in seconds; 0 where the system does not say. Linux counts it in
+/// hundredths (`proc(5)`, fields 16 and 17 of `stat`); the name of the program, in parentheses, may hold spaces.
+fn children_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after = text.rsplit_once(')').map_or("", |(_, rest)| rest);
+    let fields = after.split_whitespace().skip(13).take(2);
+    fields.filter_map(|field| field.parse::<f64>().ok()).sum::<f64>() / 100.0
 }
 
 fn fill(word: &str, job: &Job, out: &Path) -> String {
@@ -89,11 +141,23 @@ fn sibling(program: &str) -> PathBuf {
     beside.filter(|path| path.is_file()).unwrap_or_else(|| program.into())
 }
 
-/// "seconds" of the JSON at the end of standard output: the last line, or a whole document.
-fn reported(text: &str) -> Option<f64> {
-    let read = |text: &str| serde_json::from_str::<serde_json::Value>(text).ok();
-    let document = text.lines().last().and_then(read).or_else(|| read(text))?;
-    document.get("seconds")?.as_f64().filter(|s| *s > 0.0)
+/// What the JSON at the end of standard output says: on the last such line, or as a whole document.
+#[derive(Debug, Default, PartialEq)]
+struct Said {
+    seconds: Option<f64>,
+    cpu_seconds: Option<f64>,
+}
+
+impl Said {
+    fn of(text: &str) -> Said {
+        let read =
+            |text: &str| serde_json::from_str::<serde_json::Value>(text).ok().filter(|v| v.is_object());
+        let Some(document) = text.lines().rev().find_map(read).or_else(|| read(text)) else {
+            return Said::default();
+        };
+        let number = |name: &str| document.get(name)?.as_f64().filter(|s| *s > 0.0);
+        Said { seconds: number("seconds"), cpu_seconds: number("cpu_seconds") }
+    }
 }
 
 #[cfg(test)]
@@ -103,7 +167,7 @@ mod tests {
     #[test]
     fn the_committed_file_is_read() {
         let all = load(&file()).unwrap();
-        assert_eq!(all.keys().filter(|name| name.starts_with("mitsuba-")).count(), 4);
+        assert_eq!(all.keys().filter(|name| name.starts_with("mitsuba-")).count(), 12);
         assert!(
             all.values()
                 .all(|r| ["{scene}", "{out}", "{spp}", "{seed}"].iter().all(|w| r.command.contains(w)))
@@ -122,8 +186,28 @@ mod tests {
 
     #[test]
     fn seconds_are_found_at_the_end() {
-        assert_eq!(reported("noise\n{\"seconds\": 1.5, \"startup\": 9}\n"), Some(1.5));
-        assert_eq!(reported("{\n\"seconds\": 2\n}\n"), Some(2.0));
-        assert_eq!(reported("done"), None);
+        let said = |text: &str| Said::of(text).seconds;
+        assert_eq!(said("noise\n{\"seconds\": 1.5, \"startup\": 9}\n"), Some(1.5));
+        assert_eq!(said("{\"seconds\": 1.5}\nlast words\n"), Some(1.5));
+        assert_eq!(said("{\n\"seconds\": 2\n}\n"), Some(2.0));
+        assert_eq!(said("done"), None);
+    }
+
+    #[test]
+    fn the_environment_fills_in() {
+        assert_eq!(from_environment("{env:ETALON_NO_SUCH:python3} x").unwrap(), "python3 x");
+        assert_eq!(
+            from_environment("a {env:CARGO_PKG_NAME:b} c").unwrap(),
+            format!("a {} c", env!("CARGO_PKG_NAME"))
+        );
+        assert!(from_environment("{env:open").is_err());
+    }
+
+    #[test]
+    fn a_childs_work_is_counted() {
+        let before = children_seconds();
+        let work = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done";
+        assert!(Command::new("sh").args(["-c", work]).status().unwrap().success());
+        assert!(children_seconds() > before);
     }
 }

@@ -150,6 +150,22 @@ pub fn measured(image: &Rendered) -> Image {
     }
 }
 
+/// A name and the cases that bear it.
+pub type Family<T> = (&'static str, fn() -> Vec<T>);
+
+/// The members of all families, each renamed `family::member`.
+pub fn gather<T>(families: &[Family<T>], name: fn(&mut T) -> &mut String) -> Vec<T> {
+    let mut all = vec![];
+    for (family, members) in families {
+        for mut member in members() {
+            let name = name(&mut member);
+            *name = format!("{family}::{name}");
+            all.push(member);
+        }
+    }
+    all
+}
+
 /// Efforts and numbers of seeds that a test has: a fault counts if four times the samples, of other seeds, confirm it.
 pub const TWICE: [(u64, u64); 2] = [(1, 0), (4, 1)];
 

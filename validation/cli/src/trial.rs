@@ -1,5 +1,6 @@
 //! A subject, a check and a direction: one named test.
 
+use std::ops::Range;
 use std::sync::Arc;
 use validation::checks::{CHECKS, Check, Effort};
 use validation::scatterer::{DVec3, direction};
@@ -40,13 +41,30 @@ pub fn from(degrees: f64) -> DVec3 {
 }
 
 impl Trial {
+    /// The name of its check.
+    pub fn check(&self) -> &'static str {
+        self.check.name
+    }
+
+    /// Runs the check once for each of these numbers, which share what no seed decides; nothing if the check has nothing to
+    /// say about the subject.
+    pub fn repeat(&self, effort: &Effort, numbers: Range<u64>) -> Result<Vec<Outcome>, String> {
+        let subject = (self.source)()?;
+        if !(self.check.applies)(subject.as_ref()) {
+            return Ok(vec![]);
+        }
+        let seeds: Vec<u64> = numbers.map(|number| seed_for(&self.name, number)).collect();
+        let outcomes = self.check.repeat(subject.as_ref(), self.wo, &seeds, effort);
+        Ok(outcomes.into_iter().map(|outcome| outcome.of(&self.name)).collect())
+    }
+
     /// Runs the check; `None` if it has nothing to say about the subject. `number` draws another seed.
     pub fn run(&self, effort: &Effort, number: u64) -> Result<Option<Outcome>, String> {
         let subject = (self.source)()?;
         if !(self.check.applies)(subject.as_ref()) {
             return Ok(None);
         }
-        let outcome = (self.check.run)(subject.as_ref(), self.wo, seed_for(&self.name, number), effort);
+        let outcome = self.check.run(subject.as_ref(), self.wo, seed_for(&self.name, number), effort);
         Ok(Some(outcome.of(&self.name)))
     }
 }

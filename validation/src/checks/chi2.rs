@@ -6,19 +6,19 @@
 //! Expected counts come from adaptive quadrature; its errors, as the non-centrality Σ n e²/p they could cause, must be
 //! negligible beside the statistic's own spread √(2k), else the answer is inconclusive.
 
-use super::{Check, Effort, always, draw, judge, partition::Partition, show};
+use super::{BLURRED, Check, Effort, always, draw, judge, partition::Partition, pilot, show};
 use crate::{
     quadrature::Integral,
     report::Outcome,
     scatterer::{DVec3, Scatterer},
-    statistics::{Stream, Verdict, distributions::chi_square_upper, power::detectable_chi_square, seed_for},
+    statistics::{Stream, Verdict, distributions::chi_square_upper, power::detectable_chi_square},
 };
 
 pub(super) const CHECK: Check = Check {
     name: "chi2",
     about: "sampled directions follow the pdf (Pearson's χ² test)",
     applies: always,
-    run,
+    outcomes,
 };
 
 /// The root mean square relative error of the density that must be detectable.
@@ -34,9 +34,28 @@ const BINS: [usize; 2] = [16, 512];
 /// Largest error of all expected counts together, in samples: little beside the noise of even the smallest bin.
 const QUADRATURE: f64 = 2.0;
 
-fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
     let bins = (effort.samples / PER_BIN).clamp(BINS[0], BINS[1]);
-    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), bins);
+    let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), bins);
+    let integrals = partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi));
+    let judge = |&seed: &u64| match count(scatterer, wo, seed, effort, &partition) {
+        Ok(observed) => conclude(&observed, &integrals, effort),
+        Err((wi, pdf)) => {
+            let message = format!("sampled {}, where the pdf is {pdf}", show(wi));
+            Outcome::new("chi2", Verdict::Different, message).p_value(0.0)
+        }
+    };
+    seeds.iter().map(judge).collect()
+}
+
+/// Samples in each bin and, last, those without a direction; or a direction and its density that cannot be.
+fn count(
+    scatterer: &dyn Scatterer,
+    wo: DVec3,
+    seed: u64,
+    effort: &Effort,
+    partition: &Partition,
+) -> Result<Vec<f64>, (DVec3, f64)> {
     let mut observed = vec![0.0; partition.bins() + 1];
     let mut stream = Stream::new(seed);
     for _ in 0..effort.samples {
@@ -45,16 +64,14 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
             Some(sample) => {
                 let pdf = scatterer.pdf(wo, sample.wi);
                 if pdf.is_nan() || pdf <= 0.0 || pdf.is_infinite() {
-                    let message = format!("sampled {}, where the pdf is {pdf}", show(sample.wi));
-                    return Outcome::new("chi2", Verdict::Different, message).p_value(0.0);
+                    return Err((sample.wi, pdf));
                 }
                 partition.locate(sample.wi)
             }
         };
         observed[bin] += 1.0;
     }
-    let integrals = partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi));
-    conclude(&observed, &integrals, effort)
+    Ok(observed)
 }
 
 fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcome {
@@ -87,12 +104,12 @@ fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcom
          would find an RMS error of the pdf of {:.2} %{blur}",
         100.0 * detectable
     );
-    Outcome::new("chi2", verdict, message)
-        .p_value(p_value)
+    let outcome = Outcome::new("chi2", verdict, message)
         .detectable(detectable)
         .figure("statistic", statistic)
         .figure("degrees", degrees)
-        .figure("quadrature_noncentrality", noncentrality)
+        .figure("quadrature_noncentrality", noncentrality);
+    if noncentrality <= BLURRED * (2.0 * degrees).sqrt() { outcome.p_value(p_value) } else { outcome }
 }
 
 #[derive(Clone, Copy)]

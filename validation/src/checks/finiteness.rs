@@ -14,7 +14,9 @@ pub(super) const CHECK: Check = Check {
     name: "finiteness",
     about: "values, pdfs, weights and directions are numbers that make sense",
     applies: always,
-    run,
+    outcomes: |scatterer, wo, seeds, effort| {
+        seeds.iter().map(|&seed| run(scatterer, wo, seed, effort)).collect()
+    },
 };
 
 /// Cosines of the stressed directions, on both sides.

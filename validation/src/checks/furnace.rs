@@ -4,19 +4,21 @@
 //! included, is at most 1; and it is 1 if the model claims to be lossless. Weights count as flux (η² taken out), of
 //! which energy conservation speaks. Blind to errors that value and sample share and that keep the albedo.
 
-use super::{Check, Effort, always, draw, partition::Partition};
+use super::{BLURRED, Check, Effort, always, draw, partition::Partition, pilot};
 use crate::{
     quadrature::Integral,
     report::Outcome,
     scatterer::{DVec3, Scatterer},
-    statistics::{Estimate, Interval, Stream, Verdict, Welch, power::detectable_difference, seed_for},
+    statistics::{
+        Estimate, Interval, Stream, Verdict, Welch, hotelling::near_normal, power::detectable_difference,
+    },
 };
 
 pub(super) const CHECK: Check = Check {
     name: "furnace",
     about: "sampled and integrated albedo agree, are at most 1, and 1 if lossless",
     applies: always,
-    run,
+    outcomes,
 };
 
 const BINS: usize = 64;
@@ -24,11 +26,16 @@ const BINS: usize = 64;
 /// Error of the integral, in samples.
 const QUADRATURE: f64 = 1.0;
 
-fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
     let laws = scatterer.laws();
-    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
+    let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), BINS);
     let flux = |wi: DVec3| scatterer.value(wo, wi) * laws.flux_factor(wo, wi);
     let integral: Integral = partition.integrate(QUADRATURE / effort.samples as f64, flux).into_iter().sum();
+    seeds.iter().map(|&seed| judge(scatterer, wo, seed, effort, integral)).collect()
+}
+
+fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integral: Integral) -> Outcome {
+    let laws = scatterer.laws();
     let mut stream = Stream::new(seed);
     let weights: Vec<[f64; 2]> = (0..effort.samples)
         .map(|_| match draw(scatterer, wo, &mut stream) {
@@ -67,8 +74,21 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         .figure("sampled", total.mean)
         .figure("sampled_smooth", smooth.mean)
         .figure("integrated", integral.value);
-    // A constant weight leaves nothing to chance.
-    if welch.standard_error > slack { outcome.p_value(welch.p_value()) } else { outcome }
+    // A constant weight leaves nothing to chance, and Student's distribution speaks of means that are near to normal.
+    let by_chance =
+        integral.error + effort.tolerance * integral.value.abs() <= BLURRED * welch.standard_error;
+    let normal = nearly_normal(weights.iter().map(|weight| weight[0]), &smooth);
+    if by_chance && normal { outcome.p_value(welch.p_value()) } else { outcome }
+}
+
+/// Whether the mean of these weights is.
+fn nearly_normal(weights: impl ExactSizeIterator<Item = f64>, mean: &Estimate) -> bool {
+    let count = weights.len() as f64;
+    let deviation = (mean.variance * count).sqrt();
+    let [third, fourth] = weights
+        .map(|weight| (weight - mean.mean) / deviation)
+        .fold([0.0; 2], |[a, b], z| [a + z * z * z, b + z * z * z * z]);
+    near_normal(third / count, fourth / count - 3.0, count)
 }
 
 /// True if noise and slack explain the difference: a visible one is a fault even where it is small.

@@ -11,21 +11,21 @@
 //! for the sum a fault. Cannot see a wrong weight, nor faults of the map and its density in common.
 
 use super::{
-    Check, Effort, always,
+    Check, Effort, always, pilot,
     preimages::{Map, Preimages},
     relative_difference, show,
 };
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer},
-    statistics::{Stream, Verdict, seed_for},
+    statistics::{Stream, Verdict},
 };
 
 pub(super) const CHECK: Check = Check {
     name: "jacobian",
     about: "the pdf times the Jacobian of the sampling is 1, lobe by lobe",
     applies: always,
-    run,
+    outcomes,
 };
 
 /// The relative error of the density that is one.
@@ -54,17 +54,21 @@ enum State {
     Blurred,
 }
 
-fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
     let map = Map { scatterer, wo };
-    let preimages = Preimages::new(&map, &mut Stream::new(seed_for("preimages", seed)));
+    let preimages = Preimages::new(&map, &mut pilot(seeds));
+    seeds.iter().map(|&seed| judge(&map, &preimages, seed, effort)).collect()
+}
+
+fn judge(map: &Map, preimages: &Preimages, seed: u64, effort: &Effort) -> Outcome {
     let mut stream = Stream::new(seed);
     let mut tally = Tally::default();
     for _ in 0..STATES[usize::from(effort.thorough)] {
         let (lobe, v) = (stream.uniform(), [stream.uniform(), stream.uniform()]);
         let Some(wi) = map.at(lobe, v) else { continue };
-        let stated = scatterer.pdf(wo, wi);
+        let stated = map.scatterer.pdf(map.wo, wi);
         tally.checked += 1;
-        match look(&map, &preimages, lobe, v, wi, stated) {
+        match look(map, preimages, lobe, v, wi, stated) {
             State::Blurred => tally.blurred += 1,
             State::Known { found, complete } => {
                 let error = relative_difference(found, stated);

@@ -18,7 +18,9 @@ pub(super) const CHECK: Check = Check {
     name: "limits",
     about: "near the end of its parameters the model sends light where its limit does",
     applies: |scatterer| scatterer.limit().is_some(),
-    run,
+    outcomes: |scatterer, wo, seeds, effort| {
+        seeds.iter().map(|&seed| run(scatterer, wo, seed, effort)).collect()
+    },
 };
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {

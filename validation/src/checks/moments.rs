@@ -5,7 +5,7 @@
 //! can only see together, such as light moved from one side to the other. Blind to what value and sample share, and
 //! to errors finer than a few tens of degrees.
 
-use super::{Check, Effort, always, draw, harmonics::harmonics, judge, partition::Partition};
+use super::{Check, Effort, always, draw, harmonics::harmonics, judge, partition::Partition, pilot};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer},
@@ -13,7 +13,6 @@ use crate::{
         Stream, Verdict,
         hotelling::{Components, hotelling},
         power::detectable_chi_square,
-        seed_for,
     },
 };
 
@@ -21,7 +20,7 @@ pub(super) const CHECK: Check = Check {
     name: "moments",
     about: "weighted samples have the spherical harmonics of the value",
     applies: always,
-    run,
+    outcomes,
 };
 
 /// The shift of the mean, in standard deviations of one sample, that must be detectable.
@@ -35,22 +34,22 @@ const QUADRATURE: f64 = 1e-4;
 /// Tests use this share of the samples: harmonics cost more than samples do.
 const SHARE: usize = 4;
 
-fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
+fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
     if effort.thorough {
-        run_to::<81>(scatterer, wo, seed, effort.samples, effort.level)
+        run_to::<81>(scatterer, wo, seeds, effort.samples, effort.level)
     } else {
-        run_to::<25>(scatterer, wo, seed, effort.samples.div_ceil(SHARE), effort.level)
+        run_to::<25>(scatterer, wo, seeds, effort.samples.div_ceil(SHARE), effort.level)
     }
 }
 
 fn run_to<const N: usize>(
     scatterer: &dyn Scatterer,
     wo: DVec3,
-    seed: u64,
+    seeds: &[u64],
     samples: usize,
     level: f64,
-) -> Outcome {
-    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
+) -> Vec<Outcome> {
+    let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), BINS);
     let tolerance = QUADRATURE / (samples as f64).sqrt();
     let (exact, error) = partition.integrate_all::<N>(tolerance, |wi| {
         let value = scatterer.value(wo, wi);
@@ -60,13 +59,15 @@ fn run_to<const N: usize>(
         Some(sample) => harmonics::<N>(sample.wi).map(|y| y * sample.weight),
         None => [0.0; N],
     };
-    // The same samples twice, since the second look depends on the first.
-    let again = || {
-        let mut stream = Stream::new(seed);
-        (0..samples).map(move |_| carried(&mut stream))
+    let judge = |&seed: &u64| {
+        // The same samples twice, since the second look depends on the first.
+        let again = || {
+            let mut stream = Stream::new(seed);
+            (0..samples).map(move |_| carried(&mut stream))
+        };
+        conclude(&hotelling(again, &exact, error), samples, level)
     };
-    let found = hotelling(again, &exact, error);
-    conclude(&found, samples, level)
+    seeds.iter().map(judge).collect()
 }
 
 fn conclude(found: &Components, samples: usize, level: f64) -> Outcome {

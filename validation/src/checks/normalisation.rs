@@ -3,13 +3,15 @@
 //! ∫pdf by adaptive quadrature against the share of draws that return a direction outside delta lobes. A model that
 //! sometimes absorbs or takes a delta lobe has ∫pdf < 1, and exactly that share must come back empty.
 
-use super::{Check, Effort, always, draw, judge, partition::Partition};
+use super::{BLURRED, Check, Effort, always, draw, judge, partition::Partition, pilot};
 use crate::{
     quadrature::Integral,
     report::Outcome,
     scatterer::{DVec3, Scatterer},
     statistics::{
-        Stream, Verdict, distributions::binomial_two_sided, power::detectable_difference, seed_for,
+        Stream, Verdict,
+        binomial::{binomial_randomised, binomial_two_sided},
+        power::detectable_difference,
     },
 };
 
@@ -17,7 +19,7 @@ pub(super) const CHECK: Check = Check {
     name: "normalisation",
     about: "the pdf integrates to the probability of drawing a direction",
     applies: always,
-    run,
+    outcomes,
 };
 
 /// The error of the integral that must be detectable.
@@ -28,13 +30,20 @@ const BINS: usize = 64;
 /// Error of the integral, in samples.
 const QUADRATURE: f64 = 1.0;
 
-fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
-    let partition = Partition::adapt(scatterer, wo, &mut Stream::new(seed_for("pilot", seed)), BINS);
+/// Least variance of the count that makes its p-value say anything.
+const BY_CHANCE: f64 = 5.0;
+
+fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
+    let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), BINS);
+    let integral: Integral =
+        partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi)).into_iter().sum();
+    seeds.iter().map(|&seed| conclude(scatterer, wo, seed, effort, integral)).collect()
+}
+
+fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integral: Integral) -> Outcome {
     let mut stream = Stream::new(seed);
     let draws = (0..effort.samples).filter_map(|_| draw(scatterer, wo, &mut stream));
     let drawn = draws.filter(|sample| !sample.delta).count();
-    let integral: Integral =
-        partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi)).into_iter().sum();
     let share = drawn as f64 / effort.samples as f64;
     // Of all values the integral may have, the one that is kindest to the model; never more than a probability.
     let kindest =
@@ -57,6 +66,11 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         .figure("integral", integral.value)
         .figure("integral_error", integral.error)
         .figure("drawn", share);
-    // Where every draw (or none) gives a direction there is no chance involved, and p would always be 1.
-    if drawn == 0 || drawn == effort.samples { outcome } else { outcome.p_value(p_value) }
+    let known = integral.value.clamp(0.0, 1.0);
+    let noise = (known * (1.0 - known) * effort.samples as f64).sqrt();
+    if known.is_nan() || noise * noise < BY_CHANCE || integral.error * effort.samples as f64 > BLURRED * noise
+    {
+        return outcome;
+    }
+    outcome.p_value(binomial_randomised(drawn as u64, effort.samples as u64, known, stream.uniform()))
 }

@@ -9,6 +9,10 @@ use crate::{
 /// Directions nearer than this are the same draw; the map is evaluated twice with the same numbers.
 const SAME: f64 = 1e-12;
 
+/// What rounding to f64 leaves of a sixth-order difference of directions, in units of 1/step: (45 + 9 + 1)/30 of a
+/// coordinate's rounding, thrice for the operations that made it.
+const ROUNDING: f64 = 6.0 * 0.5 * f64::EPSILON;
+
 /// First numbers that are tried to find the lobes at a point of the square.
 const SCAN: usize = 32;
 
@@ -86,7 +90,8 @@ impl Map<'_> {
     }
 
     /// |∂ω/∂u × ∂ω/∂v| and its relative error. Steps are halved until the sixth-order differences agree or rounding
-    /// makes them disagree more.
+    /// makes them disagree more. Two of eighteen quotients may agree by luck, so their error is at least what the
+    /// rounding of directions leaves of them.
     fn area_factor(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
         let mut steps = v.map(|x| (0.25 * x.min(1.0 - x)).min(1.0 / 32.0));
         let mut best = Integral { value: f64::NAN, error: f64::INFINITY };
@@ -95,7 +100,10 @@ impl Map<'_> {
             if let (Some(du), Some(dv)) = (self.slope(lobe, v, 0, steps[0]), self.slope(lobe, v, 1, steps[1]))
             {
                 let value = du.cross(dv).length();
-                let error = ((value - last) / value).abs();
+                let rounding = ROUNDING * (dv.length() / steps[0] + du.length() / steps[1]);
+                let apart = (value - last).abs();
+                // Not `max`, which would take rounding for the error of a first quotient, that nothing has confirmed.
+                let error = (if apart < rounding { rounding } else { apart } / value).abs();
                 if error < best.error {
                     best = Integral { value, error };
                 }

@@ -16,7 +16,9 @@ pub(super) const CHECK: Check = Check {
     name: "reciprocity",
     about: "f(wo, wi) / η(wo)² is symmetric",
     applies: |scatterer| scatterer.laws().reciprocal,
-    run,
+    outcomes: |scatterer, wo, seeds, effort| {
+        seeds.iter().map(|&seed| run(scatterer, wo, seed, effort)).collect()
+    },
 };
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {

@@ -19,7 +19,9 @@ pub(super) const CHECK: Check = Check {
     name: "spectral",
     about: "value and flux at a wavelength do not depend on the wavelengths beside it",
     applies: |scatterer| !scatterer.companions().is_empty(),
-    run,
+    outcomes: |scatterer, wo, seeds, effort| {
+        seeds.iter().map(|&seed| run(scatterer, wo, seed, effort)).collect()
+    },
 };
 
 /// The difference of a flux that is none.

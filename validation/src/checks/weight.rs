@@ -14,7 +14,9 @@ pub(super) const CHECK: Check = Check {
     name: "weight",
     about: "each sample's weight is value / pdf, and its pdf is the stated one",
     applies: always,
-    run,
+    outcomes: |scatterer, wo, seeds, effort| {
+        seeds.iter().map(|&seed| run(scatterer, wo, seed, effort)).collect()
+    },
 };
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {

@@ -16,12 +16,13 @@ pub struct Ratio {
     pub ratio: Interval,
     /// Of the hypothesis that they are equally efficient.
     pub p_value: f64,
-    /// The hypothesis is rejected at 1 %.
+    /// The hypothesis is rejected at half a per cent.
     pub different: bool,
 }
 
-/// The level at which efficiencies are called different.
-const LEVEL: f64 = 0.01;
+/// The level at which efficiencies are called different: half of the one per cent that is promised, so that an experiment can
+/// show the promise kept.
+const LEVEL: f64 = 0.005;
 
 /// Compares ladders of the same sample counts and seeds. `None` if they are not, if there are fewer than three seeds, or if
 /// the reference's noise has swallowed an error.
@@ -84,9 +85,9 @@ mod tests {
         };
         let found = called(&mut stream, 1.05);
         assert!(found >= 0.9, "found {found}");
-        // At most 1 %, and three standard errors of a share of 1 % in 2000 trials: 0.67 %.
+        // Half a per cent, and three standard errors of it in 2000 trials: 0.47 %.
         let false_alarms = called(&mut stream, 1.0);
-        assert!(false_alarms <= 0.0167, "false alarms {false_alarms}");
+        assert!(false_alarms <= 0.0097, "false alarms {false_alarms}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! estimated from the spread of the reference's own pictures, is subtracted value by value. relMSE divides by m̂² + ε² with ε
 //! one per cent of the picture's mean, the same for every picture of a renderer.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A picture: all channels of all pixels in a fixed order.
 pub type Picture = Vec<f64>;
@@ -16,12 +16,14 @@ pub struct Reference {
 }
 
 /// Errors relative to the reference's values.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Mean over all values, the reference's variance subtracted.
     pub relative_mse: f64,
     /// The same without the 0.1 % of values with the largest errors.
     pub trimmed: f64,
+    /// The median; the reference's variance is not subtracted.
+    pub median: f64,
     /// Mean squared error, in the pictures' unit squared.
     pub mse: f64,
 }
@@ -51,20 +53,34 @@ pub fn reference(pictures: &[Picture]) -> Option<Reference> {
 /// Errors of a picture that is no part of the reference.
 pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
     let count = picture.len() as f64;
-    let dark = DARK * reference.mean.iter().sum::<f64>() / count;
-    let squares: Vec<[f64; 2]> = (picture.iter().zip(&reference.mean).zip(&reference.variance))
-        .map(|((x, m), variance)| {
-            let square = (x - m) * (x - m) - variance;
-            [square, square / (m * m + dark * dark)]
-        })
-        .collect();
-    let mut relative: Vec<f64> = squares.iter().map(|s| s[1]).collect();
+    let dark = reference.dark();
+    let values = || picture.iter().zip(&reference.mean).zip(&reference.variance);
+    let square = |x: &f64, m: &f64| (x - m) * (x - m);
+    let mut relative: Vec<f64> =
+        values().map(|((x, m), variance)| (square(x, m) - variance) / (m * m + dark)).collect();
     relative.sort_by(f64::total_cmp);
+    let mut plain = relative_squares(picture, reference);
+    plain.sort_by(f64::total_cmp);
     let kept = relative.len() - (TRIM * count).ceil() as usize;
     Errors {
         relative_mse: relative.iter().sum::<f64>() / count,
         trimmed: relative[..kept].iter().sum::<f64>() / kept.max(1) as f64,
-        mse: squares.iter().map(|s| s[0]).sum::<f64>() / count,
+        median: plain[plain.len() / 2],
+        mse: values().map(|((x, m), variance)| square(x, m) - variance).sum::<f64>() / count,
+    }
+}
+
+/// Relative squared differences from the reference, value by value, its own noise included.
+pub fn relative_squares(picture: &Picture, reference: &Reference) -> Vec<f64> {
+    let dark = reference.dark();
+    picture.iter().zip(&reference.mean).map(|(x, m)| (x - m) * (x - m) / (m * m + dark)).collect()
+}
+
+impl Reference {
+    /// What is added to squares of dark values before they divide.
+    fn dark(&self) -> f64 {
+        let dark = DARK * self.mean.iter().sum::<f64>() / self.mean.len() as f64;
+        dark * dark
     }
 }
 
@@ -93,7 +109,7 @@ mod tests {
         let mut spoiled = flat;
         spoiled[7] = 1001.0;
         let found = errors(&spoiled, &reference(&pictures).unwrap());
-        assert_eq!(found.trimmed, 0.0);
+        assert_eq!((found.trimmed, found.median), (0.0, 0.0));
         assert!((found.mse - 500.0).abs() < 1e-9);
     }
 

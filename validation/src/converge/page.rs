@@ -1,146 +1,111 @@
-//! One self-contained page: log–log plots of error against seconds with their intervals, and tables.
+//! Pages about error and time: their frame and their tables. Everything is inside; nothing comes from a network.
 
-use std::fmt::Write;
-
+use super::plot::{legend, plot};
 use super::{Curve, Interval, Ratio};
 use crate::html::escape;
 
-/// A renderer's two curves.
+/// A renderer's curves, and how much more efficient the first one is.
 pub struct Line<'a> {
     pub name: &'a str,
-    pub trimmed: &'a Curve,
-    pub whole: &'a Curve,
+    pub trimmed: Option<&'a Curve>,
+    pub whole: Option<&'a Curve>,
+    pub ratio_trimmed: Option<&'a Ratio>,
+    pub ratio_whole: Option<&'a Ratio>,
+    /// Mean start-up in seconds.
+    pub startup: Option<f64>,
 }
 
-const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
-const WIDTH: f64 = 640.0;
-const HEIGHT: f64 = 400.0;
-const EDGE: f64 = 56.0;
+const STYLE: &str = "body{font:16px/1.45 system-ui,sans-serif;max-width:76rem;margin:auto;padding:1rem}\
+svg,img{max-width:100%}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem}td,th{padding:.25rem .6rem;\
+text-align:left;border-bottom:1px solid #8886;white-space:nowrap}td.wrap{white-space:normal;min-width:14rem}\
+.plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1rem}.plots svg{width:100%}\
+.legend{display:flex;flex-wrap:wrap;gap:.2rem 1.2rem;list-style:none;padding:0;font-size:.85rem}\
+.pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(48%,15rem),1fr));gap:.6rem}figure{margin:0}\
+.pictures img{width:100%;image-rendering:pixelated;display:block;margin-bottom:.3rem}figcaption{font-size:.8rem;overflow-wrap:anywhere}\
+h2{margin-top:2.5rem}.note{opacity:.75;font-size:.9rem}\
+@media(prefers-color-scheme:dark){body{background:#16181c;color:#e4e4e4}a{color:#8bf}}";
 
-/// The page.
-pub fn page(
-    scene: &str,
-    lines: &[Line],
-    ratios: &[(String, Option<&Ratio>, Option<&Ratio>)],
-    missing: &[(&str, &str)],
-) -> String {
-    let mut rows = String::new();
-    for line in lines {
-        for (what, c) in [("trimmed", line.trimmed), ("whole", line.whole)] {
-            let optional = |i: Option<Interval>| i.map_or("–".into(), show);
-            let cells = [
-                escape(line.name),
-                what.into(),
-                show(c.efficiency),
-                optional(c.slope),
-                optional(c.seconds_to.first().copied().flatten()),
-                optional(c.seconds_to.get(1).copied().flatten()),
-            ];
-            row(&mut rows, &cells);
-        }
-    }
-    let mut compared = String::new();
-    for (name, trimmed, whole) in ratios {
-        let cell = |r: &Option<&Ratio>| {
-            r.map_or("no answer".into(), |r| {
-                let verdict = if r.different { "different" } else { "not told apart" };
-                format!("{} ({verdict}, p = {:.1e})", show(r.ratio), r.p_value)
-            })
-        };
-        row(&mut compared, &[escape(name), cell(trimmed), cell(whole)]);
-    }
-    let mut absent = String::new();
-    for (name, reason) in missing {
-        row(&mut absent, &[escape(name), escape(reason)]);
-    }
-    let plots = [("trimmed by 0.1 %", true), ("whole", false)].map(|(title, trimmed)| {
-        let curves: Vec<&Curve> = lines.iter().map(|l| if trimmed { l.trimmed } else { l.whole }).collect();
-        format!("<h2>relMSE, {title}</h2>{}", plot(lines, &curves))
-    });
-    let scene = escape(scene);
+/// A whole page.
+pub fn frame(title: &str, body: &str) -> String {
     format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-         <title>Error against run time</title><style>body{{font:16px/1.4 sans-serif;max-width:60rem;margin:auto;padding:1rem}}\
-         svg{{width:100%;height:auto}}.wide{{overflow-x:auto}}td,th{{padding:.2rem .6rem;text-align:left;\
-         border-bottom:1px solid #ccc}}</style><h1>Error against run time</h1><p>{scene}; brackets and bands are 95 % intervals.</p>{}{}\
-         <h2>Curves</h2><div class=wide><table><tr><th>renderer<th>relMSE<th>1/(error · s)<th>slope<th>s to 1 %<th>s to 0.1 %</tr>\
-         {rows}</table></div><h2>Efficiency ratios</h2><div class=wide><table><tr><th>of<th>trimmed<th>whole</tr>{compared}</table></div>\
-         <h2>Missing</h2><table>{absent}</table></html>\n",
-        plots[0], plots[1]
+        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
+         <meta name=\"color-scheme\" content=\"light dark\"><title>{0}</title><style>{STYLE}</style></head><body>\
+         <h1>{0}</h1>{body}</body></html>\n",
+        escape(title)
     )
 }
 
-fn row(table: &mut String, cells: &[String]) {
-    let cells: String = cells.iter().map(|cell| format!("<td>{cell}")).collect();
-    table.push_str(&format!("<tr>{cells}</tr>"));
+/// Plots and tables of one scene; ratios are those of the first line over the others.
+pub fn curves(lines: &[Line]) -> String {
+    let drawing = |title: &str, of: for<'a> fn(&Line<'a>) -> Option<&'a Curve>| {
+        let drawn: Vec<(&str, &Curve)> = lines.iter().filter_map(|l| Some((l.name, of(l)?))).collect();
+        format!("<div><h3>relMSE, {title}</h3>{}</div>", plot(&drawn, title))
+    };
+    let names: Vec<&str> = lines.iter().map(|l| l.name).collect();
+    let mut rows = String::new();
+    for line in lines {
+        let optional = |i: Option<Interval>| i.map_or("–".into(), show);
+        let ratio = |r: Option<&Ratio>| {
+            r.map_or("–".to_string(), |r| {
+                format!("{}{}", show(r.ratio), if r.different { "" } else { " (not told apart)" })
+            })
+        };
+        let slope = |c: Option<&Curve>| optional(c.and_then(|c| c.slope));
+        let to =
+            |c: Option<&Curve>, k: usize| optional(c.and_then(|c| c.seconds_to.get(k).copied().flatten()));
+        let cells = [
+            escape(line.name),
+            ratio(line.ratio_trimmed),
+            ratio(line.ratio_whole),
+            slope(line.trimmed),
+            to(line.trimmed, 0),
+            to(line.trimmed, 1),
+            line.startup.map_or("–".into(), figures),
+        ];
+        rows += &row(&cells);
+    }
+    let first = escape(lines.first().map_or("", |l| l.name));
+    format!(
+        "<div class=\"plots\">{}{}</div>{}<div class=\"wide\"><table><tr><th>renderer<th>{first} is better, trimmed<th>whole\
+         <th>slope<th>s to 1 %<th>s to 0.1 %<th>s start-up</tr>{rows}</table></div>",
+        drawing("without the 0.1 % largest values", |l| l.trimmed),
+        drawing("whole", |l| l.whole),
+        legend(&names)
+    )
 }
 
-fn show(i: Interval) -> String {
+/// Names and reasons, if there are any.
+pub fn missing(entries: &[(&str, &str)]) -> String {
+    let rows: String = entries.iter().map(|(name, why)| row(&[escape(name), escape(why)])).collect();
+    if rows.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<details><summary>Missing</summary><div class=\"wide\"><table>{}</table></div></details>",
+            rows.replace("<td>", "<td class=\"wrap\">")
+        )
+    }
+}
+
+/// A row of cells that are HTML already.
+pub fn row(cells: &[String]) -> String {
+    let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+    format!("<tr>{cells}</tr>")
+}
+
+/// A value with its interval.
+pub fn show(i: Interval) -> String {
     format!("{} [{}, {}]", figures(i.value), figures(i.low), figures(i.high))
 }
 
-fn figures(value: f64) -> String {
-    if value != 0.0 && !(1e-2..1e4).contains(&value.abs()) {
+/// Three significant figures.
+pub fn figures(value: f64) -> String {
+    let digits = if value == 0.0 { 0.0 } else { libm::floor(libm::log10(value.abs())) };
+    if !(-3.0..5.0).contains(&digits) {
         format!("{value:.2e}")
     } else {
-        format!("{value:.3}")
+        format!("{value:.*}", (2.0 - digits).max(0.0) as usize)
     }
-}
-
-/// Decades of positive values: the exponents below and above.
-fn decades(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(libm::log10);
-    let [low, high] = logs.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
-    if low > high { [0.0, 1.0] } else { [low.floor(), high.ceil().max(low.floor() + 1.0)] }
-}
-
-fn plot(lines: &[Line], curves: &[&Curve]) -> String {
-    let seconds = decades(curves.iter().flat_map(|c| c.seconds.iter().map(|i| i.value)));
-    let errors = decades(curves.iter().flat_map(|c| c.errors.iter().flat_map(|i| [i.low, i.value, i.high])));
-    let place = |value: f64, [low, high]: [f64; 2]| (libm::log10(value).max(low) - low) / (high - low);
-    let x = |value: f64| EDGE + (WIDTH - 2.0 * EDGE) * place(value, seconds);
-    let y = |value: f64| HEIGHT - EDGE - (HEIGHT - 2.0 * EDGE) * place(value.max(f64::MIN_POSITIVE), errors);
-    let mut svg = format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-size=\"13\" role=\"img\">");
-    let mut add = |text: String| svg.push_str(&text);
-    for [from, to, across] in [[seconds[0], seconds[1], 1.0], [errors[0], errors[1], 0.0]] {
-        for k in from as i32..=to as i32 {
-            let value = libm::exp10(f64::from(k));
-            let (x1, y1, x2, y2) = if across == 1.0 {
-                (x(value), EDGE, x(value), HEIGHT - EDGE)
-            } else {
-                (EDGE, y(value), WIDTH - EDGE, y(value))
-            };
-            add(format!("<path d=\"M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}\" stroke=\"#ddd\"/>"));
-            let (tx, ty) = if across == 1.0 { (x1 - 10.0, y2 + 18.0) } else { (8.0, y1 + 4.0) };
-            add(format!("<text x=\"{tx:.1}\" y=\"{ty:.1}\">1e{k}</text>"));
-        }
-    }
-    for (i, (line, c)) in lines.iter().zip(curves).enumerate() {
-        let colour = COLOURS[i % COLOURS.len()];
-        let points = |which: fn(&Interval) -> f64| -> Vec<String> {
-            c.seconds
-                .iter()
-                .zip(&c.errors)
-                .map(|(s, e)| format!("{:.1},{:.1}", x(s.value), y(which(e))))
-                .collect()
-        };
-        let band: Vec<String> =
-            points(|e| e.low).into_iter().chain(points(|e| e.high).into_iter().rev()).collect();
-        add(format!("<polygon points=\"{}\" fill=\"{colour}\" opacity=\"0.2\"/>", band.join(" ")));
-        add(format!(
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>",
-            points(|e| e.value).join(" ")
-        ));
-        let (tx, ty) = (WIDTH - EDGE - 190.0, EDGE + 16.0 * (i as f64 + 1.0));
-        add(format!("<text x=\"{tx}\" y=\"{ty}\" fill=\"{colour}\">{}</text>", escape(line.name)));
-    }
-    let (middle, bottom) = (0.5 * WIDTH, HEIGHT - 10.0);
-    // Writing to a String cannot fail.
-    let _written = write!(
-        svg,
-        "<text x=\"{middle}\" y=\"{bottom}\">seconds</text><text x=\"8\" y=\"20\">relMSE</text></svg>"
-    );
-    svg
 }
 
 #[cfg(test)]
@@ -155,11 +120,23 @@ mod tests {
             Rung { samples, errors: vec![1.0 / n, 1.1 / n], seconds: vec![n, n] }
         };
         let c = curve(&[rung(1), rung(100)], 0).unwrap();
-        let html =
-            page("a.xml", &[Line { name: "<b>", trimmed: &c, whole: &c }], &[], &[("x", "not & here")]);
+        let line = Line {
+            name: "<b>",
+            trimmed: Some(&c),
+            whole: Some(&c),
+            ratio_trimmed: None,
+            ratio_whole: None,
+            startup: None,
+        };
+        let html = frame("a & b", &(curves(&[line]) + &missing(&[("x", "not & here")])));
         assert!(html.contains("&lt;b&gt;") && !html.contains("<b>") && html.contains("not &amp; here"));
-        assert_eq!(html.matches("<svg").count(), 2);
-        assert_eq!(html.matches("</svg>").count(), 2);
+        assert_eq!(html.matches("<svg").count(), html.matches("</svg>").count());
         assert!(!html.contains("NaN") && !html.contains("inf"), "{html}");
+    }
+
+    #[test]
+    fn figures_are_three() {
+        let shown = [1234.5, 12.345, 0.012345, 0.0, 1e-9].map(figures);
+        assert_eq!(shown, ["1234", "12.3", "0.0123", "0.00", "1.00e-9"]);
     }
 }

@@ -19,7 +19,18 @@ pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
 
 /// Reads an EXR file's bytes: every channel of every part, half and integer widened. Channels of a named part are called
 /// `part.channel`. A channel `variance.X` becomes the variance of channel `X`.
+///
+/// A file that claims more samples than one of its length can hold is refused before memory is taken for them.
 pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
+    let head = exr::block::read(Cursor::new(bytes), false).map_err(|error| ImageError(error.to_string()))?;
+    let claims = |header: &exr::meta::header::Header| {
+        let size = header.layer_size;
+        size.width() as u128 * size.height() as u128 * header.channels.bytes_per_pixel as u128
+    };
+    // No method of the format stores a byte of samples in less than 1/4096 of one.
+    if head.headers().iter().any(|header| claims(header) > 4096 * bytes.len() as u128) {
+        return Err(ImageError(format!("a file of {} bytes cannot hold its pixels", bytes.len())));
+    }
     let file = read()
         .no_deep_data()
         .largest_resolution_level()

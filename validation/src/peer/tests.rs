@@ -50,16 +50,16 @@ fn effort() -> Effort {
 }
 
 fn through_lines(subject: &dyn Scatterer, check: &str) -> Outcome {
-    let run = find(check).unwrap().run;
+    let check = find(check).unwrap();
     let mut peer = Peer::meet(Local(subject)).unwrap();
-    judge(&mut peer, 0, |s| run(s, direction(0.6, 0.7), seed_for(check, 0), &effort())).unwrap()
+    judge(&mut peer, 0, |s| check.run(s, direction(0.6, 0.7), seed_for(check.name, 0), &effort())).unwrap()
 }
 
 #[test]
 fn a_check_says_the_same_through_the_protocol() {
     let subject = Conductor { alpha: 0.2, r0: 0.9 };
     for check in CHECKS {
-        let direct = (check.run)(&subject, direction(0.6, 0.7), seed_for(check.name, 0), &effort());
+        let direct = check.run(&subject, direction(0.6, 0.7), seed_for(check.name, 0), &effort());
         assert_eq!(through_lines(&subject, check.name), direct);
     }
 }

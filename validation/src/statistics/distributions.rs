@@ -1,4 +1,4 @@
-//! Tail probabilities and quantiles of the normal, Student, χ² and binomial distributions.
+//! Tail probabilities and quantiles of the normal, Student and χ² distributions.
 
 use statrs::function::{beta, erf, gamma};
 
@@ -69,29 +69,6 @@ pub fn chi_square_upper(statistic: f64, degrees: f64) -> f64 {
     }
 }
 
-/// Two-sided p-value of `hits` out of `trials` when each trial hits with probability `probability`.
-///
-/// Normal where the variance exceeds 100, without continuity correction so that p-values are uniform and not merely
-/// conservative; else the Poisson limit of the rarer outcome, whose relative error is below that outcome's probability.
-pub fn binomial_two_sided(hits: u64, trials: u64, probability: f64) -> f64 {
-    let (hits, trials) = (hits as f64, trials as f64);
-    let variance = trials * probability * (1.0 - probability);
-    if variance > 100.0 {
-        return normal_two_sided((hits - trials * probability) / variance.sqrt());
-    }
-    let (rare, mean) = if probability < 0.5 {
-        (hits, trials * probability)
-    } else {
-        (trials - hits, trials * (1.0 - probability))
-    };
-    if mean <= 0.0 {
-        return if rare == 0.0 { 1.0 } else { 0.0 };
-    }
-    let at_least = if rare == 0.0 { 1.0 } else { gamma::gamma_lr(rare, mean) };
-    let at_most = gamma::gamma_ur(rare + 1.0, mean);
-    (2.0 * at_least.min(at_most)).min(1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,15 +94,6 @@ mod tests {
             close(student_two_sided(t, 1000.1), student_two_sided(t, 999.9), 1e-3);
         }
         close(student_two_sided(3.0, 1e12), normal_two_sided(3.0), 1e-9);
-    }
-
-    #[test]
-    fn binomial_agrees_with_exact_sums() {
-        // P(X = 0) = 0.999^3000 of Bin(3000, 0.001); two-sided doubles it.
-        close(binomial_two_sided(0, 3000, 0.001), 2.0 * libm::exp(3000.0 * libm::log(0.999)), 2e-3);
-        assert_eq!(binomial_two_sided(10, 10, 1.0), 1.0);
-        assert_eq!(binomial_two_sided(9, 10, 1.0), 0.0);
-        close(binomial_two_sided(5100, 10000, 0.5), normal_two_sided(2.0), 1e-9);
     }
 
     #[test]

@@ -56,9 +56,7 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
         }
     }
     let usable = powers.iter().zip(reach(&factor, rank, error)).map(|([third, fourth], reach)| {
-        let (skewness, kurtosis) = (third / count, fourth / count - 3.0);
-        let normal = skewness.abs() / count.sqrt() <= SKEWED && kurtosis.abs() / count <= HEAVY;
-        normal && count * reach * reach <= BLURRED
+        near_normal(third / count, fourth / count - 3.0, count) && count * reach * reach <= BLURRED
     });
     let shift = whiten(&std::array::from_fn(|i| mean[i] - expected[i]));
     let judged: Vec<f64> = shift.into_iter().zip(usable).filter(|part| part.1).map(|part| part.0).collect();
@@ -66,6 +64,11 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
     let broken = mean.iter().chain(expected).any(|value| !value.is_finite());
     let p_value = if broken { f64::NAN } else { upper(statistic, used as f64, count) };
     Components { rank, used, statistic, p_value }
+}
+
+/// Whether the mean of `count` samples of this skewness and excess kurtosis counts as normal.
+pub fn near_normal(skewness: f64, kurtosis: f64, count: f64) -> bool {
+    skewness.abs() / count.sqrt() <= SKEWED && kurtosis.abs() / count <= HEAVY
 }
 
 /// P(T² ≥ `statistic`), by the incomplete beta function.

@@ -3,6 +3,7 @@
 //! To add a test: compute a p-value that is uniform (or conservative) under the null hypothesis, state the smallest
 //! effect it finds nine times in ten ([`power`]), and show both on synthetic data.
 
+pub mod binomial;
 pub mod distributions;
 pub mod equivalence;
 pub mod hotelling;

@@ -25,8 +25,9 @@ mod surroundings;
 mod table;
 mod textures;
 mod thin_lens;
+mod vanishing;
 
-use crate::stage::{TWICE, confirmed, expose, fault, load, measured};
+use crate::stage::{Family, TWICE, confirmed, expose, fault, gather, load, measured};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
 use etalon::spectrum::observer::luminance;
@@ -64,15 +65,13 @@ pub struct ClosedForm {
 /// What is compared: a number of an image.
 pub type Measure = fn(&Image) -> f64;
 
-/// A name and the cases that bear it.
-pub type Family = (&'static str, fn() -> Vec<ClosedForm>);
-
 /// All families, by name.
-pub const FAMILIES: &[Family] = &[
+pub const FAMILIES: &[Family<ClosedForm>] = &[
     ("irradiance", irradiance::cases),
     ("round_lights", round_lights::cases),
     ("small_lights", small_lights::cases),
     ("surroundings", surroundings::cases),
+    ("vanishing", vanishing::cases),
     ("envmap", envmap::cases),
     ("interreflection", interreflection::cases),
     ("interfaces", interfaces::cases),
@@ -88,11 +87,7 @@ pub const FAMILIES: &[Family] = &[
 
 /// All cases, named `family::case`.
 pub fn cases() -> Vec<ClosedForm> {
-    let named = |&(family, cases): &Family| {
-        let rename = move |case: ClosedForm| ClosedForm { name: format!("{family}::{}", case.name), ..case };
-        cases().into_iter().map(rename).collect::<Vec<_>>()
-    };
-    FAMILIES.iter().flat_map(named).collect()
+    gather(FAMILIES, |case| &mut case.name)
 }
 
 impl ClosedForm {

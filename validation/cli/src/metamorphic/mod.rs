@@ -16,8 +16,9 @@ mod motion;
 pub(crate) mod still_life;
 mod tessellation;
 mod transport;
+mod wavelengths;
 
-use crate::stage::{TWICE, confirmed, expose, fault, load, measured};
+use crate::stage::{Family, TWICE, confirmed, expose, fault, gather, load, measured};
 use etalon::image::{Window, merge};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
@@ -41,12 +42,14 @@ pub struct Term {
     pub cut: Option<Window>,
     /// Render as shards that end at these shares of the samples, and merge them.
     pub shards: &'static [f64],
+    /// Compare this of the image.
+    pub view: Option<fn(&Image) -> Image>,
 }
 
 impl Term {
     pub fn new(scene: String) -> Self {
-        let (window, cut) = (None, None);
-        Self { scene, mode: ColorMode::Rgb, factor: 1.0, mirrored: false, window, cut, shards: &[] }
+        let (window, cut, view) = (None, None, None);
+        Self { scene, mode: ColorMode::Rgb, factor: 1.0, mirrored: false, window, cut, shards: &[], view }
     }
 
     pub fn times(self, factor: f64) -> Self {
@@ -72,6 +75,9 @@ impl Term {
             merge(parts).map_err(|e| e.to_string())?
         };
         let mut image = measured(&rendered);
+        if let Some(view) = self.view {
+            image = view(&image);
+        }
         if let Some(cut) = self.cut {
             image = part(&image, cut);
         }
@@ -135,11 +141,8 @@ pub struct Relation {
     pub samples: u64,
 }
 
-/// A name and the relations that bear it.
-pub type Family = (&'static str, fn() -> Vec<Relation>);
-
 /// All families, by name.
-pub const FAMILIES: &[Family] = &[
+pub const FAMILIES: &[Family<Relation>] = &[
     ("exact", exact::relations),
     ("caustics", caustics::relations),
     ("lights", lights::relations),
@@ -148,15 +151,12 @@ pub const FAMILIES: &[Family] = &[
     ("methods", methods::relations),
     ("tessellation", tessellation::relations),
     ("transport", transport::relations),
+    ("wavelengths", wavelengths::relations),
 ];
 
 /// All relations, named `family::relation`.
 pub fn relations() -> Vec<Relation> {
-    let named = |&(family, relations): &Family| {
-        let rename = move |r: Relation| Relation { name: format!("{family}::{}", r.name), ..r };
-        relations().into_iter().map(rename).collect::<Vec<_>>()
-    };
-    FAMILIES.iter().flat_map(named).collect()
+    gather(FAMILIES, |relation| &mut relation.name)
 }
 
 impl Relation {

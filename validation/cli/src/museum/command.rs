@@ -1,13 +1,14 @@
 //! `validate museum`.
 
-use super::findings::Findings;
+use super::findings::{Findings, results};
 use super::{bugs, document, mutants, root};
+use crate::console::say;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use validation::Verdict;
 use validation::report::to_json;
 
 /// Where the findings are kept, and the document that shows them.
-const RESULTS: &str = "validation/museum/results.json";
 const MUTANTS: &str = "validation/museum/mutants.json";
 const DOCUMENT: &str = "docs/museum.md";
 
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// Write a JSON document after every bug; what it has on other bugs is kept
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Only bugs that the JSON document does not have yet
+    #[arg(long, requires = "json")]
+    resume: bool,
     /// Run nothing; put the tables of the committed findings into docs/museum.md
     #[arg(long)]
     document: bool,
@@ -53,8 +57,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     } else {
         mutants::sample(&root(), &arguments.mutate, arguments.sample, arguments.number)?
     };
-    let wanted = |name: &str| arguments.names.is_empty() || arguments.names.iter().any(|n| name.contains(n));
-    if !changes.iter().any(|change| wanted(&change.name)) {
+    let named = |name: &str| arguments.names.is_empty() || arguments.names.iter().any(|n| name.contains(n));
+    if !changes.iter().any(|change| named(&change.name)) {
         return Err("there is no such bug".into());
     }
     std::fs::create_dir_all(&arguments.scratch).map_err(|e| e.to_string())?;
@@ -62,16 +66,18 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     // A run of some bugs leaves what is known of the others.
     let mut findings = Findings::here()?;
     if let Some(path) = arguments.json.as_deref().filter(|path| path.exists()) {
-        findings.bugs = read(path)?.bugs;
+        findings.remember(Findings::read(path)?);
         findings.bugs.retain(|bug| changes.iter().any(|change| change.name == bug.name));
     }
+    let known: BTreeSet<String> = findings.bugs.iter().map(|bug| bug.name.clone()).collect();
+    let wanted = |name: &str| named(name) && !(arguments.resume && known.contains(name));
     super::examine(changes, wanted, &scratch, (arguments.jobs, arguments.near), |finding| {
-        println!("{finding}");
+        say(format_args!("{finding}"));
         findings.add(finding);
         arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))
     })?;
     let (killed, all) = findings.killed();
-    println!("{killed} of {all} killed; {} do not compile", findings.bugs.len() - all);
+    say(format_args!("{killed} of {all} killed; {} do not compile", findings.bugs.len() - all));
     Ok(if killed == all { Verdict::Equivalent } else { Verdict::Different })
 }
 
@@ -85,18 +91,13 @@ fn write_document() -> Result<Verdict, String> {
     let told = |e: std::io::Error| format!("{}: {e}", path.display());
     let mut text = std::fs::read_to_string(&path).map_err(told)?;
     /// The name of the place in the document, the file of findings, and what makes a table of them.
-    type Table = (&'static str, &'static str, fn(&Findings) -> String);
-    let tables: [Table; 2] = [("museum", RESULTS, document::museum), ("mutants", MUTANTS, document::mutants)];
+    type Table = (&'static str, PathBuf, fn(&Findings) -> String);
+    let tables: [Table; 2] =
+        [("museum", results(), document::museum), ("mutants", root().join(MUTANTS), document::mutants)];
     for (name, file, table) in tables {
-        let file = root().join(file);
-        let table = if file.exists() { table(&read(&file)?) } else { "Not yet run.\n".into() };
+        let table = if file.exists() { table(&Findings::read(&file)?) } else { "Not yet run.\n".into() };
         text = document::insert(&text, name, &table)?;
     }
     std::fs::write(&path, text).map_err(told)?;
     Ok(Verdict::Equivalent)
-}
-
-fn read(path: &Path) -> Result<Findings, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
 }

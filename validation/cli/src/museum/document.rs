@@ -1,7 +1,7 @@
 //! The tables of `docs/museum.md`, made from the committed findings.
 
 use super::findings::{Fate, Finding, Findings};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Puts `table` between the lines `<!-- NAME -->` and `<!-- end of NAME -->` of a document.
@@ -47,9 +47,11 @@ pub fn mutants(findings: &Findings) -> String {
 fn heading(findings: &Findings, what: &str) -> String {
     let (killed, all) = findings.killed();
     let share = 100.0 * killed as f64 / all.max(1) as f64;
+    let commits: BTreeSet<&str> = findings.bugs.iter().map(|bug| bug.commit.as_str()).collect();
+    let (s, commits) = (if commits.len() > 1 { "s" } else { "" }, Vec::from_iter(commits).join(", "));
     format!(
-        "{killed} of {all} {what} killed, {share:.1} % ({}, commit {}; {}).\n\n",
-        findings.date, findings.commit, findings.machine
+        "{killed} of {all} {what} killed, {share:.1} % ({}, commit{s} {commits}; {}).\n\n",
+        findings.made.date, findings.made.machine
     )
 }
 

@@ -1,9 +1,15 @@
 //! What became of the bugs, and the JSON document that carries it.
 
 use super::plant::Change;
+use crate::provenance::Provenance;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::process::Command;
+use std::path::{Path, PathBuf};
+
+/// The committed findings on the catalogue.
+pub fn results() -> PathBuf {
+    super::root().join("validation/museum/results.json")
+}
 
 /// What became of a bug.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,22 +30,24 @@ pub struct Finding {
     pub about: String,
     pub source: String,
     pub file: String,
+    /// The sources in which the bug was planted.
+    #[serde(default)]
+    pub commit: String,
     pub fate: Fate,
 }
 
 /// A run of the museum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
-    pub date: String,
-    pub machine: String,
-    pub commit: String,
+    #[serde(flatten)]
+    pub made: Provenance,
     pub bugs: Vec<Finding>,
 }
 
 impl Finding {
     pub fn new(change: &Change, fate: Fate) -> Self {
         let Change { name, about, source, file, .. } = change.clone();
-        Self { name, about, source, file, fate }
+        Self { name, about, source, file, commit: String::new(), fate }
     }
 }
 
@@ -58,23 +66,31 @@ impl fmt::Display for Finding {
 impl Findings {
     /// No findings yet, made today on this machine.
     pub fn here() -> Result<Self, String> {
-        let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let model = model.map_or("unknown processor", |(_, model)| model);
-        Ok(Self {
-            date: told("date", &["-u", "+%F"])?,
-            machine: format!("{cores} cores, {model}"),
-            commit: told("git", &["rev-parse", "--short", "HEAD"])?,
-            bugs: vec![],
-        })
+        Ok(Self { made: Provenance::here()?, bugs: vec![] })
     }
 
-    /// Adds a finding, in the place of an earlier one on the same bug.
+    /// The findings of a document. Errors: no such file, or other content.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Adds a finding of today's commit, in the place of an earlier one on the same bug.
     pub fn add(&mut self, finding: Finding) {
+        let finding = Finding { commit: self.made.commit.clone(), ..finding };
         match self.bugs.iter_mut().find(|known| known.name == finding.name) {
             Some(known) => *known = finding,
             None => self.bugs.push(finding),
+        }
+    }
+
+    /// Takes over what was found earlier, each finding with the commit it belongs to.
+    pub fn remember(&mut self, earlier: Findings) {
+        for mut finding in earlier.bugs {
+            if finding.commit.is_empty() {
+                finding.commit.clone_from(&earlier.made.commit);
+            }
+            self.bugs.push(finding);
         }
     }
 
@@ -89,8 +105,25 @@ impl Findings {
     }
 }
 
-fn told(program: &str, arguments: &[&str]) -> Result<String, String> {
-    let output = Command::new(program).args(arguments).current_dir(super::root()).output();
-    let output = output.map_err(|e| format!("{program}: {e}"))?;
-    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn earlier_findings_keep_their_commit() {
+        let text = r#"{"date": "2026-01-01", "machine": "m", "commit": "abc", "bugs": [
+            {"name": "a", "about": "b", "source": "c", "file": "d",
+             "fate": {"killed": {"program": "p", "test": "t", "seconds": 1.0}}},
+            {"name": "e", "about": "f", "source": "g", "file": "h", "commit": "older", "fate": "survived"}]}"#;
+        let earlier: Findings = serde_json::from_str(text).unwrap();
+        let mut findings = Findings { made: earlier.made.clone(), bugs: vec![] };
+        findings.made.commit = "now".into();
+        findings.remember(earlier);
+        assert_eq!(findings.killed(), (1, 2));
+        let again = Finding { fate: Fate::Survived, ..findings.bugs[0].clone() };
+        findings.add(again);
+        let commits: Vec<&str> = findings.bugs.iter().map(|bug| bug.commit.as_str()).collect();
+        assert_eq!(commits, ["now", "older"]);
+        assert_eq!(findings.killed(), (0, 2));
+    }
 }

@@ -1,7 +1,8 @@
 //! The scratch copy of the sources, and how bugs get into it.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// An expression and its replacement.
@@ -71,6 +72,7 @@ pub fn plant(from: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, S
         .map_err(|e| format!("git: {e}"))?;
     let names = output.stdout.split(|byte| *byte == 0).filter(|name| !name.is_empty());
     let mut places = vec![(String::new(), 0..0); changes.len()];
+    let mut kept = BTreeSet::new();
     for name in names.map(|name| String::from_utf8_lossy(name).into_owned()) {
         let source = from.join(&name);
         if !source.is_file() {
@@ -88,8 +90,24 @@ pub fn plant(from: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, S
             _ => &[],
         });
         write_if_new(&to.join(&name), &bytes)?;
+        kept.insert(to.join(&name));
     }
+    forget(to, &kept)?;
     Ok(places)
+}
+
+/// Removes what an earlier copy had and this one has not; what tests have built stays.
+fn forget(folder: &Path, kept: &BTreeSet<PathBuf>) -> Result<(), String> {
+    let told = |e: std::io::Error| format!("{}: {e}", folder.display());
+    for entry in std::fs::read_dir(folder).map_err(told)? {
+        let path = entry.map_err(told)?.path();
+        if path.is_dir() && path.file_name().is_none_or(|name| name != "target") {
+            forget(&path, kept)?;
+        } else if path.is_file() && !kept.contains(&path) {
+            std::fs::remove_file(&path).map_err(told)?;
+        }
+    }
+    Ok(())
 }
 
 /// The text of a file with its `own` changes as choices.
@@ -135,6 +153,19 @@ mod tests {
         let (together, later) = apart(all);
         let names = |list: &[Change]| list.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
         assert_eq!((names(&together), names(&later)), (vec!["a".into(), "c".into()], vec!["b".into()]));
+    }
+
+    #[test]
+    fn files_that_are_gone_do_not_stay_in_the_copy() {
+        let folder = std::env::temp_dir().join(format!("etalon-plant-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("a/target")).unwrap();
+        for name in ["a/kept.rs", "a/gone.rs", "a/target/built"] {
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        forget(&folder, &BTreeSet::from([folder.join("a/kept.rs")])).unwrap();
+        let exists = |name: &str| folder.join(name).exists();
+        assert!(exists("a/kept.rs") && !exists("a/gone.rs") && exists("a/target/built"));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

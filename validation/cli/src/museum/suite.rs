@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Memory a program may take, in KiB: a bug may ask for all there is.
 const MEMORY: &str = "8388608";
 /// A test that says nothing for so long does not end.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// How a program ended.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,16 +8,16 @@ mod browser;
 mod charts;
 mod evidence;
 mod histogram;
-mod machine;
+pub(crate) mod machine;
 mod matrix;
-mod museum;
 mod page;
-mod pictures;
+pub(crate) mod pictures;
 mod questions;
 #[cfg(test)]
 mod sample;
 mod sections;
 
+use crate::museum::findings::{Findings, results};
 use evidence::Evidence;
 use std::path::Path;
 use validation::Verdict;
@@ -47,7 +47,8 @@ pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> 
     let histograms = histogram::histograms(effort.samples)?;
     say("pictures");
     let pictures = pictures::pictures(effort)?;
-    let findings = museum::read(&museum::file())?;
+    let file = results();
+    let findings = if file.exists() { Some(Findings::read(&file)?) } else { None };
     let page = page::page(&evidence, &histograms, &pictures, findings.as_ref(), &machine::here());
     std::fs::write(out, page).map_err(|e| format!("{}: {e}", out.display()))?;
     Ok(evidence.verdict())

@@ -3,9 +3,9 @@
 use super::evidence::Evidence;
 use super::histogram::Histogram;
 use super::matrix::matrix;
-use super::museum::Findings;
 use super::pictures::Pictures;
 use super::sections;
+use crate::museum::findings::Findings;
 use validation::Outcome;
 use validation::html::escape;
 
@@ -145,7 +145,8 @@ mod tests {
             "<bug>",
             "<about>",
             "<test>",
-            "<made>",
+            "<date>",
+            "<machine>",
             "<cpu>",
             "<1>",
         ] {

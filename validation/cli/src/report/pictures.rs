@@ -85,7 +85,7 @@ fn develop(image: &Image, white: f64) -> Rgb8 {
 }
 
 /// A PNG file as an address that holds all of it; the file is removed.
-fn data_uri(file: &Path) -> Result<String, String> {
+pub(crate) fn data_uri(file: &Path) -> Result<String, String> {
     let bytes = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
     std::fs::remove_file(file).map_err(|e| format!("{}: {e}", file.display()))?;
     Ok(format!("data:image/png;base64,{}", base64(&bytes)))

@@ -2,9 +2,10 @@
 
 use super::evidence::Evidence;
 use super::histogram::Histogram;
-use super::museum::{Bug, Findings};
 use super::page::page;
 use super::pictures::Pictures;
+use crate::museum::findings::{Fate, Finding, Findings};
+use crate::provenance::Provenance;
 use validation::{Outcome, Verdict};
 
 /// A page with something awkward in each section.
@@ -43,7 +44,11 @@ pub fn sample() -> String {
     let [name, message] = ["<scene>", "<message>"].map(String::from);
     let picture = Pictures { name, message, mitsuba: pixel.clone(), etalon: pixel.clone(), scores: pixel };
     let source = "tungsten #54 https://github.com/tunabrain/tungsten/issues/54".to_string();
-    let bug = Bug { name: "<bug>".into(), about: "<about>".into(), source, killed_by: Some("<test>".into()) };
-    let findings = Findings { made: "<made>".into(), bugs: vec![bug] };
+    let [program, test, file, commit] = ["<program>", "<test>", "<file>", "<commit>"].map(String::from);
+    let fate = Fate::Killed { program, test, seconds: 1.0 };
+    let bug =
+        Finding { name: "<bug>".into(), about: "<about>".into(), source, file, commit: commit.clone(), fate };
+    let made = Provenance { date: "<date>".into(), machine: "<machine>".into(), commit };
+    let findings = Findings { made, bugs: vec![bug] };
     page(&evidence, &[histogram], &[picture], Some(&findings), &[("processor", "<cpu>".into())])
 }

@@ -3,7 +3,7 @@
 use super::charts::{Chart, figure, legend, ticks};
 use super::histogram::Histogram;
 use super::matrix::{class, sign};
-use super::museum::Findings;
+use crate::museum::findings::{Fate, Finding, Findings};
 use std::collections::BTreeMap;
 use validation::html::escape;
 use validation::statistics::uniformity;
@@ -143,10 +143,13 @@ pub fn p_values(outcomes: &[&Outcome]) -> String {
 /// Which test noticed which planted bug.
 pub fn museum(findings: Option<&Findings>) -> String {
     let Some(findings) = findings else { return "<p>No results are committed.</p>".into() };
-    let killed = findings.bugs.iter().filter(|bug| bug.killed_by.is_some()).count();
-    let row = |bug: &super::museum::Bug| {
-        let verdict = if bug.killed_by.is_some() { Verdict::Equivalent } else { Verdict::Different };
-        let fate = bug.killed_by.as_ref().map_or("not noticed".into(), |test| escape(test));
+    let (killed, all) = findings.killed();
+    let row = |bug: &Finding| {
+        let (verdict, fate) = match &bug.fate {
+            Fate::Killed { test, .. } => (Verdict::Equivalent, escape(test)),
+            Fate::Survived => (Verdict::Different, "not noticed".into()),
+            Fate::DoesNotCompile => (Verdict::Inconclusive, "does not compile".into()),
+        };
         let [name, about, source] = [&bug.name, &bug.about, &bug.source].map(|text| escape(text));
         format!(
             "<tr><th scope=\"row\">{name}</th><td>{about}</td><td class=\"{}\">{} {fate}</td><td>{source}</td></tr>",
@@ -156,9 +159,12 @@ pub fn museum(findings: Option<&Findings>) -> String {
     };
     let rows: String = findings.bugs.iter().map(row).collect();
     format!(
-        "<p>{killed} of {} planted bugs were noticed ({}).</p><div class=\"wide\"><table><thead><tr><th>bug</th><th>what it does</th><th>noticed by</th><th>after</th></tr></thead><tbody>{rows}</tbody></table></div>",
-        findings.bugs.len(),
-        escape(&findings.made)
+        "<p>{killed} of {all} planted bugs were noticed ({}).</p><div class=\"wide\"><table><thead><tr><th>bug</th><th>what it does</th><th>noticed by</th><th>after</th></tr></thead><tbody>{rows}</tbody></table></div>",
+        escape(
+            &[&findings.made.date, &findings.made.machine, &findings.made.commit]
+                .map(String::as_str)
+                .join(" · ")
+        )
     )
 }
 

@@ -45,6 +45,7 @@ pub fn cases() -> Vec<Case> {
         )
         .samples(1 << 15),
     );
+    answers.push(sun_in_a_map());
     answers.extend(closed_rooms());
     let mut cases: Vec<Case> = answers.into_iter().map(Case::answer).collect();
     cases.push(Case::at_most(
@@ -61,6 +62,22 @@ fn disk(radius: f64, radiance: f64) -> (String, f64) {
     let steps = [scale([radius; 3]), rotate('x', 180.0), translate([0.0, 0.0, 1.0])];
     let e = PI * radiance * radius * radius / (radius * radius + 1.0);
     (shape("disk", &steps, &area(radiance)), e)
+}
+
+/// A map of 31 417 rows, the first of which is white: a cone of 10⁻⁴ rad about the pole, fading to its edge, in the zenith.
+fn sun_in_a_map() -> ClosedForm {
+    let (radiance, edge) = (1e9, PI / 31_416.0);
+    let file = "<string name=\"filename\" value=\"textures/sun.png\"/>";
+    let parameters = file.to_string() + &float("scale", radiance) + &to_world(&[rotate('x', 90.0)]);
+    // The integral is ¼ − sin 2δ/8δ, of whose series this is the beginning.
+    let e = 2.0 * PI * radiance * edge * edge / 6.0 * (1.0 - edge * edge / 5.0);
+    let source = "E = 2πL ∫₀^δ (1 − θ/δ) sin θ cos θ dθ of a map whose first row is L, δ = 10⁻⁴ rad";
+    ClosedForm::new(
+        "sun_of_1e-4_rad_in_a_map",
+        source,
+        floor_under(&emitter("envmap", &parameters)),
+        shown(e),
+    )
 }
 
 /// Albedos that f32 holds exactly: 1 − 10⁻⁶ would be 1.3 % off in 1 − ρ.

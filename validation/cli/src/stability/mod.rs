@@ -24,7 +24,7 @@ use crate::metamorphic::{Relation, Term};
 use crate::stage::{TWICE, confirmed};
 use serde::Serialize;
 use std::fmt;
-pub use table::markdown;
+pub use table::updated;
 use validation::statistics::seed_for;
 use validation::{Outcome, Verdict};
 

@@ -15,8 +15,17 @@ for a known reason by no more than a stated amount: a farther miss differs.
 
 ";
 
+/// What follows this line of the document is kept when the table is written again.
+const BY_HAND: &str = "<!-- What follows is written by hand. -->";
+
+/// The document with another table.
+pub fn updated(document: &str, rows: &[Row]) -> String {
+    let kept = document.split_once(BY_HAND).map(|(_, kept)| format!("\n{BY_HAND}{kept}"));
+    markdown(rows) + &kept.unwrap_or_default()
+}
+
 /// A Markdown document, a case a row.
-pub fn markdown(rows: &[Row]) -> String {
+fn markdown(rows: &[Row]) -> String {
     let count = |verdict: Standing| rows.iter().filter(|row| row.verdict == verdict).count();
     let mut text = format!(
         "{HEAD}{} cases: {} hold, {} are known limits, {} are inconclusive, {} differ.\n\n\
@@ -53,4 +62,17 @@ pub fn markdown(rows: &[Row]) -> String {
 
 fn shown(margin: f64) -> String {
     if margin == 0.0 { "bits".into() } else { format!("{margin:.0e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_by_hand_survives() {
+        let document = format!("old table\n{BY_HAND}\n\n## More\n");
+        let new = updated(&document, &[]);
+        assert!(new.starts_with("# Stiff") && new.ends_with("\n\n## More\n") && !new.contains("old table"));
+        assert_eq!(updated(&new, &[]), new);
+    }
 }

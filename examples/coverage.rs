@@ -1,0 +1,218 @@
+//! How often the 95 % intervals of the standard errors hold the truth, and what another way of estimating them would do:
+//! blocks of other lengths, Student's quantile instead of the normal one. The truth is the mean over all replicates.
+//!
+//! Every replicate is rendered in ranges of four samples, from whose means each estimator makes its variance, so that all of
+//! them judge the same pictures. A line of JSON for every scene, sampler, integrator and estimator:
+//!
+//! ```sh
+//! cargo run --release --example coverage -- --replicates 2000 --spp 64 > coverage.jsonl
+//! ```
+
+use clap::Parser;
+use etalon::film::BLOCK;
+use etalon::render::{Progress, Settings, render};
+use etalon::scene::{Overrides, Scene, load};
+use etalon::spectrum::ColorMode;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+const SCENES: [&str; 11] = [
+    "scenes/cornell-spheres.xml",
+    "scenes/cornell-glossy.xml",
+    "scenes/lens-row.xml",
+    "scenes/prism.xml",
+    "scenes/convergence/cornell-diffuse.xml",
+    "scenes/convergence/interior.xml",
+    "scenes/convergence/small-light.xml",
+    "scenes/convergence/inside-glass.xml",
+    "scenes/convergence/lens-caustics.xml",
+    "validation/references/scenes/envmap.xml",
+    "validation/references/scenes/roughdielectric.xml",
+];
+
+#[derive(Parser)]
+struct Arguments {
+    /// Scenes, instead of those of the repository
+    scenes: Vec<PathBuf>,
+    /// Pictures of each scene, sampler and integrator
+    #[arg(long, default_value_t = 2000)]
+    replicates: u32,
+    /// Samples a pixel, a multiple of 16
+    #[arg(long, default_value_t = 64)]
+    spp: u64,
+    /// Width of the film; its height is three quarters of it
+    #[arg(long, default_value_t = 12)]
+    width: u32,
+    #[arg(long, value_delimiter = ',', default_values = ["sobol", "independent"])]
+    samplers: Vec<String>,
+    #[arg(long, value_delimiter = ',', default_values = ["path", "direct"])]
+    integrators: Vec<String>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scenes = if arguments.scenes.is_empty() {
+        SCENES.iter().map(|scene| root.join(scene)).collect()
+    } else {
+        arguments.scenes.clone()
+    };
+    for path in &scenes {
+        for sampler in &arguments.samplers {
+            for integrator in &arguments.integrators {
+                let overrides = Overrides {
+                    size: Some((arguments.width, (arguments.width * 3 / 4).max(1))),
+                    sampler: Some(sampler.clone()),
+                    integrator: Some(integrator.clone()),
+                    ..Overrides::default()
+                };
+                let scene = load(path, &[], ColorMode::Spectral, &overrides)?;
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                judge(
+                    &format!(
+                        "\"scene\":\"{name}\",\"sampler\":\"{sampler}\",\"integrator\":\"{integrator}\""
+                    ),
+                    &scene,
+                    &arguments,
+                )?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Green of every pixel of one replicate: the means of its ranges of four samples, pixel after pixel.
+fn replicate(scene: &Scene, seed: u32, spp: u64) -> Result<Vec<Vec<f64>>, String> {
+    let window = scene.sensor.film.crop;
+    let mut pixels = vec![vec![]; window.pixels()];
+    for begin in (0..spp).step_by(BLOCK as usize) {
+        let samples = begin..begin + BLOCK;
+        let settings = Settings { samples, seed, window, threads: 1, shard: false, kernel: None };
+        let (image, _) = render(scene, &settings, &Progress::default()).ok_or("no threads")?;
+        let green = image.channel("G").ok_or("no green")?;
+        for (pixel, mean) in pixels.iter_mut().zip(&green.mean) {
+            pixel.push(f64::from(*mean));
+        }
+    }
+    Ok(pixels)
+}
+
+/// A way to an interval of a pixel.
+struct Estimator {
+    blocks: usize,
+    /// The quantile is Student's, not the normal one.
+    student: bool,
+    /// A variance is at least the mean of those within two pixels.
+    smoothed: bool,
+}
+
+fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String> {
+    let all: Result<Vec<_>, String> =
+        (0..arguments.replicates).map(|seed| replicate(scene, seed, arguments.spp)).collect();
+    let all = all?;
+    let (count, width) = (all[0].len(), arguments.width as usize);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let truths: Vec<f64> =
+        (0..count).map(|p| all.iter().map(|r| mean(&r[p])).sum::<f64>() / all.len() as f64).collect();
+    let truth = mean(&truths);
+    // Values of f32 that differ by rounding only have no variance to speak of.
+    let noisy: Vec<bool> =
+        (0..count).map(|p| all.iter().any(|r| (mean(&r[p]) - truths[p]).abs() > 1e-6 * truths[p])).collect();
+    for Estimator { blocks, student, smoothed } in estimators((arguments.spp / BLOCK) as usize) {
+        let t = if student { quantile(blocks - 1) } else { NORMAL_95 };
+        let (mut held, mut images_held, mut extrapolated_held, mut variances) = (0u64, 0u64, 0u64, [0.0; 2]);
+        for replicate in &all {
+            let found: Vec<(f64, f64)> = replicate.iter().map(|values| estimate(values, blocks)).collect();
+            for p in (0..count).filter(|p| noisy[*p]) {
+                let around = if smoothed { neighbours(&found, width, p) } else { 0.0 };
+                let (m, v) = found[p];
+                held += u64::from((m - truths[p]).abs() <= t * v.max(around).sqrt());
+            }
+            let (m, v) = found.iter().fold((0.0, 0.0), |(m, v), pixel| (m + pixel.0, v + pixel.1));
+            let (m, v) = (m / count as f64, v / (count * count) as f64);
+            extrapolated_held +=
+                u64::from((m - truth).abs() <= NORMAL_95 * extrapolated(replicate, v, blocks).sqrt());
+            // Pixels are independent, so the image's mean has many more degrees of freedom than one of them.
+            images_held += u64::from((m - truth).abs() <= NORMAL_95 * v.sqrt());
+            variances = [variances[0] + v, variances[1] + (m - truth) * (m - truth)];
+        }
+        let pixels = noisy.iter().filter(|n| **n).count() * all.len();
+        println!(
+            "{{{about},\"spp\":{},\"replicates\":{},\"blocks\":{blocks},\"student\":{student},\"smoothed\":{smoothed},\
+             \"pixels\":{:.4},\"image\":{:.4},\"image_extrapolated\":{:.4},\"estimated_over_true_variance\":{:.3}}}",
+            arguments.spp,
+            all.len(),
+            held as f64 / pixels.max(1) as f64,
+            images_held as f64 / all.len() as f64,
+            extrapolated_held as f64 / all.len() as f64,
+            variances[0] / variances[1]
+        );
+    }
+    Ok(())
+}
+
+/// What the file holds (every piece is a block, normal quantile), and one change after the other.
+fn estimators(pieces: usize) -> Vec<Estimator> {
+    let mut lengths = vec![pieces, pieces / 4, 8, 4];
+    lengths.retain(|blocks| (2..=pieces).contains(blocks));
+    lengths.sort_unstable();
+    lengths.dedup();
+    let plain = Estimator { blocks: pieces, student: false, smoothed: false };
+    let others = lengths
+        .into_iter()
+        .rev()
+        .flat_map(|blocks| [false, true].map(|smoothed| Estimator { blocks, student: true, smoothed }));
+    std::iter::once(plain).chain(others).collect()
+}
+
+/// The variance of the image's mean, from its estimate `v` of `blocks` blocks and that of a quarter as many. With samples whose
+/// mean has a variance ∝ n^−θ, B blocks find B^(θ−1) times the variance; the ratio r of both estimates is 4^(1−θ), and
+/// v r^log₄B is what one block would find. For independent samples r = 1.
+fn extrapolated(replicate: &[Vec<f64>], v: f64, blocks: usize) -> f64 {
+    if blocks < 8 {
+        return v;
+    }
+    let coarse: f64 = replicate.iter().map(|values| estimate(values, blocks / 4).1).sum();
+    let ratio = coarse / (replicate.len() * replicate.len()) as f64 / v;
+    v * libm::pow(ratio, libm::log2(blocks as f64) / 2.0)
+}
+
+/// Mean of the variances within two pixels of the pixel `p`.
+fn neighbours(found: &[(f64, f64)], width: usize, p: usize) -> f64 {
+    let (x, y) = (p % width, p / width);
+    let near = |q: &usize| (q % width).abs_diff(x) <= 2 && (q / width).abs_diff(y) <= 2;
+    let values: Vec<f64> = (0..found.len()).filter(near).map(|q| found[q].1).collect();
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Mean, and the variance of it from the scatter of blocks.
+fn estimate(values: &[f64], blocks: usize) -> (f64, f64) {
+    let length = values.len() / blocks;
+    let means: Vec<f64> =
+        values.chunks_exact(length).map(|c| c.iter().sum::<f64>() / length as f64).collect();
+    let n = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    (mean, means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / (n * (n - 1.0)))
+}
+
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// The two-sided 95 % quantile of Student's distribution, by Cornish and Fisher's expansion with four terms (Abramowitz and
+/// Stegun 26.7.5); below three degrees of freedom it is not good enough, and the exact values stand.
+fn quantile(degrees: usize) -> f64 {
+    let (z, n) = (NORMAL_95, degrees as f64);
+    let z2 = z * z;
+    match degrees {
+        1 => 12.706_204_736,
+        2 => 4.302_652_730,
+        3 => 3.182_446_305,
+        4 => 2.776_445_105,
+        _ => {
+            let g1 = (z2 + 1.0) * z / 4.0;
+            let g2 = ((5.0 * z2 + 16.0) * z2 + 3.0) * z / 96.0;
+            let g3 = (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) * z / 384.0;
+            let g4 = ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) * z / 92160.0;
+            z + g1 / n + g2 / (n * n) + g3 / (n * n * n) + g4 / (n * n * n * n)
+        }
+    }
+}

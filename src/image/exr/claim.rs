@@ -1,0 +1,52 @@
+//! Whether a file can hold what its header claims, asked before memory is taken for it.
+
+use exr::meta::header::Header;
+use std::io::BufReader;
+use std::path::Path;
+
+/// No method of the format stores a byte of samples in less than 1/4096 of one: deflate needs 1/1032, and DWA, where a whole
+/// block is dark, little less.
+const MOST_PER_BYTE: u128 = 4096;
+
+/// Refuses a file that claims more samples than one of its length can hold.
+pub fn check(path: &Path) -> Result<(), String> {
+    let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
+    let length = file.metadata().map_err(|error| error.to_string())?.len();
+    let reader = exr::block::read(BufReader::new(file), false).map_err(|error| error.to_string())?;
+    plausible(reader.headers(), length)
+}
+
+fn plausible(headers: &[Header], length: u64) -> Result<(), String> {
+    for header in headers {
+        let (width, height) = (header.layer_size.width(), header.layer_size.height());
+        let claimed = width as u128 * height as u128 * header.channels.bytes_per_pixel as u128;
+        if claimed > MOST_PER_BYTE * u128::from(length) {
+            return Err(format!("a file of {length} bytes cannot hold {width} × {height} pixels"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::image::{read, read_exr};
+    use std::path::Path;
+
+    #[test]
+    fn a_file_that_claims_too_much_is_refused() {
+        let sky = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/references/scenes/textures/sky.exr");
+        assert!(read_exr(&sky).is_ok() && read::pixels(&sky).is_ok());
+        let mut bytes = std::fs::read(&sky).unwrap();
+        // Name, type and length of an attribute, then the corners: x and y of the least pixel, then of the last.
+        for name in [b"dataWindow\0box2i\0\x10\0\0\0".as_slice(), b"displayWindow\0box2i\0\x10\0\0\0"] {
+            let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+            bytes[at + 8..at + 16].copy_from_slice(&[0xff, 0xff, 0x0f, 0, 0xff, 0xff, 0x0f, 0]);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let vast = folder.path().join("vast.exr");
+        std::fs::write(&vast, &bytes).unwrap();
+        let error = read_exr(&vast).unwrap_err().to_string();
+        assert!(error.contains("cannot hold 1048576 × 1048576"), "{error}");
+        assert!(read::pixels(&vast).is_err_and(|e| e.contains("cannot hold")));
+    }
+}

@@ -1,0 +1,197 @@
+//! A hundred deaths, a full disk, a folder that must not be written, a checkpoint of another version; and samples that are
+//! not finite are shown.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+const SCENE: &str = r#"<scene version="3.0.0">
+<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film></sensor>
+<shape type="sphere"><transform name="to_world"><translate z="4"/></transform><bsdf type="roughconductor"/></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
+<emitter type="constant"/></scene>"#;
+
+/// Numbers that only the index decides (SplitMix64).
+fn uniform(index: u64) -> f64 {
+    let mut z = (index + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new(scene: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.xml"), scene).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
+        command.current_dir(self.0.path()).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn start(&self, arguments: &[&str]) -> Child {
+        let fixed = ["render", "scene.xml", "--threads", "1", "--quiet"];
+        self.command(&[&fixed, arguments].concat()).spawn().unwrap()
+    }
+
+    fn done(&self, arguments: &[&str]) {
+        let output = self.start(arguments).wait_with_output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    }
+
+    /// The names of the files here.
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Kills a render so often at arbitrary moments, resumes it each time, and compares with one that lived.
+fn killed(times: u64, samples: &str) {
+    let folder = Folder::new(SCENE);
+    folder.done(&["--spp", samples, "-o", "whole.exr"]);
+    let arguments =
+        ["--spp", samples, "-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--resume"];
+    let mut alive = 0;
+    for index in 0..times {
+        let mut child = folder.start(&arguments);
+        std::thread::sleep(Duration::from_micros((200_000.0 * uniform(index)) as u64));
+        alive += u64::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert_eq!(alive, times, "a render ended before it could be killed: give it more samples");
+    folder.done(&arguments);
+    assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
+}
+
+#[test]
+fn a_few_deaths_change_no_bit() {
+    killed(5, "4000");
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --release --test nothing_lost -- --ignored"]
+fn a_hundred_deaths_change_no_bit() {
+    killed(100, "60000");
+}
+
+/// A process that may write files of 8 KiB at most, and is told so by an error: what a full disk does.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_image_before_as_it_was() {
+    let folder = Folder::new(SCENE);
+    folder.done(&["--spp", "4", "-o", "out.exr", "--png", "out.png"]);
+    let before = [folder.bytes("out.exr"), folder.bytes("out.png")];
+    let names = folder.names();
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 8; exec '{}' render scene.xml --quiet --spp 8 -o out.exr --png out.png",
+        env!("CARGO_BIN_EXE_etalon")
+    );
+    let output = Command::new("sh").current_dir(folder.0.path()).args(["-c", &script]).output().unwrap();
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("out.exr") && error.contains("too large"), "{error}");
+    assert!([folder.bytes("out.exr"), folder.bytes("out.png")] == before);
+    assert_eq!(folder.names(), names);
+}
+
+/// Runs as nobody, if it is root who runs the tests: root may write everywhere.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_cannot_be_written_is_refused_and_stays_as_it_was() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    use std::os::unix::process::CommandExt;
+    let folder = Folder::new(SCENE);
+    let program = folder.path("etalon");
+    fs::copy(env!("CARGO_BIN_EXE_etalon"), &program).unwrap();
+    folder.done(&["--spp", "4", "-o", "out.exr"]);
+    let (before, names) = (folder.bytes("out.exr"), folder.names());
+    fs::set_permissions(folder.0.path(), fs::Permissions::from_mode(0o555)).unwrap();
+    for options in
+        [["-o", "new.exr"].as_slice(), &["-o", "out.exr"], &["-o", "/dev/null", "--checkpoint", "c"]]
+    {
+        let mut command = Command::new(&program);
+        command
+            .current_dir(folder.0.path())
+            .args(["render", "scene.xml", "--spp", "4000000000"])
+            .args(options);
+        if fs::metadata("/proc/self").unwrap().uid() == 0 {
+            command.uid(65534).gid(65534);
+        }
+        let Output { status, stderr, .. } = command.output().unwrap();
+        assert_eq!(status.code(), Some(2), "{}", text(&stderr));
+        assert!(text(&stderr).contains("cannot write"), "{}", text(&stderr));
+    }
+    assert!(folder.bytes("out.exr") == before);
+    assert_eq!(folder.names(), names);
+    fs::set_permissions(folder.0.path(), fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn the_checkpoint_of_another_version_is_refused() {
+    let folder = Folder::new(SCENE);
+    let arguments = ["--spp", "1000000", "-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001"];
+    let mut child = folder.start(&arguments);
+    while !folder.path("c").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let mut bytes = folder.bytes("c");
+    let version = concat!("\"version\":\"", env!("CARGO_PKG_VERSION"), "\"").as_bytes();
+    let at =
+        bytes.windows(version.len()).position(|w| w == version).expect("the version") + version.len() - 2;
+    bytes[at] += 1;
+    fs::write(folder.path("c"), bytes).unwrap();
+    let output = folder.start(&[&arguments[..], &["--resume"]].concat()).wait_with_output().unwrap();
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("another version"), "{error}");
+    assert!(!folder.path("out.exr").exists());
+}
+
+/// Two lights whose sum is beyond the largest `f32`: samples that see both are counted, listed, and shown by the command that
+/// is printed with them.
+#[test]
+fn a_sample_that_is_not_finite_is_counted_and_its_path_is_shown() {
+    let glowing = SCENE.replace("<emitter type=\"constant\"/>", "<emitter type=\"constant\"><rgb name=\"radiance\" value=\"3e38\"/></emitter>").replace(
+        "<bsdf type=\"roughconductor\"/>",
+        "<bsdf type=\"conductor\"/><emitter type=\"area\"><rgb name=\"radiance\" value=\"3e38\"/></emitter>",
+    );
+    let folder = Folder::new(&glowing);
+    let child = folder.start(&["--spp", "4", "--color", "rgb", "-o", "out.exr"]);
+    let output = child.wait_with_output().unwrap();
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    let replay = error.split('\n').find_map(|line| line.split_once("etalon replay ")).expect("a command").1;
+    let arguments: Vec<&str> = std::iter::once("replay").chain(replay.split_whitespace()).collect();
+    let shown = folder.command(&arguments).output().unwrap();
+    let path = text(&shown.stdout);
+    assert!(shown.status.success() && path.contains("vertex 1") && path.contains("inf"), "{replay}: {path}");
+    // Its neighbour that sees one light only is finite.
+    let beside =
+        folder.command(&["replay", "scene.xml", "--color", "rgb", "--pixel", "0,0", "--sample", "0"]);
+    assert!(!text(&{ beside }.output().unwrap().stdout).contains("inf"));
+}

@@ -1,0 +1,64 @@
+//! The command line of `validate images`.
+
+use super::calibration::{EFFORT, Row, calibrate};
+use crate::console::{percentage, say};
+use std::error::Error;
+use std::path::PathBuf;
+use validation::Verdict;
+use validation::image::{self, Settings};
+use validation::report::to_json;
+
+/// Whether two images have the same expectation.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The reference
+    #[arg(required_unless_present = "calibrate")]
+    a: Option<PathBuf>,
+    #[arg(required_unless_present = "calibrate")]
+    b: Option<PathBuf>,
+    /// Instead, ask the comparison itself: false alarms and power on renders of the reference scenes
+    #[arg(long, conflicts_with_all = ["a", "b", "map", "margin"])]
+    calibrate: bool,
+    /// Largest relative difference of a channel's mean that is none, such as 0.25%
+    #[arg(long, default_value = "0.25%", value_parser = percentage)]
+    margin: f64,
+    /// Write a JSON document
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a picture of signed z-scores
+    #[arg(long, value_name = "PNG")]
+    map: Option<PathBuf>,
+}
+
+/// Compares, or calibrates the comparison.
+pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
+    let Arguments { a, b, calibrate, margin, json, map } = arguments;
+    match (a, b) {
+        (Some(a), Some(b)) if !calibrate => {
+            let settings = Settings::with_margin(margin);
+            let (first, second) = (image::load(&a)?, image::load(&b)?);
+            let comparison = image::compare(&first, &second, &settings)?;
+            if let Some(path) = map {
+                image::write_difference_map(&first, &second, &settings, &path)?;
+            }
+            if let Some(path) = json {
+                std::fs::write(path, to_json(&comparison)?)?;
+            }
+            say(format_args!("{}: {}", comparison.verdict, comparison.message));
+            Ok(comparison.verdict)
+        }
+        _ => calibration(json),
+    }
+}
+
+fn calibration(json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
+    let found = calibrate(&EFFORT, |row: &Row| {
+        let Row { scene, rejected, pairs, power, .. } = row;
+        say(format_args!("{scene}: {rejected} of {pairs} honest pairs rejected, power {power:.2}"));
+    })?;
+    say(format_args!("{}: {}", found.verdict, found.message));
+    if let Some(path) = json {
+        std::fs::write(path, to_json(&found)? + "\n")?;
+    }
+    Ok(found.verdict)
+}

@@ -1,0 +1,226 @@
+//! The ledger: what reseeded runs of the suite found, one JSON object a line, and whether that is what chance alone would
+//! give. A p-value must be uniform, and a suite at level 1 % must reject an honest renderer once in a hundred runs.
+
+pub mod command;
+
+use crate::provenance::Provenance;
+use crate::trial::Trial;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::ops::Range;
+use std::path::Path;
+use validation::checks::Effort;
+use validation::report::{Outcome, Report};
+use validation::statistics::binomial::binomial_two_sided;
+use validation::statistics::{Verdict, uniformity};
+
+/// Of the p-values of one check, the least probability at which they count as uniform.
+const LEVEL: f64 = 0.001;
+
+/// The level that all trials of a run share.
+const SUITE: f64 = 0.01;
+
+/// Bars of the histogram in the summary.
+const BARS: usize = 20;
+
+/// A line of the file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+enum Line {
+    PValue {
+        check: String,
+        subject: String,
+        number: u64,
+        p: f64,
+    },
+    /// A whole run of the suite.
+    Run {
+        run: u64,
+        trials: usize,
+        samples: usize,
+        /// What was called different, and why.
+        rejected: Vec<String>,
+    },
+}
+
+/// What a ledger comes to, for a document that is kept.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    #[serde(flatten)]
+    made: Provenance,
+    /// Samples of each trial, by number of runs.
+    samples: BTreeMap<usize, usize>,
+    p_values: usize,
+    /// Share of all p-values in each twentieth of \[0, 1\].
+    histogram: Vec<f64>,
+    runs: usize,
+    /// Runs in which some trial rejected, and what these trials said.
+    rejecting_runs: usize,
+    rejected: Vec<String>,
+    report: Report,
+}
+
+/// Appends the p-values of `outcomes` to a file.
+pub fn append(path: &Path, outcomes: &[Outcome], number: u64) -> Result<(), String> {
+    write(path, outcomes.iter().filter_map(|outcome| p_value(outcome, number)))
+}
+
+/// Runs all trials once for each of `numbers`, and appends the p-values and what was rejected.
+pub fn rerun(path: &Path, trials: &[(Trial, Effort)], numbers: Range<u64>) -> Result<(), String> {
+    let mut runs: BTreeMap<u64, Vec<String>> = numbers.clone().map(|number| (number, vec![])).collect();
+    let mut lines = vec![];
+    for (trial, effort) in trials {
+        for (number, outcome) in numbers.clone().zip(trial.repeat(effort, numbers.clone())?) {
+            lines.extend(p_value(&outcome, number));
+            if outcome.verdict == Verdict::Different {
+                let what = format!("{}: {}", outcome.subject, outcome.message);
+                runs.entry(number).or_default().push(what);
+            }
+        }
+    }
+    let samples = trials.first().map_or(0, |(_, effort)| effort.samples);
+    let run = |(run, rejected)| Line::Run { run, trials: trials.len(), samples, rejected };
+    write(path, lines.into_iter().chain(runs.into_iter().map(run)))
+}
+
+/// The number after those of the runs that a file has.
+pub fn next(path: &Path) -> Result<u64, String> {
+    let lines = if path.exists() { read(path)? } else { vec![] };
+    let runs =
+        lines.iter().filter_map(|line| if let Line::Run { run, .. } = line { Some(*run) } else { None });
+    Ok(runs.max().map_or(0, |last| last + 1))
+}
+
+fn p_value(outcome: &Outcome, number: u64) -> Option<Line> {
+    let (check, subject) = (outcome.check.clone(), outcome.subject.clone());
+    outcome.p_value.map(|p| Line::PValue { check, subject, number, p })
+}
+
+fn write(path: &Path, lines: impl Iterator<Item = Line>) -> Result<(), String> {
+    let told = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+    let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(|e| told(&e))?;
+    let mut text = String::new();
+    for line in lines {
+        text += &serde_json::to_string(&line).map_err(|e| told(&e))?;
+        text.push('\n');
+    }
+    file.write_all(text.as_bytes()).map_err(|e| told(&e))
+}
+
+fn read(path: &Path) -> Result<Vec<Line>, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let wrong = |number: usize| format!("{}:{}: expected a p-value or a run", path.display(), number + 1);
+    text.lines().enumerate().map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
+}
+
+/// Tests each check's p-values, and all together, for uniformity (Kolmogorov and Smirnov), and the runs for their level.
+pub fn judge(path: &Path) -> Result<Summary, String> {
+    let mut checks: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    let mut samples: BTreeMap<usize, usize> = BTreeMap::new();
+    let (mut runs, mut rejecting_runs, mut complaints) = (0, 0, vec![]);
+    for line in read(path)? {
+        match line {
+            Line::PValue { check, p, .. } => {
+                for name in [check, "all".to_string()] {
+                    checks.entry(name).or_default().push(p);
+                }
+            }
+            Line::Run { rejected, samples: each, .. } => {
+                runs += 1;
+                *samples.entry(each).or_default() += 1;
+                rejecting_runs += usize::from(!rejected.is_empty());
+                complaints.extend(rejected);
+            }
+        }
+    }
+    let all = checks.get("all").cloned().unwrap_or_default();
+    let mut outcomes: Vec<Outcome> = checks.into_iter().map(uniform).collect();
+    if runs > 0 {
+        outcomes.push(level(runs, rejecting_runs));
+    }
+    let bar = |i: usize| {
+        let inside = |p: &&f64| ((**p * BARS as f64) as usize).min(BARS - 1) == i;
+        all.iter().filter(inside).count() as f64 / all.len().max(1) as f64
+    };
+    Ok(Summary {
+        made: Provenance::here()?,
+        samples,
+        p_values: all.len(),
+        histogram: (0..BARS).map(bar).collect(),
+        runs,
+        rejecting_runs,
+        rejected: complaints,
+        report: Report::new("ledger", outcomes),
+    })
+}
+
+impl Summary {
+    /// What was asked, and the answers.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+}
+
+fn uniform((check, values): (String, Vec<f64>)) -> Outcome {
+    let uniform = uniformity(&values);
+    let verdict = if uniform > LEVEL { Verdict::Equivalent } else { Verdict::Different };
+    let share = |limit: f64| values.iter().filter(|p| **p <= limit).count() as f64 / values.len() as f64;
+    let message = format!(
+        "{} p-values, of which {:.4} ≤ 0.01 and {:.4} ≤ 0.001; uniform: p = {uniform:.4}",
+        values.len(),
+        share(0.01),
+        share(0.001)
+    );
+    let outcome = Outcome::new("uniformity", verdict, message).of(check);
+    outcome.p_value(uniform).figure("count", values.len() as f64)
+}
+
+/// Whether so many rejecting runs are what the level gives: of 200 at 1 %, six are and seven (once in 230) are not.
+fn level(runs: usize, rejecting: usize) -> Outcome {
+    let p = binomial_two_sided(rejecting as u64, runs as u64, SUITE);
+    let excessive = rejecting as f64 > SUITE * runs as f64 && p < 0.01;
+    let verdict = if excessive { Verdict::Different } else { Verdict::Equivalent };
+    let message = format!("{rejecting} of {runs} runs reject at level {SUITE}");
+    Outcome::new("level", verdict, message).of("suite").figure("runs", runs as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use validation::statistics::Stream;
+
+    #[test]
+    fn a_ledger_of_uniform_values_holds_and_a_bent_one_does_not() {
+        let path = std::env::temp_dir().join(format!("ledger-{}.jsonl", std::process::id()));
+        for (power, verdict) in [(1.0, Verdict::Equivalent), (1.1, Verdict::Different)] {
+            let mut stream = Stream::named("ledger", 0);
+            let p_values = (0..10_000).map(|_| libm::pow(stream.uniform(), power));
+            let outcome =
+                |p| Outcome::new("chi2", Verdict::Equivalent, "").of("diffuse[0]::chi2::35").p_value(p);
+            let outcomes: Vec<Outcome> = p_values.map(outcome).collect();
+            append(&path, &outcomes, 3).unwrap();
+            assert_eq!(judge(&path).unwrap().report.verdict, verdict);
+            std::fs::remove_file(&path).unwrap();
+        }
+    }
+
+    #[test]
+    fn six_of_two_hundred_runs_may_reject_and_seven_may_not() {
+        assert_eq!(level(200, 6).verdict, Verdict::Equivalent);
+        assert_eq!(level(200, 7).verdict, Verdict::Different);
+        assert_eq!(level(200, 0).verdict, Verdict::Equivalent);
+    }
+
+    #[test]
+    fn runs_are_counted_on() {
+        let path = std::env::temp_dir().join(format!("runs-{}.jsonl", std::process::id()));
+        assert_eq!(next(&path).unwrap(), 0);
+        let run = |run, rejected| Line::Run { run, trials: 2, samples: 16, rejected };
+        write(&path, [run(0, vec![]), run(1, vec!["x".into()])].into_iter()).unwrap();
+        let summary = judge(&path).unwrap();
+        assert_eq!((summary.runs, summary.rejecting_runs, next(&path).unwrap()), (2, 1, 2));
+        std::fs::remove_file(&path).unwrap();
+    }
+}

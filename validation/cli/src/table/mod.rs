@@ -1,0 +1,162 @@
+//! `validate table`: error against run time of every renderer on every scene of `validation/table.toml`.
+//!
+//! [`plan`] says what is asked, [`measure`] renders it into a folder, [`summary`] reads the folder, and [`sheet`] draws the page.
+
+pub mod measure;
+pub mod plan;
+pub mod sheet;
+pub mod summary;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use validation::Verdict;
+use validation::report::to_json;
+
+use crate::renderers;
+use crate::report::machine;
+use measure::{Bench, Settings};
+use summary::Table;
+
+/// What the command takes.
+#[derive(Args)]
+pub struct Arguments {
+    /// Only these scenes
+    names: Vec<String>,
+    /// Where everything is kept; a run that was stopped goes on from there
+    #[arg(long, default_value = "target/table")]
+    folder: PathBuf,
+    /// Only these renderers; ours is always one
+    #[arg(long = "renderer")]
+    chosen: Vec<String>,
+    /// Seconds of each rung
+    #[arg(long, value_delimiter = ',', default_values = ["1", "4", "16"])]
+    seconds: Vec<f64>,
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
+    seeds: u32,
+    /// Samples of each of the four pictures of a reference, over those of the longest rung
+    #[arg(long, default_value_t = 4)]
+    reference: u32,
+    /// All unless given
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Count the processor's seconds, on a machine that does other things meanwhile
+    #[arg(long)]
+    processor_time: bool,
+    /// The folder of the scenes that are no part of the repository
+    #[arg(long, default_value = "../shared/scenes")]
+    shared: PathBuf,
+    /// Another file of renderers
+    #[arg(long, value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Another plan
+    #[arg(long, value_name = "FILE")]
+    plan: Option<PathBuf>,
+    /// Render nothing: write the outputs from what is there
+    #[arg(long)]
+    report_only: bool,
+}
+
+/// Measures what is missing and writes `table.json`, `table.md` and `table.html` into the folder, after every scene.
+pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
+    let known = renderers::load(&arguments.file.clone().unwrap_or_else(renderers::file))?;
+    let mut plan = plan::load(&arguments.plan.clone().unwrap_or_else(plan::file))?;
+    let wanted = |name: &String, names: &[String]| names.is_empty() || names.contains(name);
+    plan.scene.retain(|entry| wanted(&entry.name, &arguments.names));
+    for group in [&mut plan.mitsuba, &mut plan.others] {
+        group.retain(|name| wanted(name, &arguments.chosen));
+    }
+    let mut seconds = arguments.seconds.clone();
+    seconds.sort_by(f64::total_cmp);
+    if plan.scene.is_empty() || seconds.iter().any(|s| *s <= 0.0) {
+        return Err("there is nothing to measure".into());
+    }
+    let settings = kept_settings(
+        &arguments.folder,
+        Settings {
+            seconds,
+            seeds: arguments.seeds,
+            reference: arguments.reference,
+            threads: arguments.threads,
+            processor_time: arguments.processor_time,
+        },
+        arguments.report_only,
+    )?;
+    let mut table = Table {
+        machine: machine::here().into_iter().map(|(name, value)| (name.to_string(), value)).collect(),
+        settings: settings.clone(),
+        ours: plan.ours.clone(),
+        scenes: vec![],
+    };
+    let mut pages = vec![];
+    for entry in &plan.scene {
+        let folder = std::path::absolute(arguments.folder.join(&entry.name))?;
+        let bench = Bench { folder, renderers: &known, settings: &settings };
+        let failed = if arguments.report_only {
+            None
+        } else {
+            bench.measure(entry, &plan, &arguments.shared, &|step| eprintln!("{step}")).err()
+        };
+        let scene = summary::scene(entry, &plan, &bench, failed)?;
+        pages.push(sheet::section(&scene, &bench)?);
+        table.scenes.push(scene);
+        write(&arguments.folder, &table, &pages)?;
+    }
+    print!("{}", table.markdown());
+    Ok(Verdict::Equivalent)
+}
+
+/// The settings of the folder: those given, written there at first; others than those of its pictures are refused.
+fn kept_settings(
+    folder: &Path,
+    given: Settings,
+    report_only: bool,
+) -> Result<Settings, Box<dyn std::error::Error>> {
+    let file = folder.join("settings.json");
+    if file.is_file() {
+        let kept: Settings = serde_json::from_str(&std::fs::read_to_string(&file)?)?;
+        let same = Settings { seeds: given.seeds, ..kept.clone() } == given;
+        return match (report_only, same) {
+            (true, _) => Ok(kept),
+            // More seeds go on from fewer.
+            (false, true) if given.seeds >= kept.seeds => {
+                std::fs::write(&file, to_json(&given)?)?;
+                Ok(given)
+            }
+            _ => Err(format!("{} holds pictures of other settings", folder.display()).into()),
+        };
+    }
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(&file, to_json(&given)?)?;
+    Ok(given)
+}
+
+fn write(folder: &Path, table: &Table, pages: &[String]) -> Result<(), Box<dyn std::error::Error>> {
+    std::fs::write(folder.join("table.json"), to_json(table)? + "\n")?;
+    std::fs::write(folder.join("table.md"), table.markdown())?;
+    std::fs::write(folder.join("table.html"), sheet::page(table, pages))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_keeps_its_settings() {
+        let folder = std::env::temp_dir().join(format!("etalon-table-{}", std::process::id()));
+        let settings = |seeds: u32, seconds: f64| Settings {
+            seconds: vec![seconds],
+            seeds,
+            reference: 4,
+            threads: 0,
+            processor_time: false,
+        };
+        let ask = |seeds, seconds, only| kept_settings(&folder, settings(seeds, seconds), only);
+        assert!(ask(4, 1.0, false).is_ok());
+        assert!(ask(8, 1.0, false).is_ok_and(|s| s.seeds == 8));
+        assert!(ask(4, 1.0, false).is_err() && ask(8, 2.0, false).is_err());
+        assert!(ask(3, 2.0, true).is_ok_and(|s| s == settings(8, 1.0)));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -1,0 +1,60 @@
+//! The process that reads inputs. It says a line before each, and what it found; its parent notices if it dies.
+
+use super::Format;
+use super::seeds::Seeds;
+use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Bytes in use, and the most since `reset`; the binary that has a counting allocator knows.
+pub struct Meter {
+    pub reset: fn(),
+    pub current: fn() -> usize,
+    pub peak: fn() -> usize,
+}
+
+/// Reads inputs from number `first` on until the time is over or `count` are read.
+///
+/// Lines: `N` before input N; `panic MESSAGE` and `memory BYTES` about it; `done` at the end.
+pub fn work(
+    format: &Format,
+    seeds: &Seeds,
+    first: u64,
+    count: u64,
+    time: Duration,
+    folder: &Path,
+    meter: &Meter,
+) {
+    let words = Arc::new(Mutex::new(String::new()));
+    let heard = words.clone();
+    std::panic::set_hook(Box::new(move |panic| {
+        if let Ok(mut words) = heard.lock() {
+            *words = panic.to_string().replace('\n', " ");
+        }
+    }));
+    let file = folder.join(format!("input.{}", format.extensions[0]));
+    let start = Instant::now();
+    for number in (first..first.saturating_add(count)).take_while(|_| start.elapsed() < time) {
+        say(&number.to_string());
+        let input = seeds.input(format, number);
+        if std::fs::write(&file, &input).is_err() {
+            say("panic the input cannot be written");
+            return;
+        }
+        (meter.reset)();
+        let before = (meter.current)();
+        if catch_unwind(AssertUnwindSafe(|| (format.read)(&input, &file))).is_err() {
+            say(&format!("panic {}", words.lock().map(|w| w.clone()).unwrap_or_default()));
+        }
+        let used = (meter.peak)().saturating_sub(before);
+        say(&format!("memory {used}"));
+    }
+    say("done");
+}
+
+fn say(line: &str) {
+    // Who does not listen any more will end this process.
+    let _ = writeln!(std::io::stdout(), "{line}");
+}

@@ -1,0 +1,216 @@
+//! The command line: `fuzz scenes`, `fuzz input`.
+
+use clap::Parser;
+use fuzz::inputs::formats::named;
+use fuzz::inputs::seeds::{Seeds, folders};
+use fuzz::inputs::watch::{Effort, save, watch};
+use fuzz::inputs::worker::{Meter, work};
+use fuzz::inputs::{FORMATS, Format};
+use fuzz::scenes::judge::{Answer, Judgement, judge};
+use fuzz::scenes::mitsuba::Mitsuba;
+use fuzz::scenes::{grammar, models::Models};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Counts what inputs take.
+#[global_allocator]
+static ALLOCATOR: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
+
+const METER: Meter = Meter {
+    reset: || ALLOCATOR.reset_peak_usage(),
+    current: || ALLOCATOR.current_usage(),
+    peak: || ALLOCATOR.peak_usage(),
+};
+
+/// Random scenes and input files.
+///
+/// Exit codes: 0 nothing found, 1 found something, 2 could not ask.
+#[derive(Parser)]
+#[command(version)]
+enum Command {
+    /// Random scenes by Etalon and by Mitsuba, which must be installed for python3
+    Scenes {
+        /// Numbers of the scenes
+        #[arg(long, default_value = "0..500", value_delimiter = ',', value_parser = range)]
+        numbers: Vec<std::ops::Range<u64>>,
+        /// Samples of a pixel, at most
+        #[arg(long, default_value_t = 1 << 14)]
+        samples: u32,
+        /// Where scenes that differ are left, and the record
+        #[arg(long, default_value = "fuzzed-scenes")]
+        folder: PathBuf,
+    },
+    /// Paths through random scenes, by Etalon alone: 0 values that are not finite
+    Paths {
+        /// So many
+        #[arg(long, default_value_t = 100_000_000)]
+        paths: u64,
+        /// The first scene
+        #[arg(long, default_value_t = 0)]
+        first: u64,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
+    /// Damaged files: no panic, no hang, no memory beyond a multiple of the input
+    Input {
+        /// xml, ply, obj, serialized, exr, picture, spd or peer; all unless given
+        format: Option<String>,
+        /// Of each format
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
+        /// Inputs of each format, at most
+        #[arg(long, default_value_t = u64::MAX)]
+        count: u64,
+        /// The first input
+        #[arg(long, default_value_t = 0)]
+        first: u64,
+        /// Further folders of seeds; may be repeated
+        #[arg(long, value_name = "DIR")]
+        seeds: Vec<PathBuf>,
+        /// Where inputs that break something are left
+        #[arg(long, default_value = "fuzzed-inputs")]
+        folder: PathBuf,
+        /// Write a JSON document
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Read inputs in this process, and say which
+        #[arg(long, hide = true)]
+        worker: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Command::parse()) {
+        Ok(clean) => ExitCode::from(u8::from(!clean)),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(command: Command) -> Result<bool, String> {
+    match command {
+        Command::Scenes { numbers, samples, folder } => scenes(numbers, samples, &folder),
+        Command::Paths { paths, first, json } => follow(first, paths, json.as_deref()),
+        Command::Input { format, seconds, count, first, seeds, folder, json, worker } => {
+            let formats: Vec<&Format> = match &format {
+                None => FORMATS.iter().collect(),
+                Some(name) => vec![named(name).ok_or_else(|| format!("no such format: {name}"))?],
+            };
+            let time = Duration::from_secs(seconds);
+            let seeds = [folders(), seeds].concat();
+            std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+            inputs(&formats, &seeds, Effort { first, count, time }, &folder, json.as_deref(), worker)
+        }
+    }
+}
+
+fn inputs(
+    formats: &[&'static Format],
+    folders: &[PathBuf],
+    effort: Effort,
+    folder: &Path,
+    json: Option<&Path>,
+    worker: bool,
+) -> Result<bool, String> {
+    let mut records = vec![];
+    for format in formats.iter().copied() {
+        let seeds = Seeds::read(format, folders)?;
+        if worker {
+            work(format, &seeds, effort.first, effort.count, effort.time, folder, &METER);
+            continue;
+        }
+        let program = std::env::current_exe().map_err(|e| e.to_string())?;
+        let scratch = folder.join(format!("scratch-{}-{}", format.name, std::process::id()));
+        std::fs::create_dir_all(&scratch).map_err(|e| format!("{}: {e}", scratch.display()))?;
+        let start = |first: u64, count: u64, time: Duration| {
+            let mut command = std::process::Command::new(&program);
+            command.args(["input", format.name, "--worker", "--folder"]).arg(&scratch);
+            command.args(["--first", &first.to_string(), "--count", &count.to_string()]);
+            command.args(["--seconds", &time.as_secs().max(1).to_string()]);
+            folders.iter().skip(fuzz::inputs::seeds::folders().len()).for_each(|other| {
+                command.arg("--seeds").arg(other);
+            });
+            command
+        };
+        let record = watch(format, &seeds, effort, start)?;
+        std::fs::remove_dir_all(&scratch).map_err(|e| e.to_string())?;
+        save(format, &seeds, &record, folder)?;
+        println!(
+            "{}: {} inputs of {} seeds in {:.0} s, {} findings; at most {:.1} % of the memory allowed and {:.2} s an input",
+            record.format,
+            record.inputs,
+            record.seeds,
+            record.seconds,
+            record.findings.len(),
+            100.0 * record.most_memory,
+            record.slowest_seconds
+        );
+        record.findings.iter().for_each(|f| println!("  input {}: {}", f.input, f.what));
+        records.push(record);
+    }
+    if let Some(path) = json {
+        let text = serde_json::to_string_pretty(&records).map_err(|e| e.to_string())?;
+        std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(records.iter().all(|r| r.findings.is_empty()))
+}
+
+fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
+    let write = |record: &fuzz::paths::Record| {
+        let Some(path) = json else { return Ok(()) };
+        let text = serde_json::to_string_pretty(record).map_err(|e| e.to_string())?;
+        std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+    };
+    // What was found so far outlives the end of the process.
+    let mut written = Ok(());
+    let told = |record: &fuzz::paths::Record| written = write(record);
+    let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);
+    let record = record.ok_or("a render stopped")?;
+    written?;
+    println!("{record:?}");
+    Ok(record.first.is_empty())
+}
+
+fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Result<bool, String> {
+    std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let path = folder.join("record.jsonl");
+    let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
+    let mut record = file.map_err(|e| format!("{}: {e}", path.display()))?;
+    let models = Models::read()?;
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
+    let mut mitsuba = Mitsuba::start()?;
+    let mut counts: BTreeMap<String, u32> = BTreeMap::new();
+    for number in numbers.into_iter().flatten() {
+        let scene =
+            grammar::scene(&models, &files.to_string_lossy(), number).ok_or("the grammar has a dead end")?;
+        let found: Judgement = match judge(&scene, number, folder, &mut mitsuba, samples) {
+            Ok(found) => found,
+            Err(words) => {
+                mitsuba = Mitsuba::start()?;
+                Judgement::died(&scene, number, words)
+            }
+        };
+        if found.answer != Answer::RefusedByBoth {
+            println!("{number}: {:?} with {} samples: {}", found.answer, found.samples, found.message);
+        }
+        *counts.entry(format!("{:?}", found.answer)).or_default() += 1;
+        let line = serde_json::to_string(&found).map_err(|e| e.to_string())?;
+        writeln!(record, "{line}").map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    println!("{counts:?}");
+    let clean = ["Equivalent", "RefusedByBoth", "Inconclusive"];
+    Ok(counts.keys().all(|answer| clean.contains(&answer.as_str())))
+}
+
+fn range(text: &str) -> Result<std::ops::Range<u64>, String> {
+    let number = |text: &str| text.parse::<u64>().map_err(|_| "expected such as 0..500 or 7".to_string());
+    let Some((from, to)) = text.split_once("..") else { return number(text).map(|n| n..n + 1) };
+    Ok(number(from)?..number(to)?)
+}

@@ -1,0 +1,83 @@
+//! Very many paths through random scenes: none of them may bring a value that is not finite, or less than no light.
+
+use crate::scenes::grammar;
+use crate::scenes::models::Models;
+use etalon::render::{Progress, Settings, render};
+use etalon::spectrum::ColorMode;
+use serde::Serialize;
+
+/// Samples of a pixel in each scene.
+const SAMPLES: u64 = 1024;
+
+/// What was found.
+#[derive(Debug, Default, Serialize)]
+pub struct Record {
+    pub scenes: u64,
+    /// Scenes that the grammar draws and Etalon refuses.
+    pub refused: u64,
+    pub paths: u64,
+    /// Paths that end at the hard limit of vertices.
+    pub cut: u64,
+    pub not_finite: u64,
+    /// Pixels below 0, in colours of which no sum is negative, but for filters with negative lobes.
+    pub negative: u64,
+    /// Scene, pixel and sample of the first ones.
+    pub first: Vec<String>,
+}
+
+/// Renders the scenes from `first` on until so many paths were followed.
+pub fn follow(
+    models: &Models,
+    folder: &str,
+    first: u64,
+    paths: u64,
+    mut told: impl FnMut(&Record),
+) -> Option<Record> {
+    let mut record = Record::default();
+    for number in first.. {
+        if record.paths >= paths {
+            break;
+        }
+        let scene = grammar::scene(models, folder, number)?;
+        let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
+        let Ok(loaded) = etalon::scene::load_text("scene.xml", &scene.text, mode) else {
+            record.refused += 1;
+            continue;
+        };
+        let window = loaded.sensor.film.crop;
+        let settings = Settings {
+            samples: 0..SAMPLES,
+            seed: number as u32,
+            window,
+            threads: 1,
+            shard: false,
+            kernel: None,
+        };
+        let (image, report) = render(&loaded, &settings, &Progress::default())?;
+        record.scenes += 1;
+        record.paths += report.samples;
+        record.cut += report.cut;
+        record.not_finite += report.non_finite;
+        record.first.extend(report.first_non_finite.iter().map(|found| format!("scene {number}: {found:?}")));
+        if scene.boxed && scene.mode == "rgb" {
+            let colours = image.channels.iter().filter(|c| ["R", "G", "B"].contains(&c.name.as_str()));
+            let below = colours.flat_map(|c| &c.mean).filter(|v| **v < 0.0).count() as u64;
+            record.negative += below;
+            record.first.extend((below > 0).then(|| format!("scene {number}: {below} pixels below 0")));
+        }
+        told(&record);
+    }
+    Some(record)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_followed_and_nothing_is_found() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../references/scenes");
+        let record = follow(&Models::read().unwrap(), folder, 0, 1_000_000, |_| ()).unwrap();
+        assert!(record.paths >= 1_000_000 && record.scenes >= 2 && record.first.is_empty(), "{record:?}");
+    }
+}

@@ -1,0 +1,245 @@
+//! One scene, two renderers, one verdict.
+
+use super::grammar::{SIZE, Scene};
+use super::mitsuba::{Job, Mitsuba, Reply};
+use etalon::render::{Progress, Settings, render};
+use etalon::spectrum::ColorMode;
+use serde::Serialize;
+use std::path::Path;
+use validation::Verdict;
+use validation::image::{self, Channel, Image, compare};
+use validation::statistics::seed_for;
+
+/// Independent pictures that Mitsuba's variance is estimated from.
+const REPLICATES: u32 = 16;
+
+/// Samples of a pixel to begin with.
+const FIRST: u32 = 512;
+
+/// Largest relative difference of a channel's mean that is none.
+const MARGIN: f64 = 0.005;
+
+/// What came of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    Equivalent,
+    Inconclusive,
+    Different,
+    /// No scene: neither renders it.
+    RefusedByBoth,
+    RefusedByEtalon,
+    RefusedByMitsuba,
+}
+
+/// A line of the record.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judgement {
+    pub number: u64,
+    pub answer: Answer,
+    pub mode: &'static str,
+    /// Samples of a pixel, of either renderer.
+    pub samples: u32,
+    /// Etalon's mean over Mitsuba's, by channel.
+    pub ratios: Vec<(String, f64)>,
+    pub message: String,
+    pub models: Vec<String>,
+}
+
+impl Judgement {
+    /// Of a scene in which Mitsuba's process ended.
+    pub fn died(scene: &Scene, number: u64, message: String) -> Self {
+        let (answer, models) = (Answer::RefusedByMitsuba, scene.models.clone());
+        Self { number, answer, mode: scene.mode, samples: 0, ratios: vec![], message, models }
+    }
+}
+
+/// Renders with more samples until the answer is clear, or would need more than `most`. A difference counts if four times
+/// the samples, of other seeds, confirm it.
+pub fn judge(
+    scene: &Scene,
+    number: u64,
+    folder: &Path,
+    mitsuba: &mut Mitsuba,
+    most: u32,
+) -> Result<Judgement, String> {
+    let file = folder.join(format!("{number}.xml"));
+    std::fs::write(&file, &scene.text).map_err(|e| format!("{}: {e}", file.display()))?;
+    let (mut samples, mut doubted) = (FIRST.min(most), false);
+    loop {
+        let name = format!("{number} {samples} {doubted}");
+        let (mut found, more) = once(scene, &file, &name, samples, mitsuba)?;
+        found.number = number;
+        let wanted = match found.answer {
+            Answer::Different if !doubted => 4.0,
+            // A little beyond what is said to decide nine times in ten.
+            Answer::Inconclusive => more.map_or(f64::INFINITY, |factor| 1.2 * factor.max(1.0)),
+            _ => f64::INFINITY,
+        };
+        let next = f64::from(samples) * wanted;
+        let to_confirm = found.answer == Answer::Different && !doubted;
+        if next > f64::from(most) && !to_confirm {
+            if matches!(found.answer, Answer::Equivalent | Answer::RefusedByBoth) {
+                std::fs::remove_file(&file).map_err(|e| e.to_string())?;
+            }
+            return Ok(found);
+        }
+        doubted |= found.answer == Answer::Different;
+        samples = (next as u32).min(most).next_multiple_of(4 * REPLICATES);
+    }
+}
+
+/// One comparison, and how many times more samples would decide it.
+fn once(
+    scene: &Scene,
+    file: &Path,
+    name: &str,
+    samples: u32,
+    mitsuba: &mut Mitsuba,
+) -> Result<(Judgement, Option<f64>), String> {
+    let out = file.with_extension("exr");
+    let spp = samples / REPLICATES;
+    mitsuba.send(&Job { scene: file, out: &out, name, mode: scene.mode, spp, replicates: REPLICATES })?;
+    let ours = picture(scene, file, seed_for(name, 0) as u32, samples);
+    let reply = mitsuba.receive()?;
+    let mut found = Judgement {
+        number: 0,
+        answer: Answer::RefusedByBoth,
+        mode: scene.mode,
+        samples,
+        ratios: vec![],
+        message: String::new(),
+        models: scene.models.clone(),
+    };
+    let ours = match (ours, &reply.error) {
+        (Ok(ours), None) => ours,
+        (Err(our_words), error) => {
+            found.message = our_words;
+            if error.is_none() {
+                found.answer = Answer::RefusedByEtalon;
+            }
+            return Ok((found, None));
+        }
+        (Ok(_), Some(their_words)) => {
+            found.message.clone_from(their_words);
+            found.answer = Answer::RefusedByMitsuba;
+            return Ok((found, None));
+        }
+    };
+    let theirs = image::load(&out).map_err(|e| e.to_string())?;
+    std::fs::remove_file(&out).map_err(|e| e.to_string())?;
+    let (theirs, ours) = if scene.boxed { (theirs, ours) } else { (whole(&reply), mean(&ours)) };
+    let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
+    // As for the stored references: Mitsuba adds its samples up in f32.
+    let rounding = 64.0 * f64::from(f32::EPSILON);
+    let settings =
+        image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(MARGIN) };
+    let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
+    found.answer = match comparison.verdict {
+        Verdict::Equivalent => Answer::Equivalent,
+        Verdict::Inconclusive => Answer::Inconclusive,
+        Verdict::Different => Answer::Different,
+    };
+    let average = |c: &Channel| c.mean.iter().sum::<f64>() / c.mean.len() as f64;
+    let ratio = |c: &Channel| {
+        let other = theirs.channels.iter().find(|t| t.name == c.name)?;
+        let ratio = average(c) / average(other);
+        Some((c.name.clone(), (ratio * 1e6).round() / 1e6))
+    };
+    found.ratios = ours.channels.iter().filter_map(ratio).collect();
+    found.message = comparison.message;
+    Ok((found, comparison.more_samples))
+}
+
+/// Etalon's picture.
+fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image, String> {
+    let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
+    let loaded =
+        etalon::scene::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
+    let settings = Settings {
+        samples: 0..u64::from(samples),
+        seed,
+        window: loaded.sensor.film.crop,
+        threads: 1,
+        shard: false,
+        kernel: None,
+    };
+    let (image, report) = render(&loaded, &settings, &Progress::default()).ok_or("the render stopped")?;
+    if report.non_finite > 0 {
+        return Err(format!("{} samples are not finite: {:?}", report.non_finite, report.first_non_finite));
+    }
+    let double = |values: &Vec<f32>| values.iter().map(|&v| f64::from(v)).collect();
+    let channel = |c: &etalon::image::Channel| Channel {
+        // Mitsuba gives the channels of a specfilm the names that the scene file has.
+        name: loaded
+            .sensor
+            .film
+            .bands
+            .iter()
+            .find(|b| b.channel == c.name)
+            .map_or(&c.name, |b| &b.name)
+            .clone(),
+        mean: double(&c.mean),
+        variance: c.variance.as_ref().map(double),
+    };
+    let (width, height) = (SIZE as usize, SIZE as usize);
+    Ok(Image { width, height, channels: image.channels.iter().map(channel).collect() })
+}
+
+/// Puts out pixels that are 10⁻¹⁵ of the brightest and less: an `f32` cannot hold the variance of the least of them, and Mitsuba
+/// knows no denormal numbers.
+fn silenced(mut image: Image) -> Image {
+    for channel in &mut image.channels {
+        let least = 1e-15 * channel.mean.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        channel.mean.iter_mut().filter(|v| v.abs() < least).for_each(|v| *v = 0.0);
+    }
+    image
+}
+
+/// Lifts what is no colour and may have a sign, such as normals, above 0: of a mean near 0 a share says nothing.
+fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
+    for channel in a.channels.iter_mut().filter(|c| !["R", "G", "B"].contains(&c.name.as_str())) {
+        let (low, high) = channel.mean.iter().fold((0.0f64, 0.0f64), |(l, h), v| (l.min(*v), h.max(v.abs())));
+        let Some(other) = b.channels.iter_mut().find(|c| c.name == channel.name && low < 0.0) else {
+            continue;
+        };
+        channel.mean.iter_mut().chain(&mut other.mean).for_each(|v| *v += 2.0 * high);
+    }
+    (a, b)
+}
+
+/// The image's means as an image of one pixel: where Mitsuba's samples count in several pixels, their noise is not independent.
+fn mean(image: &Image) -> Image {
+    let channel = |c: &Channel| {
+        let count = c.mean.len() as f64;
+        let variance = c.variance.iter().flatten().sum::<f64>() / (count * count);
+        Channel {
+            name: c.name.clone(),
+            mean: vec![c.mean.iter().sum::<f64>() / count],
+            variance: c.variance.as_ref().map(|_| vec![variance]),
+        }
+    };
+    Image { width: 1, height: 1, channels: image.channels.iter().map(channel).collect() }
+}
+
+fn whole(reply: &Reply) -> Image {
+    let channels = reply.channels.iter().zip(reply.mean.iter().zip(&reply.standard_error));
+    let channel = |(name, (&mean, &error)): (&String, (&f64, &f64))| Channel {
+        name: name.clone(),
+        mean: vec![mean],
+        variance: Some(vec![error * error]),
+    };
+    Image { width: 1, height: 1, channels: channels.map(channel).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_an_image_has_the_variance_of_a_mean() {
+        let channel = Channel { name: "R".into(), mean: vec![1.0, 3.0], variance: Some(vec![0.5, 1.5]) };
+        let one = mean(&Image { width: 2, height: 1, channels: vec![channel] });
+        assert_eq!((one.channels[0].mean[0], one.channels[0].variance.as_ref().unwrap()[0]), (2.0, 0.5));
+    }
+}

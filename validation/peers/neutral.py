@@ -1,0 +1,53 @@
+"""What the adapters of other renderers share: reading a scene that `neutral_scene.py` translated, and writing the picture.
+
+Mitsuba reads the scene, and the renderers' own Python environments need not have it: `MITSUBA_PYTHON` names the
+interpreter that has (`python3` by default). A translation is kept beside the scene's other translations in the folder
+`ETALON_TRANSLATIONS` (the temporary folder by default), under the hash of the scene file.
+"""
+import hashlib
+import json
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+
+def scene(path):
+    """The neutral scene of a Mitsuba file; ends the program with the reason if there is none."""
+    name = hashlib.sha256(str(Path(path).resolve()).encode() + Path(path).read_bytes()).hexdigest()[:24]
+    kept = Path(os.environ.get("ETALON_TRANSLATIONS", Path(tempfile.gettempdir()) / "etalon-translations"))
+    folder = kept / name
+    if not (folder / "scene.json").exists():
+        python = os.environ.get("MITSUBA_PYTHON", "python3")
+        command = [python, str(Path(__file__).with_name("neutral_scene.py")), str(path), str(folder)]
+        done = subprocess.run(command, capture_output=True, text=True, env=clean())
+        if done.returncode != 0:
+            sys.exit((done.stderr.strip() or "the scene was not translated").splitlines()[-1])
+    return json.loads((folder / "scene.json").read_text())
+
+
+def clean():
+    """The environment without what a virtual environment's interpreter put into it."""
+    return {key: value for key, value in os.environ.items() if key not in ("PYTHONHOME", "PYTHONPATH", "__PYVENV_LAUNCHER__")}
+
+
+def write_exr(path, pixels):
+    """Rows from the top, each a list of RGB floats, as an uncompressed OpenEXR file (channels B, G, R in f32)."""
+    height, width, _ = pixels.shape
+    text = lambda value: value.encode() + b"\0"
+    attribute = lambda name, kind, data: text(name) + text(kind) + struct.pack("<i", len(data)) + data
+    channels = b"".join(text(name) + struct.pack("<iB3xii", 2, 0, 1, 1) for name in "BGR") + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = struct.pack("<ii", 20000630, 2) + b"".join([
+        attribute("channels", "chlist", channels), attribute("compression", "compression", b"\0"),
+        attribute("dataWindow", "box2i", window), attribute("displayWindow", "box2i", window),
+        attribute("lineOrder", "lineOrder", b"\0"), attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+        attribute("screenWindowWidth", "float", struct.pack("<f", 1))]) + b"\0"
+    size = 8 + 12 * width
+    first = len(header) + 8 * height
+    offsets = b"".join(struct.pack("<q", first + size * row) for row in range(height))
+    rows = [struct.pack("<ii", row, 12 * width) + pixels[row][:, ::-1].T.astype("<f4").tobytes() for row in range(height)]
+    Path(path).write_bytes(header + offsets + b"".join(rows))
