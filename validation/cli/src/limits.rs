@@ -11,11 +11,11 @@ const GGX: &str = r#"<string name="distribution" value="ggx"/>"#;
 const ALIKE: &str = r#"<float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/>"#;
 const GLASS: &str = r#"<float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>"#;
 
-/// Mitsuba's rough plastic takes the mean over a coarse table for the reflectance F from inside, which makes its base
-/// darker than the smooth one's whatever its roughness, and Etalon follows. For η = 1.5, α = 10⁻⁴ and a reflectance ρ of 1/2,
-/// Mitsuba 3.9.1 evaluates to 0.9775 of its smooth plastic, within 2·10⁻⁴ at six pairs of angles up to 75°. So the limit is a
-/// smooth plastic of the ρ′ with ρ′/(1 − ρ′F) = 0.9775 ρ/(1 − ρF), F being 0.59631.
-const DARKER: &str = r#"<spectrum name="diffuse_reflectance" value="0.49205"/>"#;
+/// Mitsuba's rough plastic takes the reflectance from inside, F = 2∫R(c) c dc, as the mean over 64 directions, and Etalon
+/// follows: at α → 0 and η = 1.5 that is F′ = 0.58755 instead of 0.59635, so the base is darker than the smooth one's by
+/// (1 − F)/(1 − F′) = 0.97868 (Mitsuba 3.9.1 evaluates to 0.9786 at α = 10⁻³). The limit is a smooth plastic whose
+/// reflectance is that much lower.
+const DARKER: &str = r#"<spectrum name="diffuse_reflectance" value="0.48934"/>"#;
 
 fn bsdf(kind: &str, inside: &str) -> String {
     format!("<bsdf type=\"{kind}\">{inside}</bsdf>")
