@@ -386,8 +386,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             λ.collapse();
         }
         if state.depth >= settings.rr_depth {
-            // The largest lane: a red path between red walls must not be punished for its other lanes.
-            let survival = λ.peak(state.throughput) as f64 * state.eta2;
+            let survival = λ.mean(state.throughput) as f64 * state.eta2;
             if survival < 1.0 {
                 if u.one(6) >= survival {
                     return None;

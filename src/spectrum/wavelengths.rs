@@ -82,12 +82,6 @@ impl Wavelengths {
         s.sum() * self.mean_factor
     }
 
-    /// The largest lane, which treats all alike, too; of a lane that stands for all, its share.
-    #[inline]
-    pub fn peak(&self, s: Spectrum) -> f32 {
-        if self.is_collapsed() { self.mean(s) } else { s.max() }
-    }
-
     /// The estimate of linear sRGB that a path's radiance (W·m⁻²·sr⁻¹·nm⁻¹) makes.
     ///
     /// Spectral: Σᵢ L(λᵢ) rgb̄(λᵢ) / (8 p(λᵢ) ∫ȳ), rgb̄ being the colour matching functions taken to sRGB.
