@@ -75,11 +75,17 @@ impl Wavelengths {
         if self.mean_factor == 1.0 / LANES as f32 { ColorMode::Spectral } else { ColorMode::Rgb }
     }
 
-    /// A statistic of a spectrum that treats all lanes alike. Decisions that shape the path (lobes, roulette) rest on
-    /// it: then all lanes have the same path density and need no weights between them.
+    /// A statistic of a spectrum that treats all lanes alike. The choice of lobes rests on it: then all lanes have the
+    /// same path density and need no weights between them.
     #[inline]
     pub fn mean(&self, s: Spectrum) -> f32 {
         s.sum() * self.mean_factor
+    }
+
+    /// The largest lane, which treats all alike, too; of a lane that stands for all, its share.
+    #[inline]
+    pub fn peak(&self, s: Spectrum) -> f32 {
+        if self.is_collapsed() { self.mean(s) } else { s.max() }
     }
 
     /// The estimate of linear sRGB that a path's radiance (W·m⁻²·sr⁻¹·nm⁻¹) makes.
