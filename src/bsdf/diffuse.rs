@@ -68,4 +68,9 @@ impl Bsdf for Lambert {
         let pdf = warp::cosine_hemisphere_pdf(wi);
         (wo.z > 0.0 && pdf > 0.0).then(|| Sample::smooth(wi, self.reflectance, pdf))
     }
+
+    #[inline]
+    fn albedo(&self) -> Option<Spectrum> {
+        Some(self.reflectance)
+    }
 }

@@ -174,6 +174,12 @@ pub trait Bsdf {
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation;
     /// Draws ωi from three numbers in [0, 1): `lobe` chooses between lobes, `u` the direction in one.
     fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample>;
+
+    /// ρ, if f = ρ/π for all directions above the surface, none comes through it, and samples follow the cosine.
+    #[inline]
+    fn albedo(&self) -> Option<Spectrum> {
+        None
+    }
 }
 
 macro_rules! materials {

@@ -73,6 +73,9 @@ struct SceneArguments {
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
     light_paths: Option<f64>,
+    /// Neighbouring pixels that share what their paths find: 1, 2, 4, 8 or 16; less noise, but no longer independent
+    #[arg(long, value_name = "PIXELS", value_parser = reuse)]
+    reuse: Option<u32>,
     /// Size of the film instead of the scene's, such as 640x480
     #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
     size: Option<(u32, u32)>,
@@ -93,6 +96,7 @@ impl SceneArguments {
             seed: self.seed,
             sampler: self.sampler.clone(),
             light_paths: self.light_paths,
+            reuse: self.reuse,
         };
         Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
     }
@@ -107,6 +111,8 @@ impl SceneArguments {
         say("--color", Some(self.color.name().to_owned()).filter(|_| self.color != ColorMode::Spectral));
         say("--integrator", self.integrator.clone());
         say("--max-depth", self.max_depth.map(|m| m.to_string()));
+        say("--light-paths", self.light_paths.map(|share| share.to_string()));
+        say("--reuse", self.reuse.map(|pixels| pixels.to_string()));
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));
@@ -126,6 +132,11 @@ fn light_paths(text: &str) -> Result<f64, String> {
     let range = etalon::integrator::path::LIGHT_PATHS;
     let share = text.parse().ok().filter(|share| range.contains(share));
     share.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
+}
+
+fn reuse(text: &str) -> Result<u32, String> {
+    let pixels = text.parse().ok().filter(|pixels| etalon::integrator::path::reuse::PIXELS.contains(pixels));
+    pixels.ok_or_else(|| "expected 1, 2, 4, 8 or 16".into())
 }
 
 fn color(text: &str) -> Result<ColorMode, String> {

@@ -79,6 +79,8 @@ pub struct CameraPath {
     /// Comes back collapsed where a dispersive refraction has left one wavelength alone.
     pub λ: Wavelengths,
     pub sampler: Sampler,
+    /// Neighbours with the same number share what they find, if the integrator has them do so.
+    pub group: u32,
     pub radiance: Spectrum,
     /// Something is seen: a surface, or light from the environment.
     pub covered: bool,
@@ -110,6 +112,7 @@ kernels! {
     "plain": 0,
     "plain+environment": Features::ENVIRONMENT,
     "caustics": Features::CAUSTICS,
+    "path re-use": Features::REUSE | Features::CAUSTICS | Features::ENVIRONMENT,
     "textured": Features::TEXTURES | Features::ENVIRONMENT,
     "full": Features::ALL,
 }
@@ -159,6 +162,11 @@ impl AnyIntegrator {
             Self::Aov(aov) => aov.nested.as_ref()?.path(),
             Self::Direct(_) | Self::Depth(_) => None,
         }
+    }
+
+    /// How many neighbouring pixels share what their paths find; see [`path::reuse`].
+    pub fn reuse(&self) -> u32 {
+        self.path().map_or(1, |path| path.reuse)
     }
 
     /// Whether the image has colours, and not only auxiliary channels.

@@ -9,10 +9,11 @@ pub mod preview;
 pub mod sample;
 pub mod share;
 mod splats;
+mod tile;
 
-use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
+use crate::film::{Accumulators, BLOCK};
 use crate::image::{Channel, Image, Provenance, Window};
-use crate::integrator::{Counters, KernelEntry, kernel_for};
+use crate::integrator::{KernelEntry, kernel_for};
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
 use rayon::prelude::*;
@@ -20,13 +21,11 @@ use sample::Camera;
 use splats::Splats;
 use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use tile::{Tile, tile};
 
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
-
-/// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
-const BATCH: usize = 512;
 
 /// What to render of a scene.
 #[derive(Clone, Debug)]
@@ -86,16 +85,6 @@ pub struct Progress {
 /// How many non-finite samples are listed.
 const LISTED: usize = 8;
 
-struct Tile {
-    window: Window,
-    /// Pixel by pixel, channel by channel: exact sums for a shard, else what will be written of them.
-    sums: Vec<ChannelAccumulator>,
-    moments: Vec<(f32, f32)>,
-    counters: Counters,
-    non_finite: u64,
-    first_non_finite: Vec<NonFinite>,
-}
-
 /// Renders. `None` if `progress` was told to stop, or if the threads could not be started.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
@@ -141,74 +130,22 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
     }
 }
 
+/// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut without need.
 fn tiles(window: Window) -> impl Iterator<Item = Window> {
-    let columns = (0..window.width).step_by(TILE as usize);
-    (0..window.height).step_by(TILE as usize).flat_map(move |y| {
-        columns.clone().map(move |x| Window {
-            x: window.x + x,
-            y: window.y + y,
-            width: TILE.min(window.width - x),
-            height: TILE.min(window.height - y),
+    let cut = |begin: u32, size: u32| {
+        (begin / TILE * TILE..begin + size).step_by(TILE as usize).map(move |at| {
+            let first = at.max(begin);
+            (first, (at + TILE).min(begin + size) - first)
         })
+    };
+    cut(window.y, window.height).flat_map(move |(y, height)| {
+        cut(window.x, window.width).map(move |(x, width)| Window { x, y, width, height })
     })
 }
 
 /// Pixel `i` of a window, row by row, in coordinates of the film.
 fn pixel(window: Window, i: usize) -> (u32, u32) {
     (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
-}
-
-fn tile(
-    camera: &Camera,
-    window: Window,
-    splats: &Splats,
-    channels: usize,
-    settings: &Settings,
-    progress: &Progress,
-) -> Option<Tile> {
-    let mut sums = vec![ChannelAccumulator::default(); channels];
-    let count = settings.samples.end - settings.samples.start;
-    let mut kept = vec![];
-    let mut moments = vec![];
-    let mut counters = Counters::default();
-    let (mut non_finite, mut first_non_finite) = (0, vec![]);
-    let total = window.pixels() as u64 * count;
-    let mut values = vec![0.0; channels * BATCH];
-    for first in (0..total).step_by(BATCH) {
-        if progress.stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        // Pixel by pixel, and each pixel's samples in order.
-        let which: Vec<_> = (first..total.min(first + BATCH as u64))
-            .map(|i| (pixel(window, (i / count) as usize), settings.samples.start + i % count))
-            .collect();
-        let values = &mut values[..channels * which.len()];
-        camera.samples(&which, &mut counters, values);
-        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
-            splats.add_to(pixel, sample, values);
-            let mut finite = true;
-            for (sum, value) in sums.iter_mut().zip(values) {
-                sum.add(sample, *value);
-                finite &= value.is_finite();
-            }
-            if !finite {
-                non_finite += 1;
-                if first_non_finite.len() < LISTED {
-                    first_non_finite.push(NonFinite { pixel, sample });
-                }
-            }
-            if sample + 1 == settings.samples.end {
-                if settings.shard {
-                    kept.extend_from_slice(&sums);
-                } else {
-                    moments.extend(sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)));
-                }
-                sums.fill(ChannelAccumulator::default());
-            }
-        }
-        progress.done.fetch_add(which.len() as u64, Ordering::Relaxed);
-    }
-    Some(Tile { window, sums: kept, moments, counters, non_finite, first_non_finite })
 }
 
 /// Places the tiles; each pixel comes from exactly one.

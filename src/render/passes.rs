@@ -4,7 +4,8 @@
 //! length. The sums are exact, so that neither the division into passes nor the order in which tiles arrive can change a
 //! pixel: the clock may decide how long a pass is.
 
-use super::{NonFinite, Progress, Report, Settings, Tile, pixel, provenance, tile, tiles};
+use super::tile::{Tile, tile};
+use super::{NonFinite, Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
 use crate::image::{Channel, Image, Window};
 use crate::integrator::{KernelEntry, kernel_for};

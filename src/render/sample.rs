@@ -1,5 +1,6 @@
 //! Camera samples: from (seed, pixel, sample number) to the values of all channels.
 
+use crate::integrator::path::reuse;
 use crate::integrator::{CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
 use crate::sampler::{CAMERA, ManyNumbers, Numbers, Sampler};
@@ -71,6 +72,15 @@ impl<'a> Camera<'a> {
         if self.radiance { 3 + usize::from(film.alpha) + film.bands.len() } else { 0 }
     }
 
+    /// How many neighbouring pixels share what their paths find.
+    pub fn reuse(&self) -> u32 {
+        self.scene.integrator.reuse()
+    }
+
+    pub fn film_size(&self) -> (u32, u32) {
+        self.scene.sensor.film.size
+    }
+
     /// Light paths for each sample number.
     pub fn light_paths(&self) -> u64 {
         self.scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths))
@@ -119,10 +129,20 @@ impl<'a> Camera<'a> {
     }
 
     /// A camera path as it was rendered, and the filter's weight of it, which its radiance does not include.
+    /// Its vertices are logged by themselves; what it shares with others is in its radiance only.
     pub fn replay(&self, pixel: (u32, u32), sample: u64, counters: &mut Counters) -> (CameraPath, f64) {
-        let (mut paths, weights) = self.generate(&[(pixel, sample)]);
-        (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
-        (paths[0], weights[0])
+        let run = |which: &[((u32, u32), u64)], counters: &mut Counters| {
+            let (mut paths, weights) = self.generate(which);
+            (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
+            let mine = which.iter().position(|of| of.0 == pixel).unwrap_or_default();
+            (paths[mine], weights[mine])
+        };
+        let alone = run(&[(pixel, sample)], counters);
+        if self.scene.integrator.reuse() == 1 {
+            return alone;
+        }
+        let together: Vec<_> = reuse::cell(pixel, sample, self.scene.sensor.film.size).collect();
+        run(&together, &mut Counters::default())
     }
 
     fn generate(&self, which: &[((u32, u32), u64)]) -> (Vec<CameraPath>, Vec<f64>) {
@@ -139,16 +159,41 @@ impl<'a> Camera<'a> {
             })
             .collect();
         let (mut paths, mut weights) = (Vec::with_capacity(which.len()), Vec::with_capacity(which.len()));
+        let groups = self.groups(which);
         let mut numbers = ManyNumbers::<8>::default();
-        for (which, samplers) in which.chunks(8).zip(samplers.chunks(8)) {
+        for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
             numbers.fill(which.len(), |i| (&samplers[i], CAMERA));
             for (i, (&(pixel, _), sampler)) in which.iter().zip(samplers).enumerate() {
-                let (path, weight) = self.path(pixel, *sampler, numbers.of(i));
+                let (mut path, weight) = self.path(pixel, *sampler, numbers.of(i));
+                if let Some(&(group, u)) = groups.get(first + i) {
+                    (path.group, path.λ) = (group, self.wavelengths(u));
+                }
                 paths.push(path);
                 weights.push(weight);
             }
         }
         (paths, weights)
+    }
+
+    /// Of samples whose pixels share what they find: the group of each, and the number that chooses its wavelengths.
+    fn groups(&self, which: &[((u32, u32), u64)]) -> Vec<(u32, f64)> {
+        let pixels = self.scene.integrator.reuse();
+        if pixels == 1 {
+            return vec![];
+        }
+        let (mut last, mut number, mut u) = (None, 0, 0.0);
+        let mut of = |&(pixel, sample): &((u32, u32), u64)| {
+            let group = reuse::group(pixel, sample, pixels);
+            if last != Some(group) {
+                number += 1;
+                let corner = (group.0 * reuse::CELL, group.1 * reuse::CELL);
+                let sampler = Sampler::new(self.scene.sensor.sampler.kind, self.seed, corner, sample as u32);
+                u = sampler.block(CAMERA).one(4);
+            }
+            last = Some(group);
+            (number, u)
+        };
+        which.iter().map(&mut of).collect()
     }
 
     #[inline]
@@ -167,6 +212,6 @@ impl<'a> Camera<'a> {
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
         let λ = self.wavelengths(u.one(4));
         let ray = self.scene.sensor.camera.ray(place, u.pair(1));
-        (CameraPath { ray, λ, sampler, radiance: Spectrum::ZERO, covered: false }, weight)
+        (CameraPath { ray, λ, sampler, group: 0, radiance: Spectrum::ZERO, covered: false }, weight)
     }
 }

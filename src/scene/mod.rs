@@ -65,6 +65,8 @@ pub struct Overrides {
     pub sampler: Option<String>,
     /// Light paths to a camera path.
     pub light_paths: Option<f64>,
+    /// Pixels that share what their paths find.
+    pub reuse: Option<u32>,
 }
 
 /// Everything that a render needs.
@@ -102,7 +104,9 @@ impl Features {
     pub const ENVIRONMENT: u32 = 8;
     /// Light paths look for caustics.
     pub const CAUSTICS: u32 = 16;
-    pub const ALL: u32 = 31;
+    /// Pixels share what their paths find.
+    pub const REUSE: u32 = 32;
+    pub const ALL: u32 = 63;
 
     /// The names of the features, for people.
     pub fn names(self) -> Vec<&'static str> {
@@ -112,6 +116,7 @@ impl Features {
             (Self::DISPERSION, "dispersion"),
             (Self::ENVIRONMENT, "environment"),
             (Self::CAUSTICS, "caustics"),
+            (Self::REUSE, "path re-use"),
         ];
         all.into_iter().filter(|(bit, _)| self.0 & bit != 0).map(|(_, name)| name).collect()
     }

@@ -20,6 +20,9 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
         let integrator = child(root, "integrator", "path")?;
         set_as("float", integrator, "light_paths", &share.to_string());
     }
+    if let Some(pixels) = overrides.reuse {
+        set(child(root, "integrator", "path")?, "reuse", &pixels.to_string());
+    }
     if let Some((width, height)) = overrides.size {
         let film = child(child(root, "sensor", "")?, "film", "hdrfilm")?;
         let crop = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];

@@ -1,5 +1,7 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
+pub mod reuse;
+
 use super::caustics;
 use super::light::{self, Vertex, power_heuristic, power_heuristic_of_three};
 use super::{AnyIntegrator, CameraPath, Counters, Event};
@@ -12,6 +14,7 @@ use crate::scene::params::Params;
 use crate::scene::{Features, Scene, Shape, Side};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
+use reuse::{Exchange, Receiver, Shared, Source};
 
 pub const NAME: &str = "path";
 pub const ABOUT: &str = "Path tracing: all light that a camera path can find, unbiased.";
@@ -38,6 +41,8 @@ pub struct Path {
     pub emitter_samples: u32,
     /// Light paths to a camera path, where there are caustics; see [`caustics`]. By default a pilot decides.
     pub light_paths: Option<f64>,
+    /// How many neighbouring pixels share what their paths find; see [`reuse`].
+    pub reuse: u32,
 }
 
 /// How many light paths to a camera path there can be.
@@ -45,7 +50,14 @@ pub const LIGHT_PATHS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
 
 impl Default for Path {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, emitter_samples: 1, light_paths: None }
+        Self {
+            max_depth: u32::MAX,
+            rr_depth: 5,
+            hide_emitters: false,
+            emitter_samples: 1,
+            light_paths: None,
+            reuse: 1,
+        }
     }
 }
 
@@ -65,7 +77,12 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         let help = format!("expected {} to {}", LIGHT_PATHS.start(), LIGHT_PATHS.end());
         return Err(params.error("light_paths", "no such share", help));
     }
-    Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths }))
+    let about = "neighbouring pixels that share what their paths find: 1, 2, 4, 8 or 16 (an extension)";
+    let reuse = params.integer("reuse", 1, 1..=16, about)? as u32;
+    if !reuse::PIXELS.contains(&reuse) {
+        return Err(params.error("reuse", "no such number of pixels", "expected 1, 2, 4, 8 or 16"));
+    }
+    Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths, reuse }))
 }
 
 /// How the path came to where it is: what its next emitter is to be weighed with.
@@ -97,6 +114,8 @@ struct State {
     /// see [`caustics`].
     light_ratio: f64,
     from_caster: bool,
+    /// What is found from here on is shared with other pixels; the throughput begins at the source.
+    shares: bool,
 }
 
 impl State {
@@ -108,14 +127,15 @@ impl State {
         direct_view: true,
         light_ratio: 1.0,
         from_caster: false,
+        shares: false,
     };
 }
 
-/// Light that waits to be tested for visibility, and the path it belongs to.
+/// Light that waits to be tested for visibility, the path it belongs to, and whether it is shared.
 #[derive(Default)]
 struct Shadows {
     rays: Vec<Ray>,
-    light: Vec<(usize, Spectrum)>,
+    light: Vec<(usize, bool, Spectrum)>,
     occluded: Vec<bool>,
 }
 
@@ -123,19 +143,27 @@ impl Shadows {
     /// More than this need not wait.
     const MANY: usize = 4 * STREAM;
 
-    fn push(&mut self, path: usize, ray: Ray, light: Spectrum) {
+    fn push(&mut self, (path, shares): (usize, bool), ray: Ray, light: Spectrum) {
         self.rays.push(ray);
-        self.light.push((path, light));
+        self.light.push((path, shares, light));
     }
 
     /// Adds what arrives, in the order in which it was pushed.
-    fn resolve(&mut self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
+    fn resolve(
+        &mut self,
+        scene: &Scene,
+        paths: &mut [CameraPath],
+        shared: &mut [Shared],
+        counters: &mut Counters,
+    ) {
         counters.rays += self.rays.len() as u64;
         self.occluded.resize(self.rays.len(), false);
         scene.accel.occluded_all(&self.rays, &mut self.occluded);
-        for ((path, light), occluded) in self.light.drain(..).zip(&self.occluded) {
-            if !occluded {
-                paths[path].radiance += light;
+        for ((path, shares, light), occluded) in self.light.drain(..).zip(&self.occluded) {
+            match occluded {
+                true => {}
+                false if shares => shared[path].radiance += light,
+                false => paths[path].radiance += light,
             }
         }
         self.rays.clear();
@@ -152,6 +180,8 @@ struct Stream {
     hits: Vec<Option<Hit>>,
     numbers: ManyNumbers<STREAM>,
     shadows: Shadows,
+    shared: Vec<Shared>,
+    exchange: Exchange,
 }
 
 impl Path {
@@ -165,8 +195,26 @@ impl Path {
             return;
         }
         let mut stream = Stream::default();
-        for paths in paths.chunks_mut(STREAM) {
-            self.trace_stream::<F>(scene, paths, &mut stream, counters);
+        if F & Features::REUSE == 0 || self.reuse == 1 {
+            for paths in paths.chunks_mut(STREAM) {
+                self.trace_stream::<F>(scene, paths, &mut stream, counters);
+            }
+            return;
+        }
+        let mut paths = paths;
+        while !paths.is_empty() {
+            // As many groups as fit.
+            let mut end = 0;
+            for group in paths.chunk_by(|a, b| a.group == b.group) {
+                if end + group.len() > STREAM {
+                    break;
+                }
+                end += group.len();
+            }
+            let (now, later) = paths.split_at_mut(end);
+            self.trace_stream::<F>(scene, now, &mut stream, counters);
+            stream.exchange.share(scene, now, &stream.shared, counters);
+            paths = later;
         }
     }
 
@@ -174,11 +222,13 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, alive, rays, hits, numbers, shadows }: &mut Stream,
+        Stream { states, alive, rays, hits, numbers, shadows, shared, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
         states.resize(paths.len(), State::START);
+        shared.clear();
+        shared.resize(paths.len(), Shared::NOTHING);
         alive.clear();
         alive.extend(0..paths.len());
         rays.clear();
@@ -195,7 +245,7 @@ impl Path {
                 let (path, state) = (&mut paths[index], &mut states[index]);
                 let onward = self.step::<F>(
                     scene,
-                    (index, path, state),
+                    (index, path, state, &mut shared[index]),
                     (&rays[i], hits[i]),
                     numbers.of(i),
                     shadows,
@@ -206,12 +256,12 @@ impl Path {
                     kept += 1;
                 }
                 if shadows.rays.len() > Shadows::MANY {
-                    shadows.resolve(scene, paths, counters);
+                    shadows.resolve(scene, paths, shared, counters);
                 }
             }
             alive.truncate(kept);
             rays.truncate(kept);
-            shadows.resolve(scene, paths, counters);
+            shadows.resolve(scene, paths, shared, counters);
         }
     }
 
@@ -220,7 +270,7 @@ impl Path {
     fn step<const F: u32>(
         &self,
         scene: &Scene,
-        (index, path, state): (usize, &mut CameraPath, &mut State),
+        (index, path, state, shared): (usize, &mut CameraPath, &mut State, &mut Shared),
         (ray, hit): (&Ray, Option<Hit>),
         u: Numbers,
         shadows: &mut Shadows,
@@ -230,7 +280,8 @@ impl Path {
         let Some(hit) = hit else {
             if F & Features::ENVIRONMENT != 0 && !(self.hide_emitters && state.direct_view) {
                 let light = environment(scene, ray, state.arrival, self.emitter_samples, λ);
-                path.radiance += state.throughput * light;
+                let found = if state.shares { &mut shared.radiance } else { &mut path.radiance };
+                *found += state.throughput * light;
                 path.covered |= scene.emitters.environment.is_some();
             }
             return None;
@@ -264,8 +315,15 @@ impl Path {
                     }
                     _ => 0.0,
                 };
-                let weight = power_heuristic_of_three(by_emitter, by_light_path);
-                path.radiance += state.throughput * emitted * weight as f32;
+                let weight = power_heuristic_of_three(by_emitter, by_light_path) as f32;
+                let light = state.throughput * emitted * weight;
+                if !state.shares {
+                    path.radiance += light;
+                } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
+                    path.radiance += shared.albedo() * light;
+                } else {
+                    shared.radiance += light;
+                }
             }
         }
         if let Some(log) = &mut counters.log {
@@ -284,6 +342,7 @@ impl Path {
             index,
             path,
             state,
+            shared,
             wo: -ray.direction,
             primitive: hit.primitive,
             point: &point,
@@ -306,6 +365,7 @@ struct Scatter<'a, const F: u32> {
     index: usize,
     path: &'a mut CameraPath,
     state: &'a mut State,
+    shared: &'a mut Shared,
     /// World, towards where the path came from.
     wo: DVec3,
     primitive: u32,
@@ -321,15 +381,30 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     /// Asks for direct light and finds the ray with which the path goes on.
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
-        let Self { settings, scene, index, path, state, wo, primitive, point, side, u, shadows } = self;
+        let Self { settings, scene, index, path, state, shared, wo, primitive, point, side, u, shadows } =
+            self;
         let (λ, sampler) = (&mut path.λ, &path.sampler);
         let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
         let bsdf = material.at(point, λ);
         let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
         vertex.wo = vertex.to_local(wo);
+        if F & Features::REUSE != 0 && settings.reuse > 1 && vertex.wo.z > 0.0 {
+            match (state.depth, bsdf.albedo()) {
+                (0, Some(albedo)) if settings.rr_depth > 1 && !albedo.is_zero() => {
+                    let n = vertex.to_world(DVec3::Z);
+                    shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo });
+                }
+                (1, Some(_)) if shared.receiver.is_some() => {
+                    shared.source = Some(Source { p: point.p, n: vertex.to_world(DVec3::Z) });
+                    (state.throughput, state.shares) = (Spectrum::ONE, true);
+                }
+                _ => {}
+            }
+        }
         if side.traits.smooth {
             let counts = (settings.emitter_samples as f64, 1.0);
-            let ratio = if state.depth > 0 && side.traits.focuses() { state.light_ratio } else { 0.0 };
+            let focuses = state.depth > 0 && side.traits.focuses();
+            let ratio = if focuses { state.light_ratio } else { 0.0 };
             let light_paths = |emitter: usize, light: &DirectSample| match &scene.caustics {
                 Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
                     let end = (emitter, point.p + light.wi * light.distance, light.n);
@@ -343,13 +418,19 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             let sample = |u: &Numbers| {
                 light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ, light_paths)
             };
+            // What light paths make as well is weighed for this pixel alone.
+            let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
+            let shares = state.shares && !alone;
+            let throughput =
+                if state.shares && !shares { state.throughput * shared.albedo() } else { state.throughput };
+            let owner = (index, shares);
             if let Some(light) = sample(&u) {
-                shadows.push(index, light.ray, state.throughput * light.radiance);
+                shadows.push(owner, light.ray, throughput * light.radiance);
             }
             for further in 1..settings.emitter_samples {
                 let u = sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further);
                 if let Some(light) = sample(&u) {
-                    shadows.push(index, light.ray, state.throughput * light.radiance);
+                    shadows.push(owner, light.ray, throughput * light.radiance);
                 }
             }
         }
@@ -388,7 +469,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if state.depth >= settings.rr_depth {
             // The largest lane: a red path between red walls must not be punished for its other lanes. What a lossless
             // path has lost to rounding is no loss: in a thousand reflections it would end one path in thousands.
-            let survival = λ.peak(state.throughput) as f64 * state.eta2;
+            let throughput = if state.shares { state.throughput * shared.albedo() } else { state.throughput };
+            let survival = λ.peak(throughput) as f64 * state.eta2;
             let rounding = 4.0 * state.depth as f64 * f32::EPSILON as f64;
             if survival < 1.0 - rounding {
                 if u.one(6) >= survival {

@@ -1,0 +1,163 @@
+//! Path re-use: pixels that see matte surfaces side by side share what their paths find beyond the next matte surface.
+//!
+//! Paths i = 1…N of neighbouring pixels, made of the same wavelengths, leave matte points xᵢ and arrive at matte points yᵢ. What
+//! path j finds from yⱼ on is an estimate Lⱼ of the radiance that leaves yⱼ for all directions alike, so it tells every pixel
+//! that sees yⱼ from its own xᵢ. Each of the N points y is a sample of N techniques: that of xₖ has the density, in
+//! area about y, pₖ(y) = Vₖ(y) cos θₖ |cos θ_y| / (π dₖ²), V being visibility. With the balance heuristic (Veach 1997, §9.2.2)
+//! pixel i gathers
+//!
+//!   Σⱼ (ρᵢ/π) Vᵢ(yⱼ) cos θᵢ |cos θ_y| / dᵢ² · Lⱼ / Σₖ pₖ(yⱼ)  =  ρᵢ Σⱼ wᵢⱼ Lⱼ,   wᵢⱼ = Vᵢ(yⱼ) cos θᵢ/dᵢ² / Σₖ Vₖ(yⱼ) cos θₖ/dₖ²,
+//!
+//! where everything but the weights cancels: no weight is above one, and Σᵢ wᵢⱼ = 1, so nothing is gained or lost. One shadow
+//! ray buys a pixel the rest of a whole path (Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths"). The
+//! price: errors of neighbouring pixels are no longer independent.
+//!
+//! What stays with its own path: all light up to yᵢ; paths by surfaces of any other kind; and beyond yᵢ the light that
+//! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
+
+use crate::integrator::{CameraPath, Counters};
+use crate::math::ray::Ends;
+use crate::math::{DVec3, Ray};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+
+/// Edge in pixels of the cells of the film within which pixels share paths.
+pub const CELL: u32 = 4;
+
+/// How many pixels can share their paths; 1 is none.
+pub const PIXELS: [u32; 5] = [1, 2, 4, 8, 16];
+
+/// The pixels of a sample that can share what they find with `pixel`, as far as they are on the film: those of a group of any
+/// size in [`PIXELS`] follow one another. Groups are as compact as can be, and lie across in every other sample, so that
+/// the same pixels do not always share.
+pub fn cell(
+    (x, y): (u32, u32),
+    sample: u64,
+    (width, height): (u32, u32),
+) -> impl Iterator<Item = ((u32, u32), u64)> {
+    let corner = (x / CELL * CELL, y / CELL * CELL);
+    let pixel = move |i: u32| {
+        let (x, y) = ((i & 1) | (i >> 1 & 2), (i >> 1 & 1) | (i >> 2 & 2));
+        let (x, y) = if sample.is_multiple_of(2) { (x, y) } else { (y, x) };
+        (corner.0 + x, corner.1 + y)
+    };
+    (0..CELL * CELL).map(pixel).filter(move |p| p.0 < width && p.1 < height).map(move |pixel| (pixel, sample))
+}
+
+/// What tells apart the group of a pixel's sample from all others: its cell, its sample, and its number in the cell.
+pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> (u32, u32, u64, u32) {
+    let (cell, inside) = ((x / CELL, y / CELL), (x % CELL, y % CELL));
+    let (x, y) = if sample.is_multiple_of(2) { inside } else { (inside.1, inside.0) };
+    let i = (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
+    (cell.0, cell.1, sample, i / pixels)
+}
+
+/// A matte point that a pixel sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    pub p: DVec3,
+    /// World, unit length, on the side that is seen.
+    pub n: DVec3,
+    pub primitive: u32,
+    pub albedo: Spectrum,
+}
+
+/// A matte point that a path came to from a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    pub p: DVec3,
+    /// World, on the side where the path came from.
+    pub n: DVec3,
+}
+
+/// What a path has to share.
+#[derive(Clone, Copy, Debug)]
+pub struct Shared {
+    pub receiver: Option<Receiver>,
+    pub source: Option<Source>,
+    /// The radiance that leaves the source, as far as it is known.
+    pub radiance: Spectrum,
+}
+
+impl Shared {
+    pub const NOTHING: Self = Self { receiver: None, source: None, radiance: Spectrum::ZERO };
+
+    /// What the path's own receiver does to light from its source.
+    pub fn albedo(&self) -> Spectrum {
+        self.receiver.map_or(Spectrum::ONE, |receiver| receiver.albedo)
+    }
+}
+
+/// Rays between the receivers and sources of a group, kept for the next.
+#[derive(Default)]
+pub struct Exchange {
+    rays: Vec<Ray>,
+    /// To which source and which receiver, and the share before visibility is known.
+    shares: Vec<(usize, usize, f64)>,
+    occluded: Vec<bool>,
+}
+
+impl Exchange {
+    /// Hands on what every path found to all whose receivers see its source.
+    pub fn share(
+        &mut self,
+        scene: &Scene,
+        paths: &mut [CameraPath],
+        shared: &[Shared],
+        counters: &mut Counters,
+    ) {
+        self.rays.clear();
+        self.shares.clear();
+        let groups = || paths.chunk_by(|a, b| a.group == b.group).map(<[_]>::len);
+        let mut first = 0;
+        for size in groups() {
+            let group = first..first + size;
+            first += size;
+            for j in group.clone() {
+                let Some(source) = shared[j].source.filter(|_| !shared[j].radiance.is_zero()) else {
+                    continue;
+                };
+                for i in group.clone() {
+                    let Some(receiver) = &shared[i].receiver else { continue };
+                    self.propose(receiver, &source, (j, i));
+                }
+            }
+        }
+        self.occluded.clear();
+        self.occluded.resize(self.rays.len(), false);
+        counters.rays += self.rays.len() as u64;
+        scene.accel.occluded_all(&self.rays, &mut self.occluded);
+        self.gather(paths, shared);
+    }
+
+    /// The ray from a receiver to a source, if they face each other.
+    fn propose(&mut self, receiver: &Receiver, source: &Source, (j, i): (usize, usize)) {
+        let to_source = source.p - receiver.p;
+        let distance = to_source.length();
+        let direction = to_source / distance;
+        let cos = receiver.n.dot(direction);
+        // A path knows of itself that it met its source, whatever rounding says.
+        let share = cos / (distance * distance);
+        let faces = share > 0.0 && share.is_finite() && source.n.dot(direction) < 0.0;
+        if faces || i == j {
+            let ray = Ray::leaving(receiver.p, direction, distance, receiver.primitive);
+            self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
+            self.shares.push((j, i, share));
+        }
+    }
+
+    fn gather(&self, paths: &mut [CameraPath], shared: &[Shared]) {
+        let mut first = 0;
+        for shares in self.shares.chunk_by(|a, b| a.0 == b.0) {
+            let visible = |at: usize| !self.occluded[first + at] || shares[at].0 == shares[at].1;
+            let sum: f64 = (0..shares.len()).filter(|at| visible(*at)).map(|at| shares[at].2).sum();
+            for (at, &(j, i, share)) in shares.iter().enumerate() {
+                let Some(receiver) = &shared[i].receiver else { continue };
+                if visible(at) {
+                    paths[i].radiance += receiver.albedo * shared[j].radiance * (share / sum) as f32;
+                }
+            }
+            first += shares.len();
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The part of an image that one thread makes at a time.
+
+use super::sample::Camera;
+use super::splats::Splats;
+use super::{LISTED, NonFinite, Progress, Settings, pixel};
+use crate::film::ChannelAccumulator;
+use crate::image::Window;
+use crate::integrator::Counters;
+use crate::integrator::path::reuse;
+use std::sync::atomic::Ordering;
+
+/// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
+const BATCH: usize = 512;
+
+/// What was rendered of a window.
+pub struct Tile {
+    pub window: Window,
+    /// Pixel by pixel, channel by channel: exact sums for a shard, else what will be written of them.
+    pub sums: Vec<ChannelAccumulator>,
+    pub moments: Vec<(f32, f32)>,
+    pub counters: Counters,
+    pub non_finite: u64,
+    pub first_non_finite: Vec<NonFinite>,
+}
+
+/// Renders the samples of a window. `None` if told to stop.
+pub fn tile(
+    camera: &Camera,
+    window: Window,
+    splats: &Splats,
+    channels: usize,
+    settings: &Settings,
+    progress: &Progress,
+) -> Option<Tile> {
+    let count = settings.samples.end - settings.samples.start;
+    let mut tile = Tile {
+        window,
+        sums: vec![ChannelAccumulator::default(); channels * window.pixels()],
+        moments: vec![],
+        counters: Counters::default(),
+        non_finite: 0,
+        first_non_finite: vec![],
+    };
+    let mut which = Vec::with_capacity(BATCH);
+    let mut values = vec![0.0; channels * BATCH];
+    let mut make = |which: &mut Vec<((u32, u32), u64)>| {
+        if progress.stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let values = &mut values[..channels * which.len()];
+        camera.samples(which, &mut tile.counters, values);
+        let done = tile.add(which, splats, values);
+        progress.done.fetch_add(done, Ordering::Relaxed);
+        which.clear();
+        Some(())
+    };
+    if camera.reuse() == 1 {
+        // Pixel by pixel, and each pixel's samples in order.
+        for i in 0..window.pixels() {
+            for sample in settings.samples.clone() {
+                which.push((pixel(window, i), sample));
+                if which.len() == BATCH {
+                    make(&mut which)?;
+                }
+            }
+        }
+    } else {
+        // Cell by cell and sample by sample, with those pixels of a cell that others of it need, within the window or not.
+        const CELL: u32 = reuse::CELL;
+        let (columns, rows) = (
+            window.x / CELL..=(window.x + window.width - 1) / CELL,
+            window.y / CELL..=(window.y + window.height - 1) / CELL,
+        );
+        for (y, x) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))) {
+            for sample in settings.samples.clone() {
+                which.extend(reuse::cell((x * CELL, y * CELL), sample, camera.film_size()));
+                if which.len() + (CELL * CELL) as usize > BATCH {
+                    make(&mut which)?;
+                }
+            }
+        }
+    }
+    if !which.is_empty() {
+        make(&mut which)?;
+    }
+    if !settings.shard {
+        tile.moments = tile.sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
+        tile.sums = vec![];
+    }
+    Some(tile)
+}
+
+impl Tile {
+    /// Adds up camera samples with what light paths bring to them; how many of them lie in the window.
+    fn add(&mut self, which: &[((u32, u32), u64)], splats: &Splats, values: &mut [f64]) -> u64 {
+        let channels = values.len() / which.len();
+        let mut done = 0;
+        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
+            let (x, y) = (pixel.0.wrapping_sub(self.window.x), pixel.1.wrapping_sub(self.window.y));
+            if x >= self.window.width || y >= self.window.height {
+                continue;
+            }
+            done += 1;
+            splats.add_to(pixel, sample, values);
+            let at = (y * self.window.width + x) as usize * channels;
+            let mut finite = true;
+            for (sum, value) in self.sums[at..at + channels].iter_mut().zip(values) {
+                sum.add(sample, *value);
+                finite &= value.is_finite();
+            }
+            if !finite {
+                self.non_finite += 1;
+                if self.first_non_finite.len() < LISTED {
+                    self.first_non_finite.push(NonFinite { pixel, sample });
+                }
+            }
+        }
+        done
+    }
+}
