@@ -73,7 +73,7 @@ struct SceneArguments {
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
     light_paths: Option<f64>,
-    /// Neighbouring pixels that share what their paths find: 1, 2, 4, 8 or 16; less noise, but no longer independent
+    /// Neighbouring pixels that share what their paths find: a power of two up to 64; less noise, but no longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
     /// Size of the film instead of the scene's, such as 640x480
@@ -136,7 +136,7 @@ fn light_paths(text: &str) -> Result<f64, String> {
 
 fn reuse(text: &str) -> Result<u32, String> {
     let pixels = text.parse().ok().filter(|pixels| etalon::integrator::path::reuse::PIXELS.contains(pixels));
-    pixels.ok_or_else(|| "expected 1, 2, 4, 8 or 16".into())
+    pixels.ok_or_else(|| "expected a power of two up to 64".into())
 }
 
 fn color(text: &str) -> Result<ColorMode, String> {

@@ -77,10 +77,11 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         let help = format!("expected {} to {}", LIGHT_PATHS.start(), LIGHT_PATHS.end());
         return Err(params.error("light_paths", "no such share", help));
     }
-    let about = "neighbouring pixels that share what their paths find: 1, 2, 4, 8 or 16 (an extension)";
-    let reuse = params.integer("reuse", 1, 1..=16, about)? as u32;
+    let about =
+        "neighbouring pixels that share what their paths find: a power of two up to 64 (an extension)";
+    let reuse = params.integer("reuse", 1, 1..=64, about)? as u32;
     if !reuse::PIXELS.contains(&reuse) {
-        return Err(params.error("reuse", "no such number of pixels", "expected 1, 2, 4, 8 or 16"));
+        return Err(params.error("reuse", "no such number of pixels", "expected a power of two up to 64"));
     }
     Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths, reuse }))
 }
@@ -395,7 +396,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                     shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo });
                 }
                 (1, Some(_)) if shared.receiver.is_some() => {
-                    shared.source = Some(Source { p: point.p, n: vertex.to_world(DVec3::Z) });
+                    let n = vertex.to_world(DVec3::Z);
+                    shared.source = Some(Source { p: point.p, n, ng: point.ng });
                     (state.throughput, state.shares) = (Spectrum::ONE, true);
                 }
                 _ => {}
