@@ -102,7 +102,6 @@ impl Caustics {
         let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
         vertex.wo = vertex.to_local(to_light);
         if edges > 1
-            && edges < self.settings.max_depth
             && side.traits.smooth
             && let Some((ray, found)) = self.connect(scene, path, &vertex, u)
         {
@@ -111,6 +110,7 @@ impl Caustics {
                 splat(found);
             }
         }
+        // The next connection is one edge more.
         if edges >= self.settings.max_depth.saturating_sub(1) {
             return None;
         }

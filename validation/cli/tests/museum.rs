@@ -20,3 +20,13 @@ fn every_bug_has_a_name_of_its_own_and_a_source() {
         assert_ne!(bug.find, bug.replace, "{} changes nothing", bug.name);
     }
 }
+
+#[test]
+fn every_bug_is_an_expression_in_place_of_another() {
+    for bug in bugs::catalogue(&bugs::folder()).unwrap() {
+        for code in [&bug.find, &bug.replace] {
+            let parsed = syn::parse_str::<syn::Expr>(code);
+            assert!(parsed.is_ok(), "{}: `{code}` is no expression", bug.name);
+        }
+    }
+}

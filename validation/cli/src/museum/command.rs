@@ -51,18 +51,19 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     if arguments.document {
         return write_document();
     }
+    std::fs::create_dir_all(&arguments.scratch).map_err(|e| e.to_string())?;
+    let scratch = arguments.scratch.canonicalize().map_err(|e| e.to_string())?;
+    let sources = super::keep(&scratch)?;
     let changes = if arguments.mutate.is_empty() {
         let bugs = bugs::catalogue(&bugs::folder())?;
-        bugs.iter().map(|bug| bug.change(&root())).collect::<Result<Vec<_>, _>>()?
+        bugs.iter().map(|bug| bug.change(&sources)).collect::<Result<Vec<_>, _>>()?
     } else {
-        mutants::sample(&root(), &arguments.mutate, arguments.sample, arguments.number)?
+        mutants::sample(&sources, &arguments.mutate, arguments.sample, arguments.number)?
     };
     let named = |name: &str| arguments.names.is_empty() || arguments.names.iter().any(|n| name.contains(n));
     if !changes.iter().any(|change| named(&change.name)) {
         return Err("there is no such bug".into());
     }
-    std::fs::create_dir_all(&arguments.scratch).map_err(|e| e.to_string())?;
-    let scratch = arguments.scratch.canonicalize().map_err(|e| e.to_string())?;
     // A run of some bugs leaves what is known of the others.
     let mut findings = Findings::here()?;
     if let Some(path) = arguments.json.as_deref().filter(|path| path.exists()) {

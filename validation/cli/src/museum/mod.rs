@@ -25,8 +25,15 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Plants all changes and lets out those that are `wanted`, one after another; `tell` hears of every finding.
-/// `near` asks only the tests that bear the name of a bug's file or module.
+/// Copies the sources to `scratch`, so that a run sees one state of them however long it takes; the folder of the copy.
+pub fn keep(scratch: &Path) -> Result<PathBuf, String> {
+    let sources = scratch.join("sources");
+    plant::copy(&root(), &plant::known_to_git(&root())?, &sources)?;
+    Ok(sources)
+}
+
+/// Plants all changes, which were found in what [`keep`] has kept in `scratch`, and lets out those that are `wanted`,
+/// one after another; `tell` hears of every finding. `near` asks only the tests that bear the name of a bug's file or module.
 ///
 /// `scratch` is kept between runs, so that a second one compiles only what has changed. Errors are a tree that cannot
 /// be copied or built, and a test that fails without any bug.
@@ -67,7 +74,7 @@ struct Build {
 fn build(mut changes: Vec<Change>, scratch: &Path) -> Result<Build, String> {
     let mut refused = vec![];
     loop {
-        let places = plant::plant(&root(), &scratch.join("tree"), &changes)?;
+        let places = plant::plant(&scratch.join("sources"), &scratch.join("tree"), &changes)?;
         let bad = match cargo::compile(scratch, &places)? {
             Compiled::Programs(programs) => {
                 return Ok(Build { planted: changes, refused, programs });

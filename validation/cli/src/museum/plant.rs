@@ -61,24 +61,37 @@ pub fn apart(changes: Vec<Change>) -> (Vec<Change>, Vec<Change>) {
     (together, later)
 }
 
-/// Copies the files that git knows, those that are new and not ignored as well, from `from` to `to`, with the changes in
-/// them; bug `i + 1` of the variable is `changes[i]`. Tells where each has come to lie. A file that is the same as
-/// in an earlier copy is left alone, so that cargo compiles only what differs.
-pub fn plant(from: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, String> {
+/// The files that git knows below `root`, those that are new and not ignored as well.
+pub fn known_to_git(root: &Path) -> Result<Vec<String>, String> {
     let output = Command::new("git")
         .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
-        .current_dir(from)
+        .current_dir(root)
         .output()
         .map_err(|e| format!("git: {e}"))?;
     let names = output.stdout.split(|byte| *byte == 0).filter(|name| !name.is_empty());
-    let mut places = vec![(String::new(), 0..0); changes.len()];
+    Ok(names.map(|name| String::from_utf8_lossy(name).into_owned()).collect())
+}
+
+/// Copies the `names` that are there. Whatever happens to `from` afterwards, bytes in `to` keep their places.
+pub fn copy(from: &Path, names: &[String], to: &Path) -> Result<(), String> {
     let mut kept = BTreeSet::new();
-    for name in names.map(|name| String::from_utf8_lossy(name).into_owned()) {
-        let source = from.join(&name);
-        if !source.is_file() {
-            continue;
-        }
-        let mut bytes = std::fs::read(&source).map_err(|e| format!("{}: {e}", source.display()))?;
+    for name in names.iter().filter(|name| from.join(name).is_file()) {
+        write_if_new(&to.join(name), &read(&from.join(name))?)?;
+        kept.insert(to.join(name));
+    }
+    forget(to, &kept)
+}
+
+/// Makes `to` the same as `sources`, a folder that [`copy`] has made, but with the changes; bug `i + 1` of the variable
+/// is `changes[i]`. Tells where each has come to lie. A file that is the same as in an earlier `to` is left alone, so
+/// that cargo compiles only what differs.
+pub fn plant(sources: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, String> {
+    let mut places = vec![(String::new(), 0..0); changes.len()];
+    let (mut paths, mut kept) = (vec![], BTreeSet::new());
+    list(sources, &mut paths)?;
+    for path in paths {
+        let name = path.strip_prefix(sources).unwrap_or(&path).to_string_lossy().into_owned();
+        let mut bytes = read(&path)?;
         let own: Vec<usize> = (0..changes.len()).filter(|&i| changes[i].file == name).collect();
         if !own.is_empty() {
             let text = String::from_utf8(bytes).map_err(|e| format!("{name}: {e}"))?;
@@ -94,6 +107,23 @@ pub fn plant(from: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, S
     }
     forget(to, &kept)?;
     Ok(places)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
+    let told = |e: std::io::Error| format!("{}: {e}", folder.display());
+    for entry in std::fs::read_dir(folder).map_err(told)? {
+        let path = entry.map_err(told)?.path();
+        if path.is_dir() {
+            list(&path, files)?;
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(())
 }
 
 /// Removes what an earlier copy had and this one has not; what tests have built stays.
@@ -165,6 +195,23 @@ mod tests {
         forget(&folder, &BTreeSet::from([folder.join("a/kept.rs")])).unwrap();
         let exists = |name: &str| folder.join(name).exists();
         assert!(exists("a/kept.rs") && !exists("a/gone.rs") && exists("a/target/built"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn editing_the_sources_meanwhile_does_not_move_the_changes() {
+        let folder = std::env::temp_dir().join(format!("etalon-edited-{}", std::process::id()));
+        let (original, sources, tree) =
+            (folder.join("original"), folder.join("sources"), folder.join("tree"));
+        std::fs::create_dir_all(&original).unwrap();
+        std::fs::write(original.join("a.rs"), "f(λ, 1)").unwrap();
+        copy(&original, &["a.rs".into(), "removed.rs".into()], &sources).unwrap();
+        for earlier in ["", "// A line that someone adds between two builds.\n"] {
+            std::fs::write(original.join("a.rs"), format!("{earlier}f(λ, 1)")).unwrap();
+            plant(&sources, &tree, &[change("x", 6..7)]).unwrap();
+            let planted = std::fs::read_to_string(tree.join("a.rs")).unwrap();
+            assert_eq!(planted, "f(λ, (if crate::museum_switch::on(1) { 2 } else { 1 }))");
+        }
         std::fs::remove_dir_all(&folder).unwrap();
     }
 
