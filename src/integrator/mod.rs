@@ -169,6 +169,15 @@ impl AnyIntegrator {
         self.path().map_or(1, |path| path.reuse)
     }
 
+    /// Settles [`reuse`](Self::reuse).
+    pub fn set_reuse(&mut self, pixels: u32) {
+        match self {
+            Self::Path(path) => path.reuse = pixels,
+            Self::Aov(aov) => aov.nested.iter_mut().for_each(|nested| nested.set_reuse(pixels)),
+            Self::Direct(_) | Self::Depth(_) => {}
+        }
+    }
+
     /// Whether the image has colours, and not only auxiliary channels.
     pub fn has_radiance(&self) -> bool {
         match self {

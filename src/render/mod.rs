@@ -6,6 +6,7 @@ pub mod memory;
 pub mod passes;
 pub mod pilot;
 pub mod preview;
+pub mod reuse;
 pub mod sample;
 pub mod share;
 mod splats;

@@ -77,11 +77,14 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         let help = format!("expected {} to {}", LIGHT_PATHS.start(), LIGHT_PATHS.end());
         return Err(params.error("light_paths", "no such share", help));
     }
-    let about =
-        "neighbouring pixels that share what their paths find: a power of two up to 64 (an extension)";
-    let reuse = params.integer("reuse", 1, 1..=64, about)? as u32;
-    if !reuse::PIXELS.contains(&reuse) {
-        return Err(params.error("reuse", "no such number of pixels", "expected a power of two up to 64"));
+    let about = "neighbouring pixels that share what their paths find: a power of two up to 64, or 0 for a pilot to decide (an extension)";
+    let reuse = params.integer("reuse", 1, 0..=64, about)? as u32;
+    if reuse != reuse::AUTO && !reuse::PIXELS.contains(&reuse) {
+        return Err(params.error(
+            "reuse",
+            "no such number of pixels",
+            "expected a power of two up to 64, or 0",
+        ));
     }
     Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths, reuse }))
 }

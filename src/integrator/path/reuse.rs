@@ -24,6 +24,9 @@ use crate::spectrum::Spectrum;
 /// Edge in pixels of the cells of the film within which pixels share paths.
 pub const CELL: u32 = 8;
 
+/// Instead of a number of pixels: a pilot decides, see [`crate::render::reuse`].
+pub const AUTO: u32 = 0;
+
 /// How many pixels can share their paths; 1 is none.
 pub const PIXELS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
