@@ -114,6 +114,7 @@ kernels! {
     "caustics": Features::CAUSTICS,
     "path re-use": Features::REUSE | Features::CAUSTICS | Features::ENVIRONMENT,
     "textured": Features::TEXTURES | Features::ENVIRONMENT,
+    "textured path re-use": Features::REUSE | Features::TEXTURES | Features::ENVIRONMENT,
     "full": Features::ALL,
 }
 

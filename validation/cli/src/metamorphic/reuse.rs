@@ -57,7 +57,7 @@ impl Case {
             let view = if self.pixels > 16 { one_of::<8> } else { one_of::<4> };
             vec![Term { view: Some(view), ..Term::new(scene(&[&integrator, &self.camera, &self.world])) }]
         };
-        Relation::expectation(self.name, side(1), side(self.pixels)).samples(2048)
+        Relation::expectation(self.name, side(1), side(self.pixels)).samples(1024)
     }
 }
 
@@ -91,7 +91,6 @@ pub fn relations() -> Vec<Relation> {
         diffuse(0.7)
     );
     let plastic = bsdf("roughplastic", &(float("alpha", 0.2) + &grey("diffuse_reflectance", 0.5)));
-    let sf11 = "<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>";
     let wide = camera().replace("<rfilter type=\"box\"/>", "<rfilter type=\"gaussian\"/>");
     let case = Case::new;
     let cases = vec![
@@ -121,7 +120,7 @@ pub fn relations() -> Vec<Relation> {
         case("checks", closed_room(checks) + &ball(checks)),
     ];
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
-    relations.extend(noisy.into_iter().map(|case| case.relation().samples(8192)));
-    relations.push(in_spectra(case("dispersion", room(&ball(sf11))).relation()));
+    relations.extend(noisy.into_iter().map(|case| case.relation().samples(4096)));
+    relations.push(in_spectra(case("spectra", closed_room(checks) + &matte).relation()).samples(4096));
     relations
 }
