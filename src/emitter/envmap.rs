@@ -3,7 +3,7 @@
 use super::{AnyEmitter, DirectSample};
 use crate::math::frame::unit;
 use crate::math::function::{acos, atan2, cos, sin_cos_turn};
-use crate::math::{DVec2, DVec3, Discrete, INV_PI, Transform};
+use crate::math::{DVec2, DVec3, Discrete, INV_PI, Transform, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::spectrum::upsample::Sigmoid;
@@ -33,7 +33,10 @@ pub struct EnvironmentMap {
     scale: f32,
     to_local: Transform,
     to_world: Transform,
-    /// Chooses a row of cells, then a cell in it. Within a cell directions are uniform in solid angle.
+    /// Of the texels.
+    luminance: Vec<f64>,
+    /// Chooses a row of cells, then a cell in it. A cell lies between four texel centres, and within it the density is
+    /// bilinear in the turn and the height, as the luminance nearly is.
     rows: Discrete,
     columns: Vec<Discrete>,
     mean: f64,
@@ -71,33 +74,33 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 impl EnvironmentMap {
     fn new(texels: Vec<Texel>, luminance: &[f64], width: usize, scale: f64, to_world: Transform) -> Self {
         let height = texels.len() / width;
-        // A cell is a column's width and the strip between two rows; its light is the bilinear mean.
         let weight = |row: usize, column: usize| {
-            let (left, right) = ((column + width - 1) % width, (column + 1) % width);
-            let at = |row: usize| {
-                let l = |column: usize| luminance[row * width + column];
-                0.125 * (l(left) + l(right)) + 0.75 * l(column)
-            };
-            0.5 * (at(row) + at(row + 1)) * strip(row, height)
+            let corners = corners(luminance, width, (row, column));
+            0.25 * corners.as_flattened().iter().sum::<f64>() * strip(row, height)
         };
         let columns: Vec<Discrete> =
             (0..height - 1).map(|row| Discrete::new((0..width).map(|column| weight(row, column)))).collect();
         let rows = Discrete::new(columns.iter().map(Discrete::total));
         let mean = rows.total() * scale / (2.0 * width as f64);
         let to_local = to_world.inverted();
-        Self { texels, width, height, scale: scale as f32, to_local, to_world, rows, columns, mean }
+        let (luminance, scale) = (luminance.to_vec(), scale as f32);
+        Self { texels, width, height, scale, to_local, to_world, luminance, rows, columns, mean }
     }
 
     pub fn sample(&self, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
         let (row, row_probability, v) = self.rows.sample(u.y);
         let (column, column_probability, across) = self.columns[row].sample(u.x);
-        let turn = (column as f64 + across) / self.width as f64;
+        let [above, below] = corners(&self.luminance, self.width, (row, column));
+        let across = warp::linear(across, above[0] + below[0], above[1] + below[1]);
+        let v = warp::linear(v, lerp(above, across), lerp(below, across));
+        let turn = (column as f64 + 0.5 + across) / self.width as f64;
+        let turn = if turn < 1.0 { turn } else { turn - 1.0 };
         let top = cos(PI * row as f64 / (self.height - 1) as f64);
         let z = top - v * strip(row, self.height);
-        let (sin, cos) = sin_cos_turn(turn.min(1.0));
+        let (sin, cos) = sin_cos_turn(turn);
         let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
         let wi = unit(self.to_world.vector(DVec3::new(r * sin, z, -r * cos)));
-        let pdf = row_probability * column_probability * self.cells_per_steradian(row);
+        let pdf = row_probability * column_probability * self.density((row, column), (across, v));
         let place = DVec2::new(turn, INV_PI * acos(z.clamp(-1.0, 1.0)));
         (pdf > 0.0).then(|| DirectSample {
             wi,
@@ -107,6 +110,14 @@ impl EnvironmentMap {
             delta: false,
             n: DVec3::ZERO,
         })
+    }
+
+    /// The density in sr⁻¹ within a cell, at parts of its width and of its height in z.
+    fn density(&self, (row, column): (usize, usize), (across, v): (f64, f64)) -> f64 {
+        let [above, below] = corners(&self.luminance, self.width, (row, column));
+        let here = lerp([lerp(above, across), lerp(below, across)], v);
+        let mean = 0.25 * (above[0] + above[1] + below[0] + below[1]);
+        if mean > 0.0 { here / mean * self.cells_per_steradian(row) } else { 0.0 }
     }
 
     fn cells_per_steradian(&self, row: usize) -> f64 {
@@ -120,9 +131,14 @@ impl EnvironmentMap {
         let turn = if turn < 0.0 { turn + 1.0 } else { turn };
         let place = DVec2::new(turn, INV_PI * acos(w.y.clamp(-1.0, 1.0)));
         let row = ((place.y * (self.height - 1) as f64) as usize).min(self.height - 2);
-        let column = ((turn * self.width as f64) as usize).min(self.width - 1);
+        let x = turn * self.width as f64 - 0.5;
+        let x = if x < 0.0 { x + self.width as f64 } else { x };
+        let column = (x as usize).min(self.width - 1);
+        let top = cos(PI * row as f64 / (self.height - 1) as f64);
+        let v = ((top - w.y) / strip(row, self.height)).clamp(0.0, 1.0);
         let probability = self.rows.probability(row) * self.columns[row].probability(column);
-        (self.eval(place, λ), probability * self.cells_per_steradian(row))
+        let density = self.density((row, column), (x - column as f64, v));
+        (self.eval(place, λ), probability * density)
     }
 
     /// The bilinear value at a turn about +y and a polar angle in half turns.
@@ -159,6 +175,16 @@ impl EnvironmentMap {
     pub fn mean(&self) -> f64 {
         self.mean
     }
+}
+
+/// The luminance at the corners of a cell: of the row above, left and right, and of the row below.
+fn corners(luminance: &[f64], width: usize, (row, column): (usize, usize)) -> [[f64; 2]; 2] {
+    let at = |row: usize, column: usize| luminance[row * width + column % width];
+    [row, row + 1].map(|row| [at(row, column), at(row, column + 1)])
+}
+
+fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
+    a + t * (b - a)
 }
 
 /// cos of a strip's upper polar angle minus that of its lower: 2 sin(mid) sin(half), free of cancellation.

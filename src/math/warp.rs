@@ -71,10 +71,31 @@ pub fn triangle(u: DVec2) -> DVec2 {
     }
 }
 
+/// A number in [0, 1) to one whose density is linear, from `a` at 0 to `b` at 1 up to a factor, both ≥ 0.
+///
+/// The root of a x + (b − a) x²/2 = u (a + b)/2, in the form that nothing cancels in.
+#[inline]
+pub fn linear(u: f64, a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    if sum > 0.0 { u * sum / (a + (a * a + u * (b - a) * sum).max(0.0).sqrt()) } else { u }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::length;
+
+    #[test]
+    fn the_distribution_of_a_linear_density_is_undone() {
+        for (a, b) in [(1.0, 1.0), (0.0, 2.0), (3.0, 0.0), (0.25, 8.0), (1e-300, 1e-300), (1e200, 1.0)] {
+            for u in (1..64).map(|i| i as f64 / 64.0) {
+                let x = linear(u, a, b);
+                let distribution = x * (2.0 * a / (a + b) + (b - a) / (a + b) * x);
+                assert!((distribution - u).abs() < 1e-12, "{a} {b} {u}");
+            }
+        }
+        assert_eq!(linear(0.25, 0.0, 0.0), 0.25);
+    }
 
     fn grid() -> impl Iterator<Item = DVec2> {
         (0..64)
