@@ -507,3 +507,6 @@ pub fn environment(
     let rival = scene.emitters.probability(index) * pdf * emitter_samples as f64;
     radiance * power_heuristic(arrival.pdf, rival) as f32
 }
+
+#[cfg(test)]
+mod tests;
