@@ -73,7 +73,8 @@ struct SceneArguments {
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
     light_paths: Option<f64>,
-    /// Neighbouring pixels that share what their paths find: 1, 2, 4, 8 or 16; less noise, but no longer independent
+    /// Neighbouring pixels that share what their paths find: a power of two up to 64, or `auto`; less noise, but no
+    /// longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
     /// Size of the film instead of the scene's, such as 640x480
@@ -112,7 +113,7 @@ impl SceneArguments {
         say("--integrator", self.integrator.clone());
         say("--max-depth", self.max_depth.map(|m| m.to_string()));
         say("--light-paths", self.light_paths.map(|share| share.to_string()));
-        say("--reuse", self.reuse.map(|pixels| pixels.to_string()));
+        say("--reuse", self.reuse.map(|pixels| if pixels == 0 { "auto".into() } else { pixels.to_string() }));
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));
@@ -135,8 +136,12 @@ fn light_paths(text: &str) -> Result<f64, String> {
 }
 
 fn reuse(text: &str) -> Result<u32, String> {
-    let pixels = text.parse().ok().filter(|pixels| etalon::integrator::path::reuse::PIXELS.contains(pixels));
-    pixels.ok_or_else(|| "expected 1, 2, 4, 8 or 16".into())
+    use etalon::integrator::path::reuse::{AUTO, PIXELS};
+    if text == "auto" {
+        return Ok(AUTO);
+    }
+    let pixels = text.parse().ok().filter(|pixels| PIXELS.contains(pixels));
+    pixels.ok_or_else(|| "expected a power of two up to 64, or `auto`".into())
 }
 
 fn color(text: &str) -> Result<ColorMode, String> {

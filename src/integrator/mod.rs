@@ -114,6 +114,7 @@ kernels! {
     "caustics": Features::CAUSTICS,
     "path re-use": Features::REUSE | Features::CAUSTICS | Features::ENVIRONMENT,
     "textured": Features::TEXTURES | Features::ENVIRONMENT,
+    "textured path re-use": Features::REUSE | Features::TEXTURES | Features::ENVIRONMENT,
     "full": Features::ALL,
 }
 
@@ -167,6 +168,15 @@ impl AnyIntegrator {
     /// How many neighbouring pixels share what their paths find; see [`path::reuse`].
     pub fn reuse(&self) -> u32 {
         self.path().map_or(1, |path| path.reuse)
+    }
+
+    /// Settles [`reuse`](Self::reuse).
+    pub fn set_reuse(&mut self, pixels: u32) {
+        match self {
+            Self::Path(path) => path.reuse = pixels,
+            Self::Aov(aov) => aov.nested.iter_mut().for_each(|nested| nested.set_reuse(pixels)),
+            Self::Direct(_) | Self::Depth(_) => {}
+        }
     }
 
     /// Whether the image has colours, and not only auxiliary channels.

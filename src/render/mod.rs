@@ -6,13 +6,14 @@ pub mod memory;
 pub mod passes;
 pub mod pilot;
 pub mod preview;
+pub mod reuse;
 pub mod sample;
 pub mod share;
 mod splats;
 mod tile;
 
 use crate::film::{Accumulators, BLOCK};
-use crate::image::{Channel, Image, Provenance, Window};
+use crate::image::{Attribute, Channel, Image, Provenance, Window};
 use crate::integrator::{KernelEntry, kernel_for};
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
@@ -26,6 +27,9 @@ use tile::{Tile, tile};
 
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
+
+/// The attribute of an image that says how many pixels shared what their paths found: their errors are not independent.
+pub const REUSE: &str = "reuse";
 
 /// What to render of a scene.
 #[derive(Clone, Debug)]
@@ -126,7 +130,10 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
         samples: settings.samples.clone(),
         kernel: kernel.name.into(),
         integrator: scene.integrator.name().into(),
-        extra: BTreeMap::new(),
+        extra: match scene.integrator.reuse() {
+            1 => BTreeMap::new(),
+            pixels => BTreeMap::from([(REUSE.into(), Attribute::Integer(pixels as i32))]),
+        },
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its square. It falls as
 //! 1/n, so an error E needs N = n R²/E² samples. R² is uncertain itself. The variances v of the P pixels are
-//! independent estimates, so the variance of their sum is at most Σ v², that of the sum relative to it at most
+//! independent estimates, or those of squares of pixels are that share what they find, so the variance of their sum is at most Σ v², that of the sum relative to it at most
 //! r² = Σ v²/(Σ v)²; and the mean by which it is divided has the relative error R, so its square 2R. The error found after the
 //! render is uncertain in the same way, less by n/N. With two standard deviations of all this,
 //!
@@ -17,9 +17,10 @@
 //! estimate, and the samples that nobody has seen yet may be larger.
 
 use super::passes::{Partial, render_passes};
-use super::{Progress, Settings};
+use super::{Progress, REUSE, Settings};
 use crate::film::BLOCK;
-use crate::image::Image;
+use crate::image::{Attribute, Image, Window};
+use crate::integrator::path::reuse::correlated_edge;
 use crate::scene::Scene;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -55,29 +56,40 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Sums up values and variances of pixels, channel by channel; of more than three channels the first three.
-    pub fn new<C, V>(pixels: usize, channels: C) -> Self
+    /// Sums up values and variances of the pixels of a window, channel by channel; of more than three channels the first three. Within
+    /// squares of the film of this edge errors may be correlated, by however much.
+    pub fn new<C, V>(window: Window, edge: u32, channels: C) -> Self
     where
         C: IntoIterator<Item = V>,
         V: IntoIterator<Item = (f64, f64)>,
     {
+        let pixels = window.pixels();
+        let columns = ((window.x + window.width).div_ceil(edge) - window.x / edge) as usize;
+        let rows = ((window.y + window.height).div_ceil(edge) - window.y / edge) as usize;
         let mut mean = [0.0; 3];
-        let mut variances = vec![0.0; pixels];
+        let mut variance = 0.0;
+        // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel it is just that.
+        let mut squares = vec![0.0; columns * rows];
         for (mean, channel) in mean.iter_mut().zip(channels) {
-            for (variance, (value, v)) in variances.iter_mut().zip(channel) {
+            let mut deviations = vec![0.0; columns * rows];
+            for (i, (value, v)) in channel.into_iter().enumerate() {
+                let (x, y) = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
+                let square =
+                    (y / edge - window.y / edge) as usize * columns + (x / edge - window.x / edge) as usize;
                 *mean += value / pixels as f64;
-                *variance += v;
+                variance += v;
+                deviations[square] += v.sqrt();
             }
+            squares.iter_mut().zip(&deviations).for_each(|(sum, deviation)| *sum += deviation * deviation);
         }
-        let sum: f64 = variances.iter().sum();
-        let squares: f64 = variances.iter().map(|v| v * v).sum();
+        let sum: f64 = squares.iter().sum();
+        let fourth: f64 = squares.iter().map(|v| v * v).sum();
         let scale = mean.iter().sum::<f64>() / 3.0;
-        let relative = (sum / pixels as f64 / 3.0).sqrt() / scale;
         Self {
             mean,
-            relative_standard_error: relative,
-            relative_standard_error_of_mean: relative / (pixels as f64).sqrt(),
-            effective_pixels: if squares > 0.0 { sum * sum / squares } else { pixels as f64 },
+            relative_standard_error: (variance / pixels as f64 / 3.0).sqrt() / scale,
+            relative_standard_error_of_mean: (sum / 3.0).sqrt() / pixels as f64 / scale,
+            effective_pixels: if fourth > 0.0 { sum * sum / fourth } else { pixels as f64 },
             pixels,
         }
     }
@@ -88,14 +100,16 @@ impl Quality {
             let variance = |i: usize| channel.variance.as_ref().map_or(f64::INFINITY, |v| f64::from(v[i]));
             channel.mean.iter().enumerate().map(move |(i, &mean)| (f64::from(mean), variance(i)))
         });
-        Self::new(image.crop.pixels(), channels)
+        let attribute = image.provenance.as_ref().and_then(|provenance| provenance.extra.get(REUSE));
+        let reuse = if let Some(Attribute::Integer(pixels)) = attribute { *pixels as u32 } else { 1 };
+        Self::new(image.crop, correlated_edge(reuse.max(1)), channels)
     }
 
-    fn of(partial: &Partial) -> Self {
+    fn of(partial: &Partial, window: Window, edge: u32) -> Self {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
-        Self::new(partial.sums.width() as usize * partial.sums.height() as usize, channels)
+        Self::new(window, edge, channels)
     }
 
     /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.
@@ -138,12 +152,14 @@ pub fn for_error(
     progress: &Progress,
 ) -> Result<Pilot, NoCount> {
     let mut needed = f64::INFINITY;
+    let edge = correlated_edge(scene.integrator.reuse());
+    let quality_of = |partial: &Partial| Quality::of(partial, settings.window, edge);
     let pilot = run(scene, settings, progress, |partial| {
         let n = partial.samples.end as f64;
         if partial.samples.end < FEWEST {
             return ControlFlow::Continue(());
         }
-        let quality = Quality::of(partial);
+        let quality = quality_of(partial);
         let relative = quality.relative_standard_error_of_mean;
         let plain = n * (relative / target) * (relative / target);
         let r2 = 1.0 / quality.effective_pixels;
@@ -156,7 +172,7 @@ pub fn for_error(
             ControlFlow::Continue(())
         }
     })?;
-    let quality = Quality::of(&pilot);
+    let quality = quality_of(&pilot);
     if pilot.report.non_finite > 0 {
         return Err(NoCount::NonFinite);
     }
@@ -178,6 +194,7 @@ pub fn for_time(
     seconds: f64,
     progress: &Progress,
 ) -> Result<Pilot, NoCount> {
+    let edge = correlated_edge(scene.integrator.reuse());
     let begin = Instant::now();
     let pilot = run(scene, settings, progress, |_| {
         if begin.elapsed().as_secs_f64() < seconds / 20.0 {
@@ -189,7 +206,12 @@ pub fn for_time(
     let spent = begin.elapsed().as_secs_f64();
     let count = pilot.samples.end as f64 * ((seconds - spent) / spent).max(0.0);
     let count = (count.min(MOST as f64) as u64 / BLOCK * BLOCK).max(BLOCK);
-    Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality: Quality::of(&pilot) })
+    Ok(Pilot {
+        count,
+        samples: pilot.samples.end,
+        rays: pilot.report.rays,
+        quality: Quality::of(&pilot, settings.window, edge),
+    })
 }
 
 fn run(

@@ -164,10 +164,7 @@ impl<'a> Camera<'a> {
         for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
             numbers.fill(which.len(), |i| (&samplers[i], CAMERA));
             for (i, (&(pixel, _), sampler)) in which.iter().zip(samplers).enumerate() {
-                let (mut path, weight) = self.path(pixel, *sampler, numbers.of(i));
-                if let Some(&(group, u)) = groups.get(first + i) {
-                    (path.group, path.λ) = (group, self.wavelengths(u));
-                }
+                let (path, weight) = self.path(pixel, *sampler, numbers.of(i), groups.get(first + i));
                 paths.push(path);
                 weights.push(weight);
             }
@@ -175,25 +172,32 @@ impl<'a> Camera<'a> {
         (paths, weights)
     }
 
-    /// Of samples whose pixels share what they find: the group of each, and the number that chooses its wavelengths.
-    fn groups(&self, which: &[((u32, u32), u64)]) -> Vec<(u32, f64)> {
+    /// Of samples whose pixels share what they find: the number of each one's group. All samples of a cell have the
+    /// wavelengths of its corner, which come second.
+    fn groups(&self, which: &[((u32, u32), u64)]) -> Vec<(u32, Wavelengths)> {
         let pixels = self.scene.integrator.reuse();
         if pixels == 1 {
             return vec![];
         }
-        let (mut last, mut number, mut u) = (None, 0, 0.0);
-        let mut of = |&(pixel, sample): &((u32, u32), u64)| {
+        let kind = self.scene.sensor.sampler.kind;
+        let mut last: Option<(reuse::Group, u32, Wavelengths)> = None;
+        let of = |&(pixel, sample): &((u32, u32), u64)| {
             let group = reuse::group(pixel, sample, pixels);
-            if last != Some(group) {
-                number += 1;
-                let corner = (group.0 * reuse::CELL, group.1 * reuse::CELL);
-                let sampler = Sampler::new(self.scene.sensor.sampler.kind, self.seed, corner, sample as u32);
-                u = sampler.block(CAMERA).one(4);
-            }
-            last = Some(group);
-            (number, u)
+            let (number, λ) = match last {
+                Some((known, number, λ)) if known == group => (number, λ),
+                Some((known, number, λ)) if known.cell == group.cell && known.sample == sample => {
+                    (number + 1, λ)
+                }
+                _ => {
+                    let sampler = Sampler::new(kind, self.seed, group.corner(), sample as u32);
+                    let number = last.map_or(0, |(_, number, _)| number + 1);
+                    (number, self.wavelengths(sampler.block(CAMERA).one(4)))
+                }
+            };
+            last = Some((group, number, λ));
+            (number, λ)
         };
-        which.iter().map(&mut of).collect()
+        which.iter().map(of).collect()
     }
 
     #[inline]
@@ -206,12 +210,18 @@ impl<'a> Camera<'a> {
     }
 
     #[inline]
-    fn path(&self, pixel: (u32, u32), sampler: Sampler, u: Numbers) -> (CameraPath, f64) {
+    fn path(
+        &self,
+        pixel: (u32, u32),
+        sampler: Sampler,
+        u: Numbers,
+        group: Option<&(u32, Wavelengths)>,
+    ) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;
         let (place, weight) = film.place(pixel, u.pair(0));
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
-        let λ = self.wavelengths(u.one(4));
+        let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.one(4))));
         let ray = self.scene.sensor.camera.ray(place, u.pair(1));
-        (CameraPath { ray, λ, sampler, group: 0, radiance: Spectrum::ZERO, covered: false }, weight)
+        (CameraPath { ray, λ, sampler, group, radiance: Spectrum::ZERO, covered: false }, weight)
     }
 }

@@ -13,7 +13,7 @@ use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
 use crate::integrator::caustics::Caustics;
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::{DVec3, Ray, Transform, length};
-use crate::render::share;
+use crate::render::{reuse, share};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
 use crate::shape::{Declared, Geometry, SHAPES};
@@ -146,6 +146,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         features,
         hash,
     };
+    reuse::settle(&mut scene);
     share::settle(&mut scene);
     Ok(scene)
 }

@@ -20,6 +20,8 @@ impl Default for Units {
 pub struct Trial {
     pub name: &'static str,
     pub mode: ColorMode,
+    /// Further options of the integrator.
+    options: &'static str,
     camera: &'static str,
     filter: &'static str,
     sampler: &'static str,
@@ -39,6 +41,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "diffuse box",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="box""#,
         sampler: "sobol",
@@ -49,6 +52,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "mirror and glass through a lens",
         mode: ColorMode::Spectral,
+        options: "",
         camera: LENS,
         filter: r#"type="box""#,
         sampler: "sobol",
@@ -60,6 +64,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "textured plastic",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="box""#,
         sampler: "sobol",
@@ -70,6 +75,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "brushed metal in the open",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="box""#,
         sampler: "sobol",
@@ -81,6 +87,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "dispersive glass",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="box""#,
         sampler: "sobol",
@@ -90,6 +97,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "mesh under a gaussian filter",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="gaussian""#,
         sampler: "sobol",
@@ -99,6 +107,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "independent numbers",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="mitchell""#,
         sampler: "independent",
@@ -108,6 +117,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "three colours",
         mode: ColorMode::Rgb,
+        options: "",
         camera: LENS,
         filter: r#"type="tent""#,
         sampler: "independent",
@@ -119,6 +129,7 @@ pub const SCENES: &[Trial] = &[
     Trial {
         name: "instances with inclined normals",
         mode: ColorMode::Spectral,
+        options: "",
         camera: CAMERA,
         filter: r#"type="box""#,
         sampler: "sobol",
@@ -128,13 +139,37 @@ pub const SCENES: &[Trial] = &[
           <shape type="instance"><ref id="pair"/><transform name="to_world"><rotate z="1" angle="30"/>{place}</transform></shape>
           <shape type="instance"><ref id="pair"/><transform name="to_world"><scale x="-0.5" y="0.75" z="0.5"/><translate x="-1"/>{place}</transform></shape>"#,
     },
+    Trial {
+        name: "shared paths around glass",
+        mode: ColorMode::Spectral,
+        options: r#"<integer name="reuse" value="8"/>"#,
+        camera: CAMERA,
+        filter: r#"type="box""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="sphere"><transform name="to_world"><scale value="0.5"/><translate x="-0.7"/>{place}</transform>
+          <bsdf type="dielectric"/></shape>
+          <shape type="cube"><transform name="to_world"><scale value="0.5"/><rotate y="1" angle="30"/><translate x="0.7"/>{place}</transform>
+          <bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.6, 0.3"/></bsdf></shape>"#,
+    },
+    Trial {
+        name: "shared paths between textures",
+        mode: ColorMode::Rgb,
+        options: r#"<integer name="reuse" value="32"/><integer name="rr_depth" value="2"/>"#,
+        camera: LENS,
+        filter: r#"type="gaussian""#,
+        sampler: "independent",
+        content: r#"{lamp}<emitter type="constant"><rgb name="radiance" value="L(0.25, 0.5, 1)"/></emitter>
+          <shape type="sphere"><transform name="to_world"><scale value="0.8"/>{place}</transform>
+          <bsdf type="diffuse"><texture name="reflectance" type="checkerboard">
+          <transform name="to_uv"><scale x="6" y="3"/></transform></texture></bsdf></shape>"#,
+    },
 ];
 
 impl Trial {
     /// The scene file; a product with a power of two is exact, and printed so that reading gives it back.
     pub fn text(&self, units: Units) -> String {
         let frame = format!(
-            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="7"/></integrator>
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="7"/>{options}</integrator>
 <sensor {camera}<float name="fov" value="45"/><float name="near_clip" value="X(0.0625)"/><float name="far_clip" value="X(64)"/>
 <transform name="to_world"><lookat origin="X(0.25, 0.75, -4)" target="X(0, 0, 0)" up="0, 1, 0"/></transform>
 <sampler type="{sampler}"><integer name="sample_count" value="4"/></sampler>
@@ -142,6 +177,7 @@ impl Trial {
 {content}
 </scene>
 "#,
+            options = self.options,
             camera = self.camera,
             sampler = self.sampler,
             filter = self.filter,

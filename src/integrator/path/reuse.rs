@@ -3,10 +3,10 @@
 //! Paths i = 1…N of neighbouring pixels, made of the same wavelengths, leave matte points xᵢ and arrive at matte points yᵢ. What
 //! path j finds from yⱼ on is an estimate Lⱼ of the radiance that leaves yⱼ for all directions alike, so it tells every pixel
 //! that sees yⱼ from its own xᵢ. Each of the N points y is a sample of N techniques: that of xₖ has the density, in
-//! area about y, pₖ(y) = Vₖ(y) cos θₖ |cos θ_y| / (π dₖ²), V being visibility. With the balance heuristic (Veach 1997, §9.2.2)
+//! area about y, pₖ(y) = Gₖ(y)/π with Gₖ(y) = Vₖ(y) cos θₖ |cos ϑₖ| / dₖ²: visibility, the cosines at xₖ and at y, the distance. With the balance heuristic (Veach 1997, §9.2.2)
 //! pixel i gathers
 //!
-//!   Σⱼ (ρᵢ/π) Vᵢ(yⱼ) cos θᵢ |cos θ_y| / dᵢ² · Lⱼ / Σₖ pₖ(yⱼ)  =  ρᵢ Σⱼ wᵢⱼ Lⱼ,   wᵢⱼ = Vᵢ(yⱼ) cos θᵢ/dᵢ² / Σₖ Vₖ(yⱼ) cos θₖ/dₖ²,
+//!   Σⱼ (ρᵢ/π) Gᵢ(yⱼ) Lⱼ / Σₖ pₖ(yⱼ)  =  ρᵢ Σⱼ wᵢⱼ Lⱼ,   wᵢⱼ = Gᵢ(yⱼ) / Σₖ Gₖ(yⱼ),
 //!
 //! where everything but the weights cancels: no weight is above one, and Σᵢ wᵢⱼ = 1, so nothing is gained or lost. One shadow
 //! ray buys a pixel the rest of a whole path (Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths"). The
@@ -16,16 +16,24 @@
 //! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
 
 use crate::integrator::{CameraPath, Counters};
-use crate::math::ray::Ends;
-use crate::math::{DVec3, Ray};
+use crate::math::ray::{Ends, position_error};
+use crate::math::{DVec3, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
 /// Edge in pixels of the cells of the film within which pixels share paths.
-pub const CELL: u32 = 4;
+pub const CELL: u32 = 8;
+
+/// Instead of a number of pixels: a pilot decides, see [`crate::render::reuse`].
+pub const AUTO: u32 = 0;
 
 /// How many pixels can share their paths; 1 is none.
-pub const PIXELS: [u32; 5] = [1, 2, 4, 8, 16];
+pub const PIXELS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+
+/// Edge in pixels of the squares beyond which no two pixels have anything in common, if `pixels` share.
+pub fn correlated_edge(pixels: u32) -> u32 {
+    1 << pixels.ilog2().div_ceil(2)
+}
 
 /// The pixels of a sample that can share what they find with `pixel`, as far as they are on the film: those of a group of any
 /// size in [`PIXELS`] follow one another. Groups are as compact as can be, and lie across in every other sample, so that
@@ -37,19 +45,36 @@ pub fn cell(
 ) -> impl Iterator<Item = ((u32, u32), u64)> {
     let corner = (x / CELL * CELL, y / CELL * CELL);
     let pixel = move |i: u32| {
-        let (x, y) = ((i & 1) | (i >> 1 & 2), (i >> 1 & 1) | (i >> 2 & 2));
+        let bits = |i: u32| (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
+        let (x, y) = (bits(i), bits(i >> 1));
         let (x, y) = if sample.is_multiple_of(2) { (x, y) } else { (y, x) };
         (corner.0 + x, corner.1 + y)
     };
     (0..CELL * CELL).map(pixel).filter(move |p| p.0 < width && p.1 < height).map(move |pixel| (pixel, sample))
 }
 
-/// What tells apart the group of a pixel's sample from all others: its cell, its sample, and its number in the cell.
-pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> (u32, u32, u64, u32) {
-    let (cell, inside) = ((x / CELL, y / CELL), (x % CELL, y % CELL));
-    let (x, y) = if sample.is_multiple_of(2) { inside } else { (inside.1, inside.0) };
-    let i = (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
-    (cell.0, cell.1, sample, i / pixels)
+/// What tells apart the group of a pixel's sample from all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Group {
+    pub cell: (u32, u32),
+    pub sample: u64,
+    /// Within the cell.
+    pub number: u32,
+}
+
+impl Group {
+    /// The first pixel of the cell.
+    pub fn corner(&self) -> (u32, u32) {
+        (self.cell.0 * CELL, self.cell.1 * CELL)
+    }
+}
+
+/// The group of a sample, if there are so many pixels to each.
+pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> Group {
+    let inside = (x % CELL, y % CELL);
+    let (i, j) = if sample.is_multiple_of(2) { inside } else { (inside.1, inside.0) };
+    let place = (0..3).map(|bit| (i >> bit & 1) << (2 * bit) | (j >> bit & 1) << (2 * bit + 1)).sum::<u32>();
+    Group { cell: (x / CELL, y / CELL), sample, number: place / pixels }
 }
 
 /// A matte point that a pixel sees.
@@ -66,8 +91,10 @@ pub struct Receiver {
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
     pub p: DVec3,
-    /// World, on the side where the path came from.
+    /// World, on the side where the path came from: its shading normal, on whose side it is matte.
     pub n: DVec3,
+    /// World, of the surface itself, on either side: areas are its.
+    pub ng: DVec3,
 }
 
 /// What a path has to share.
@@ -133,14 +160,15 @@ impl Exchange {
     /// The ray from a receiver to a source, if they face each other.
     fn propose(&mut self, receiver: &Receiver, source: &Source, (j, i): (usize, usize)) {
         let to_source = source.p - receiver.p;
-        let distance = to_source.length();
+        let distance = length(to_source);
         let direction = to_source / distance;
-        let cos = receiver.n.dot(direction);
+        let cosines = receiver.n.dot(direction) * source.ng.dot(direction).abs();
         // A path knows of itself that it met its source, whatever rounding says.
-        let share = cos / (distance * distance);
+        let share = cosines / (distance * distance);
         let faces = share > 0.0 && share.is_finite() && source.n.dot(direction) < 0.0;
         if faces || i == j {
-            let ray = Ray::leaving(receiver.p, direction, distance, receiver.primitive);
+            let end = distance - 4.0 * (position_error(receiver.p) + position_error(source.p));
+            let ray = Ray::leaving(receiver.p, direction, end, receiver.primitive);
             self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
             self.shares.push((j, i, share));
         }
@@ -158,6 +186,45 @@ impl Exchange {
                 }
             }
             first += shares.len();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn groups_are_runs_of_a_cell_and_part_the_film() {
+        let film = (21, 13);
+        for pixels in PIXELS {
+            for sample in [0, 1, 6] {
+                let mut seen = BTreeMap::new();
+                for corner in (0..3).flat_map(|x| (0..2).map(move |y| (x * CELL, y * CELL))) {
+                    let cell: Vec<_> = cell(corner, sample, film).collect();
+                    let groups: Vec<Group> = cell.iter().map(|of| group(of.0, of.1, pixels)).collect();
+                    let mut distinct = groups.clone();
+                    distinct.dedup();
+                    let runs = distinct.len();
+                    distinct.sort_by_key(|group| group.number);
+                    distinct.dedup();
+                    assert_eq!(runs, distinct.len(), "a group in two pieces");
+                    for (of, group) in cell.iter().zip(groups) {
+                        assert_eq!((of.1, group.sample, group.corner()), (sample, sample, corner));
+                        assert_eq!(seen.insert(of.0, group), None);
+                        let edge = correlated_edge(pixels);
+                        let partners =
+                            cell.iter().filter(|other| super::group(other.0, sample, pixels) == group);
+                        let near = |a: u32, b: u32| a / edge == b / edge;
+                        assert!(partners.clone().all(|p| near(p.0.0, of.0.0) && near(p.0.1, of.0.1)));
+                        assert!(partners.count() <= pixels as usize);
+                    }
+                }
+                assert_eq!(seen.len(), (film.0 * film.1) as usize);
+                let full = seen.values().filter(|group| group.cell == (0, 0) && group.number == 0).count();
+                assert_eq!(full, pixels as usize);
+            }
         }
     }
 }

@@ -16,7 +16,7 @@ fn variance(emitter_samples: u32) -> f64 {
     let hidden = lamp(r#"<translate z="2"/>"#);
     let text = format!(
         r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="2"/>
-                <integer name="emitter_samples" value="{emitter_samples}"/></integrator>
+                <integer name="emitter_samples" value="{emitter_samples}"/><integer name="reuse" value="1"/></integrator>
             <sensor type="perspective"><float name="fov" value="0.001"/>
                 <transform name="to_world"><lookat origin="0, -3, 0.5" target="0, 0, 0" up="0, 0, 1"/></transform>
                 <sampler type="independent"/>

@@ -104,7 +104,8 @@ fn a_time_becomes_whole_blocks() {
 fn few_pixels_with_all_the_variance_are_heavy_tails() {
     let quality = |variances: &[f64]| {
         let channel = || variances.iter().map(|&v| (1.0, v));
-        Quality::new(variances.len(), [channel(), channel(), channel()])
+        let window = Window { x: 3, y: 1, width: variances.len() as u32 / 4, height: 4 };
+        Quality::new(window, 1, [channel(), channel(), channel()])
     };
     let even = quality(&[2.0; 1000]);
     assert!((even.effective_pixels - 1000.0).abs() < 1e-6 && !even.heavy_tailed());
@@ -116,4 +117,24 @@ fn few_pixels_with_all_the_variance_are_heavy_tails() {
     let heavy = quality(&outliers);
     assert!(heavy.heavy_tailed() && (heavy.effective_pixels - 3.0).abs() < 0.01);
     assert!(!quality(&[0.0; 100]).heavy_tailed());
+}
+
+#[test]
+fn errors_of_pixels_that_share_paths_may_add_up() {
+    let channel = || (0..24).map(|i| (2.0, f64::from(1 + i % 4)));
+    let quality = |edge| Quality::new(Window { x: 3, y: 2, width: 6, height: 4 }, edge, [channel()]);
+    let (alone, together) = (quality(1), quality(2));
+    assert_eq!(alone.relative_standard_error, together.relative_standard_error);
+    // Columns 3 | 4 5 | 6 7 | 8 and rows 2 3 | 4 5, by hand.
+    let deviation = |i: usize| f64::from(1 + i as u32 % 4).sqrt();
+    let rows = [[0, 6], [12, 18]].map(|rows| {
+        [vec![0], vec![1, 2], vec![3, 4], vec![5]].map(|columns| {
+            let pixels = columns.iter().flat_map(|c| rows.map(|r| r + c));
+            pixels.map(deviation).sum::<f64>()
+        })
+    });
+    let sum: f64 = rows.iter().flatten().map(|deviation| deviation * deviation).sum();
+    let expected = (sum / 3.0).sqrt() / 24.0 / (2.0 / 3.0);
+    assert!((together.relative_standard_error_of_mean / expected - 1.0).abs() < 1e-12);
+    assert!(together.relative_standard_error_of_mean > 1.7 * alone.relative_standard_error_of_mean);
 }

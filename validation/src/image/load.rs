@@ -6,6 +6,9 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 
 use super::{Channel, Image, ImageError};
 
+/// The attribute of Etalon's files whose pixels share what their paths find.
+const CORRELATED: &str = "etalon.reuse";
+
 /// What the name of a variance channel starts with.
 const VARIANCE: &str = "variance.";
 
@@ -18,7 +21,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
 }
 
 /// Reads an EXR file's bytes: every channel of every part, half and integer widened. Channels of a named part are called
-/// `part.channel`. A channel `variance.X` becomes the variance of channel `X`.
+/// `part.channel`. A channel `variance.X` becomes the variance of channel `X`, unless the file says that its pixels are
+/// correlated: then variances of pixels are not enough to compare by, and are left out.
 ///
 /// A file that claims more samples than one of its length can hold is refused before memory is taken for them.
 pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
@@ -58,7 +62,11 @@ pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
     if channels.iter().any(|channel| channel.mean.len() != width * height) {
         return Err(ImageError("subsampled channels are not supported".into()));
     }
-    Ok(Image { width, height, channels: pair_variances(channels) })
+    let mut channels = pair_variances(channels);
+    if file.layer_data.iter().any(|layer| layer.attributes.other.keys().any(|name| name == CORRELATED)) {
+        channels.iter_mut().for_each(|channel| channel.variance = None);
+    }
+    Ok(Image { width, height, channels })
 }
 
 fn widen(samples: &FlatSamples) -> Vec<f64> {

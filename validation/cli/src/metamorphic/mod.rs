@@ -13,6 +13,7 @@ mod invisible;
 mod lights;
 mod methods;
 mod motion;
+mod reuse;
 pub(crate) mod still_life;
 mod tessellation;
 mod transport;
@@ -149,6 +150,7 @@ pub const FAMILIES: &[Family<Relation>] = &[
     ("motion", motion::relations),
     ("invisible", invisible::relations),
     ("methods", methods::relations),
+    ("reuse", reuse::relations),
     ("tessellation", tessellation::relations),
     ("transport", transport::relations),
     ("wavelengths", wavelengths::relations),

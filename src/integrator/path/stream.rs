@@ -1,0 +1,145 @@
+//! Paths that take each step together.
+
+use super::Path;
+use super::reuse::{Exchange, Shared};
+use super::shadows::Shadows;
+use super::vertex::Arrival;
+use crate::integrator::{CameraPath, Counters};
+use crate::math::Ray;
+use crate::sampler::{FIRST_VERTEX, ManyNumbers};
+use crate::scene::{Features, Scene};
+use crate::shape::Hit;
+use crate::spectrum::Spectrum;
+
+/// How many camera paths are traced together: enough to fill vector registers most of the time, few enough for the
+/// nearest cache.
+pub const STREAM: usize = 64;
+
+/// A path on its way.
+#[derive(Clone, Copy)]
+pub struct State {
+    pub throughput: Spectrum,
+    /// The square of the relative index the path is in: radiance inside glass is larger by it, and roulette
+    /// must not take that for importance.
+    pub eta2: f64,
+    pub arrival: Arrival,
+    /// Edges behind it.
+    pub depth: u32,
+    /// Whether the ray still goes straight from the camera.
+    pub direct_view: bool,
+    /// The factors of how much likelier light paths make this path, and whether they would begin at the last vertex;
+    /// see [`caustics`].
+    pub light_ratio: f64,
+    pub from_caster: bool,
+    /// What is found from here on is shared with other pixels; the throughput begins at the source.
+    pub shares: bool,
+}
+
+impl State {
+    const START: Self = Self {
+        throughput: Spectrum::ONE,
+        eta2: 1.0,
+        arrival: Arrival { pdf: 1.0, delta: true },
+        depth: 0,
+        direct_view: true,
+        light_ratio: 1.0,
+        from_caster: false,
+        shares: false,
+    };
+}
+
+/// What a stream of paths needs on its way, kept for the next.
+#[derive(Default)]
+struct Stream {
+    states: Vec<State>,
+    /// The paths that still go on, with their rays side by side.
+    alive: Vec<usize>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    numbers: ManyNumbers<STREAM>,
+    shadows: Shadows,
+    shared: Vec<Shared>,
+    exchange: Exchange,
+}
+
+impl Path {
+    /// Estimates the radiance along camera rays.
+    ///
+    /// In streams of `STREAM`, all paths take a step together: their rays are traced, then their vertices are looked at one after another,
+    /// then the light that the vertices ask for is tested for visibility. Rays that lie side by side can share
+    /// vector registers, and the steps of neighbours overlap in the processor; no path knows of the others.
+    pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
+        if self.max_depth == 0 {
+            return;
+        }
+        let mut stream = Stream::default();
+        if F & Features::REUSE == 0 || self.reuse == 1 {
+            for paths in paths.chunks_mut(STREAM) {
+                self.trace_stream::<F>(scene, paths, &mut stream, counters);
+            }
+            return;
+        }
+        let mut paths = paths;
+        while !paths.is_empty() {
+            // As many groups as fit.
+            let mut end = 0;
+            for group in paths.chunk_by(|a, b| a.group == b.group) {
+                if end + group.len() > STREAM {
+                    break;
+                }
+                end += group.len();
+            }
+            let (now, later) = paths.split_at_mut(end);
+            self.trace_stream::<F>(scene, now, &mut stream, counters);
+            stream.exchange.share(scene, now, &stream.shared, counters);
+            paths = later;
+        }
+    }
+
+    fn trace_stream<const F: u32>(
+        &self,
+        scene: &Scene,
+        paths: &mut [CameraPath],
+        Stream { states, alive, rays, hits, numbers, shadows, shared, .. }: &mut Stream,
+        counters: &mut Counters,
+    ) {
+        states.clear();
+        states.resize(paths.len(), State::START);
+        shared.clear();
+        shared.resize(paths.len(), Shared::NOTHING);
+        alive.clear();
+        alive.extend(0..paths.len());
+        rays.clear();
+        rays.extend(paths.iter().map(|path| path.ray));
+        hits.resize(paths.len(), None);
+        while !alive.is_empty() {
+            let count = alive.len();
+            counters.rays += count as u64;
+            scene.accel.closest_all(rays, hits);
+            numbers.fill(count, |i| (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth));
+            let mut kept = 0;
+            for i in 0..count {
+                let index = alive[i];
+                let (path, state) = (&mut paths[index], &mut states[index]);
+                let onward = self.step::<F>(
+                    scene,
+                    (index, path, state, &mut shared[index]),
+                    (&rays[i], hits[i]),
+                    numbers.of(i),
+                    shadows,
+                    counters,
+                );
+                if let Some(ray) = onward {
+                    (alive[kept], rays[kept]) = (index, ray);
+                    kept += 1;
+                }
+                if shadows.rays.len() > Shadows::MANY {
+                    shadows.resolve(scene, paths, shared, counters);
+                }
+            }
+            alive.truncate(kept);
+            rays.truncate(kept);
+            shadows.resolve(scene, paths, shared, counters);
+        }
+    }
+}

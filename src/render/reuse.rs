@@ -1,0 +1,117 @@
+//! Whether pixels share what their paths find, where the scene leaves that to a pilot.
+//!
+//! Sharing multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: where light has
+//! met several matte surfaces. The pilot makes the same cells of pixels both ways, counts the rays, and takes the geometric mean of v over
+//! cells, which a rare bright path cannot sway. Its samples are thrown away and are a function of the scene alone, so the
+//! choice cannot bias an image, and every part of a render makes the same.
+
+use super::sample::Camera;
+use crate::integrator::path::reuse::{AUTO, CELL, cell};
+use crate::integrator::{Counters, kernel_for};
+use crate::scene::{Features, Scene};
+
+/// Pixels that share if any do: more cost as much as they bring.
+const PIXELS: u32 = 16;
+
+/// Cells and samples of the pilot: some tens of milliseconds.
+const CELLS: u64 = 48;
+const SAMPLES: u64 = 16;
+
+/// Correlated errors are a price as well, which a smaller gain is not worth.
+const WORTH: f64 = 0.8;
+
+/// Settles whether pixels share, if the scene's file or a command line asks for that.
+pub fn settle(scene: &mut Scene) {
+    if scene.integrator.reuse() != AUTO {
+        return;
+    }
+    let mut measured = |pixels: u32| {
+        scene.integrator.set_reuse(pixels);
+        scene.features.0 &= !Features::REUSE;
+        scene.features.0 |= if pixels > 1 { Features::REUSE } else { 0 };
+        measure(scene)
+    };
+    let (shared, alone) = (measured(PIXELS), measured(1));
+    if relative_error(&shared, &alone) < WORTH {
+        measured(PIXELS);
+    }
+}
+
+/// What the pilot saw: the variance of each cell, and rays.
+struct Measured {
+    variances: Vec<f64>,
+    rays: u64,
+}
+
+/// The product of variance and rays, over the same of the other.
+fn relative_error(ours: &Measured, other: &Measured) -> f64 {
+    let ratios = ours.variances.iter().zip(&other.variances).map(|(a, b)| a / b);
+    let logarithms: Vec<f64> = ratios.map(libm::log).filter(|ratio| ratio.is_finite()).collect();
+    if logarithms.is_empty() {
+        return f64::INFINITY;
+    }
+    let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
+    libm::exp(mean) * ours.rays as f64 / other.rays as f64
+}
+
+fn measure(scene: &Scene) -> Measured {
+    let camera = Camera::new(scene, 0, kernel_for(scene.features));
+    let film = scene.sensor.film.crop;
+    let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
+    let channels = camera.channel_names().len();
+    let mut counters = Counters::default();
+    let variance = |i: u64| {
+        // Cells all over the film: multiples of the golden ratio leave no gaps.
+        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+        let at = ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(columns * rows)) >> 64) as u32;
+        let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
+        // Green stands for all colours.
+        let mut sums = vec![(0.0, 0.0); (CELL * CELL) as usize];
+        for sample in 0..SAMPLES {
+            let mut which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
+            let mut values = vec![0.0; channels * which.len()];
+            camera.samples(&which, &mut counters, &mut values);
+            let mut greens: Vec<_> =
+                which.drain(..).zip(values.chunks(channels)).map(|(of, v)| (of.0, v[1])).collect();
+            greens.sort_by_key(|of| of.0);
+            for (sum, (_, green)) in sums.iter_mut().zip(greens) {
+                *sum = (sum.0 + green, sum.1 + green * green);
+            }
+        }
+        sums.iter().map(|(sum, squares)| (squares - sum * sum / SAMPLES as f64).max(0.0)).sum()
+    };
+    let variances = (0..CELLS).map(variance).collect();
+    Measured { variances, rays: counters.rays }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    /// Pixels that share in a closed box or an open one, lit from within.
+    fn chosen(sides: &str, wears: &str, reuse: &str) -> u32 {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="8"/>{reuse}</integrator>
+                <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, -3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
+                    <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film></sensor>
+                <shape type="{sides}"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>{wears}</shape>
+                <shape type="sphere"><point name="center" x="2" y="3" z="0"/><float name="radius" value="0.7"/>
+                    <emitter type="area"/></shape></scene>"#
+        );
+        let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
+        scene.integrator.reuse()
+    }
+
+    #[test]
+    fn pixels_share_where_light_has_met_several_walls() {
+        let bright = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>"#;
+        let metal = r#"<bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf>"#;
+        let asked = r#"<integer name="reuse" value="0"/>"#;
+        assert_eq!(chosen("cube", bright, asked), super::PIXELS);
+        assert_eq!(chosen("cube", metal, asked), 1);
+        assert_eq!(chosen("rectangle", bright, asked), 1);
+        assert_eq!(chosen("cube", bright, ""), 1);
+        assert_eq!(chosen("cube", metal, r#"<integer name="reuse" value="4"/>"#), 4);
+    }
+}

@@ -1,0 +1,126 @@
+//! Pixels that share what their paths find see the same image, in other noise.
+//!
+//! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and light that a
+//! wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
+
+use super::still_life::*;
+use super::{Relation, Term};
+use crate::stage::*;
+use etalon::spectrum::ColorMode;
+use validation::image::Image;
+
+/// One pixel of each square of this edge.
+fn one_of<const EDGE: usize>(image: &Image) -> Image {
+    let pick = |values: &[f64]| {
+        let rows = values.chunks(image.width).skip(EDGE - 1).step_by(EDGE);
+        rows.flat_map(|row| row.iter().skip(EDGE - 1).step_by(EDGE).copied()).collect::<Vec<f64>>()
+    };
+    let mut channels = image.channels.clone();
+    for channel in &mut channels {
+        channel.mean = pick(&channel.mean);
+        channel.variance = channel.variance.as_deref().map(pick);
+    }
+    Image { width: image.width / EDGE, height: image.height / EDGE, channels }
+}
+
+/// Nearly everything here is light that has met several walls.
+fn closed_room(wall: &str) -> String {
+    let inwards = "<boolean name=\"flip_normals\" value=\"true\"/>";
+    let steps = [scale([3.0, 3.0, 1.5]), translate([0.0, -2.0, 1.5])];
+    shape("cube", &steps, &(wall.to_owned() + inwards)) + &lamp(4.0)
+}
+
+/// What paths of this integrator see, shared by so many pixels and not.
+struct Case {
+    name: &'static str,
+    pixels: u32,
+    integrator: String,
+    camera: String,
+    world: String,
+}
+
+impl Case {
+    fn new(name: &'static str, world: String) -> Self {
+        Self { name, pixels: 16, integrator: path(4), camera: camera(), world }
+    }
+
+    fn option(self, kind: &str, name: &str, value: &str) -> Self {
+        let integrator = self.integrator.replace("<integer name=\"rr_depth\" value=\"5\"/>", "");
+        let option = format!("<{kind} name=\"{name}\" value=\"{value}\"/></integrator>");
+        Self { integrator: integrator.replace("</integrator>", &option), ..self }
+    }
+
+    fn relation(self) -> Relation {
+        let side = |pixels: u32| {
+            let more = format!("<integer name=\"reuse\" value=\"{pixels}\"/>") + &float("light_paths", 1.0);
+            let integrator = self.integrator.replace("</integrator>", &(more + "</integrator>"));
+            let view = if self.pixels > 16 { one_of::<8> } else { one_of::<4> };
+            vec![Term { view: Some(view), ..Term::new(scene(&[&integrator, &self.camera, &self.world])) }]
+        };
+        Relation::expectation(self.name, side(1), side(self.pixels)).samples(1024)
+    }
+}
+
+fn in_spectra(relation: Relation) -> Relation {
+    let spectral =
+        |terms: Vec<Term>| terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect();
+    Relation { left: spectral(relation.left), right: spectral(relation.right), ..relation }
+}
+
+pub fn relations() -> Vec<Relation> {
+    let room = |things: &str| closed_room(&diffuse(0.7)) + things;
+    let ball = |wears: &str| sphere([-0.5, 0.0, 0.7], 0.6, wears);
+    let glass = bsdf("dielectric", &float("int_ior", 1.5));
+    let matte = objects(&[])[2..].concat();
+    let checks = "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
+                  <rgb name=\"color0\" value=\"0.8, 0.5, 0\"/><rgb name=\"color1\" value=\"0, 0.6, 0.7\"/>\
+                  <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>";
+    let vase = |wears: &str| {
+        let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
+        shape("obj", &steps, &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + wears))
+    };
+    let screen = |wears: &str| {
+        let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])];
+        shape("rectangle", &steps, wears)
+    };
+    let both_sides = format!("<bsdf type=\"twosided\">{}{}</bsdf>", diffuse(0.8), diffuse(0.2));
+    let veil = format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4));
+    let relief = format!(
+        "<bsdf type=\"normalmap\"><texture type=\"bitmap\" name=\"normalmap\"><boolean name=\"raw\" value=\"true\"/>\
+         <string name=\"filename\" value=\"textures/normals.png\"/></texture>{}</bsdf>",
+        diffuse(0.7)
+    );
+    let plastic = bsdf("roughplastic", &(float("alpha", 0.2) + &grey("diffuse_reflectance", 0.5)));
+    let wide = camera().replace("<rfilter type=\"box\"/>", "<rfilter type=\"gaussian\"/>");
+    let case = Case::new;
+    let cases = vec![
+        case("matte", room(&matte)),
+        Case { pixels: 2, ..case("two", room(&matte)) },
+        Case { camera: wide, ..case("gaussian_film", room(&matte)) },
+        Case { integrator: path(-1), ..case("roulette", room(&matte)) }.option("integer", "rr_depth", "2"),
+        case("open", objects(&[]).concat() + &constant(1.0)),
+        case("smooth_normals", room(&vase(&diffuse(0.8)))),
+        case("two_sides", room(&(screen(&both_sides) + &vase(&both_sides)))),
+        case("veil", room(&screen(&veil))),
+        case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))),
+        case("rough_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))),
+        case("glass", room(&ball(&glass))),
+        case(
+            "bulb",
+            room(&(sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass))),
+        ),
+    ];
+    let noisy = vec![
+        Case { pixels: 64, ..case("sixty_four", room(&matte)) },
+        case("hidden_lamp", room(&(matte.clone() + &screen(&area(1.0))))).option(
+            "boolean",
+            "hide_emitters",
+            "true",
+        ),
+        case("checks", closed_room(checks) + &ball(checks)),
+    ];
+    let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
+    relations.extend(noisy.into_iter().map(|case| case.relation().samples(4096)));
+    relations.push(in_spectra(case("spectra", closed_room(checks) + &matte).relation()).samples(4096));
+    relations
+}
