@@ -82,3 +82,6 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     }
     Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths, reuse }))
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,7 +17,7 @@
 
 use crate::integrator::{CameraPath, Counters};
 use crate::math::ray::{Ends, position_error};
-use crate::math::{DVec3, Ray};
+use crate::math::{DVec3, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
@@ -160,7 +160,7 @@ impl Exchange {
     /// The ray from a receiver to a source, if they face each other.
     fn propose(&mut self, receiver: &Receiver, source: &Source, (j, i): (usize, usize)) {
         let to_source = source.p - receiver.p;
-        let distance = to_source.length();
+        let distance = length(to_source);
         let direction = to_source / distance;
         let cosines = receiver.n.dot(direction) * source.ng.dot(direction).abs();
         // A path knows of itself that it met its source, whatever rounding says.

@@ -81,6 +81,17 @@ fn what_has_no_error_has_no_count() {
 }
 
 #[test]
+fn the_image_draws_other_samples_than_the_pilot() {
+    let scene = scene(LIT);
+    let settings = settings(&scene, 0);
+    let pilot = for_error(&scene, &settings, 0.01, &Progress::default()).expect("a count");
+    let image = printed(&scene, &Settings { samples: 0..pilot.samples, ..settings });
+    // The same samples would have the same mean, but for its rounding to single precision.
+    let apart = (image.mean[1] / pilot.quality.mean[1] - 1.0).abs();
+    assert!(apart > 1e-5, "{apart}");
+}
+
+#[test]
 fn a_time_becomes_whole_blocks() {
     let scene = scene(LIT);
     for seconds in [1e-9, 0.05] {
@@ -99,6 +110,8 @@ fn few_pixels_with_all_the_variance_are_heavy_tails() {
     let even = quality(&[2.0; 1000]);
     assert!((even.effective_pixels - 1000.0).abs() < 1e-6 && !even.heavy_tailed());
     assert!((even.relative_standard_error - 2f64.sqrt()).abs() < 1e-12);
+    // The channels see the same light: there are as many independent values as pixels.
+    assert!((even.relative_standard_error_of_mean - 0.002f64.sqrt()).abs() < 1e-12);
     let mut outliers = [1e-6; 1000];
     outliers[..3].fill(5.0);
     let heavy = quality(&outliers);

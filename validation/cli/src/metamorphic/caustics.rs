@@ -5,9 +5,9 @@ use super::{Relation, Term};
 use crate::stage::*;
 use etalon::spectrum::ColorMode;
 
-/// The integrator with so many light paths to a camera path.
-fn with_light_paths(share: f64) -> String {
-    path(6).replace("</integrator>", &(float("light_paths", share) + "</integrator>"))
+/// The integrator with so many light paths to a camera path, and with this longest path.
+fn with_light_paths(share: f64, longest: i64) -> String {
+    path(longest).replace("</integrator>", &(float("light_paths", share) + "</integrator>"))
 }
 
 /// A matte floor and wall under a lamp, and this besides.
@@ -30,8 +30,21 @@ fn block(wears: &str) -> String {
 }
 
 fn relation(name: &str, camera: &str, world: &str) -> Relation {
-    let side = |share: f64| vec![Term::new(scene(&[&with_light_paths(share), camera, world]))];
+    up_to(6, name, camera, world)
+}
+
+fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
+    let side = |share: f64| vec![Term::new(scene(&[&with_light_paths(share, longest), camera, world]))];
     Relation::expectation(name, side(0.0), side(1.0)).samples(4096)
+}
+
+/// Both sides with roulette from the first edge on.
+fn with_roulette(relation: Relation) -> Relation {
+    let (never, at_once) = ("\"rr_depth\" value=\"7\"", "\"rr_depth\" value=\"1\"");
+    let with = |terms: Vec<Term>| {
+        terms.into_iter().map(|term| Term { scene: term.scene.replace(never, at_once), ..term }).collect()
+    };
+    Relation { left: with(relation.left), right: with(relation.right), ..relation }
 }
 
 /// The integrator of both sides with an option that ends its element.
@@ -141,12 +154,20 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_in_a_globe", &plain, &room(&bulb)),
         relation("block_of_glass", &plain, &room(&block(&glass("")))),
         relation("tinted_glass", &plain, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
+        with_roulette(relation(
+            "tinted_glass_with_roulette",
+            &plain,
+            &room(&block(&glass(&grey("specular_transmittance", 0.6)))),
+        )),
+        // Through glass the floor is three edges from the lamp, and the camera a fourth.
+        up_to(3, "glass_ball_one_edge_too_far", &plain, &room(&ball(&glass("")))),
         relation("upon_rough_plastic", &plain, &room(&(ball(&mirror()) + &rough_floor))),
         relation("upon_rough_metal", &plain, &room(&(ball(&mirror()) + &metal_floor))),
         relation("relief_of_a_mirror", &plain, &room(&block(&relief(&mirror())))),
         relation("relief_of_glass", &plain, &room(&block(&relief(&glass(""))))),
         relation("relief_of_a_mirror_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&mirror()))))),
         relation("relief_of_glass_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&glass("")))))),
+        relation("relief_of_polished_metal", &plain, &room(&block(&relief(&polished)))),
         relation("vase_of_glass", &plain, &room(&vase)),
         relation("half_a_mirror", &plain, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &plain, &room(&(ball(&mirror()) + &second))),

@@ -14,6 +14,9 @@ const MEMORY: &str = "8388608";
 /// A test that says nothing for so long does not end.
 const PATIENCE: Duration = Duration::from_secs(600);
 
+/// How long each program has in turn. A find that comes late in one comes soon in another, most of the time.
+const ROUNDS: [Duration; 3] = [Duration::from_secs(10), Duration::from_secs(100), Duration::MAX];
+
 /// How a program ended.
 #[derive(Clone, Debug, PartialEq)]
 enum End {
@@ -22,6 +25,15 @@ enum End {
     Failed(String),
     /// No test had failed when the program did, or had to be stopped.
     Broken(&'static str),
+    /// Its time was over.
+    Unfinished,
+}
+
+/// What a program has to say of a bug.
+enum Search {
+    Found(String),
+    Nothing,
+    Unfinished,
 }
 
 /// All test programs, with what they have cost and what they have found.
@@ -34,13 +46,26 @@ pub struct Suite {
 
 struct Stage {
     program: Program,
-    /// Time spent on the bugs of each module, and how many were found.
+    /// Time spent on the bugs of each module, and how many were found; the same of all modules under no name.
     record: BTreeMap<String, (Duration, u32)>,
 }
 
+/// The name in a record that stands for all modules.
+const ALL: &str = "";
+
 impl Stage {
+    /// What a find in this module costs; where nothing is known of the module, what one costs anywhere.
     fn cost(&self, module: &str) -> Duration {
-        self.record.get(module).map_or(Duration::ZERO, |(spent, kills)| *spent / (kills + 1))
+        let known = self.record.get(module).or_else(|| self.record.get(ALL));
+        known.map_or(Duration::ZERO, |(spent, kills)| *spent / (kills + 1))
+    }
+
+    fn note(&mut self, module: &str, time: Duration, found: bool) {
+        for name in [module, ALL] {
+            let (spent, kills) = self.record.entry(name.to_owned()).or_default();
+            *spent += time;
+            *kills += u32::from(found);
+        }
     }
 }
 
@@ -61,16 +86,25 @@ impl Suite {
         let filters = [Some(name), Some(format!("{module}::")), None];
         for filter in filters.into_iter().take(if near { 2 } else { 3 }) {
             let filter: Vec<String> = filter.into_iter().collect();
-            for stage in &mut self.stages {
-                let before = Instant::now();
-                let end = failure(&stage.program, &filter, bug, self.jobs, &mut self.unfit)?;
-                let (spent, kills) = stage.record.entry(module.clone()).or_default();
-                *spent += before.elapsed();
-                let Some(test) = end else { continue };
-                *kills += 1;
-                let program = stage.program.name.clone();
-                let seconds = start.elapsed().as_secs_f64().round();
-                return Ok(Some(Fate::Killed { program, test, seconds }));
+            let mut open: Vec<usize> = (0..self.stages.len()).collect();
+            for time in ROUNDS {
+                let mut unfinished = vec![];
+                for index in open {
+                    let stage = &mut self.stages[index];
+                    let before = Instant::now();
+                    let end = search(&stage.program, &filter, bug, (self.jobs, time), &mut self.unfit)?;
+                    stage.note(&module, before.elapsed(), matches!(end, Search::Found(_)));
+                    match end {
+                        Search::Nothing => {}
+                        Search::Unfinished => unfinished.push(index),
+                        Search::Found(test) => {
+                            let program = stage.program.name.clone();
+                            let seconds = start.elapsed().as_secs_f64().round();
+                            return Ok(Some(Fate::Killed { program, test, seconds }));
+                        }
+                    }
+                }
+                open = unfinished;
             }
         }
         Ok((!near).then_some(Fate::Survived))
@@ -86,24 +120,25 @@ fn names(file: &str) -> [String; 2] {
     [parts[0].to_owned(), parts[parts.len() - 1].to_owned()]
 }
 
-/// The test that fails with the bug and does not without it.
-fn failure(
+/// Looks for a test that fails with the bug and does not without it.
+fn search(
     program: &Program,
     filter: &[String],
     bug: usize,
-    jobs: usize,
+    (jobs, time): (usize, Duration),
     unfit: &mut Vec<String>,
-) -> Result<Option<String>, String> {
+) -> Result<Search, String> {
     loop {
         let skipped = unfit.iter().flat_map(|test| ["--skip".to_owned(), test.clone()]);
         let arguments: Vec<String> = filter.iter().cloned().chain(skipped).collect();
-        let (test, alone) = match run(program, &arguments, bug, jobs)? {
-            End::Passed => return Ok(None),
+        let (test, alone) = match run(program, &arguments, bug, (jobs, time))? {
+            End::Passed => return Ok(Search::Nothing),
+            End::Unfinished => return Ok(Search::Unfinished),
             End::Failed(test) => (test.clone(), vec!["--exact".to_owned(), test]),
             End::Broken(how) => (how.to_owned(), arguments),
         };
-        match run(program, &alone, 0, jobs)? {
-            End::Passed => return Ok(Some(test)),
+        match run(program, &alone, 0, (jobs, Duration::MAX))? {
+            End::Passed => return Ok(Search::Found(test)),
             End::Failed(same) if same == test => {
                 eprintln!("{test} of {} fails without any bug", program.name);
                 unfit.push(test);
@@ -113,7 +148,12 @@ fn failure(
     }
 }
 
-fn run(program: &Program, arguments: &[String], bug: usize, jobs: usize) -> Result<End, String> {
+fn run(
+    program: &Program,
+    arguments: &[String],
+    bug: usize,
+    (jobs, time): (usize, Duration),
+) -> Result<End, String> {
     let mut child = Command::new("sh")
         .args(["-c", &format!("ulimit -v {MEMORY}; exec nice -n 15 \"$0\" \"$@\"")])
         .arg(&program.path)
@@ -128,7 +168,7 @@ fn run(program: &Program, arguments: &[String], bug: usize, jobs: usize) -> Resu
         .spawn()
         .map_err(|e| format!("{}: {e}", program.path.display()))?;
     let lines = lines_of(&mut child);
-    let end = watch(&lines, PATIENCE);
+    let end = watch(&lines, PATIENCE, time);
     if end.is_some() {
         // What else fails is of no interest.
         child.kill().ok();
@@ -151,16 +191,19 @@ fn lines_of(child: &mut Child) -> Receiver<String> {
     lines
 }
 
-/// Reads until a test fails or nothing is said for too long; `None` at the end of the output.
-fn watch(lines: &Receiver<String>, patience: Duration) -> Option<End> {
+/// Reads until a test fails, nothing is said for too long, or the time is over; `None` at the end of the output.
+fn watch(lines: &Receiver<String>, patience: Duration, time: Duration) -> Option<End> {
+    let begin = Instant::now();
     loop {
-        match lines.recv_timeout(patience) {
+        let left = time.saturating_sub(begin.elapsed());
+        match lines.recv_timeout(patience.min(left)) {
             Ok(line) => {
                 if let Some(test) = failed(&line) {
                     return Some(End::Failed(test.to_owned()));
                 }
             }
             Err(RecvTimeoutError::Disconnected) => return None,
+            Err(RecvTimeoutError::Timeout) if left <= patience => return Some(End::Unfinished),
             Err(RecvTimeoutError::Timeout) => return Some(End::Broken("no end")),
         }
     }
@@ -194,12 +237,27 @@ mod tests {
     }
 
     #[test]
+    fn a_new_module_begins_with_what_is_known_of_the_others() {
+        let program = Program { name: String::new(), path: "a".into(), folder: "b".into() };
+        let mut stage = Stage { program, record: BTreeMap::new() };
+        assert_eq!(stage.cost("bsdf"), Duration::ZERO);
+        stage.note("bsdf", Duration::from_secs(8), true);
+        assert_eq!(stage.cost("film"), Duration::from_secs(4));
+        stage.note("film", Duration::from_secs(2), false);
+        assert_eq!(
+            (stage.cost("film"), stage.cost("bsdf")),
+            (Duration::from_secs(2), Duration::from_secs(4))
+        );
+    }
+
+    #[test]
     fn silence_is_no_end() {
         let (sender, lines) = channel();
-        assert_eq!(watch(&lines, Duration::ZERO), Some(End::Broken("no end")));
+        assert_eq!(watch(&lines, Duration::ZERO, Duration::MAX), Some(End::Broken("no end")));
+        assert_eq!(watch(&lines, PATIENCE, Duration::ZERO), Some(End::Unfinished));
         sender.send("test a ... FAILED".into()).unwrap();
-        assert_eq!(watch(&lines, PATIENCE), Some(End::Failed("a".into())));
+        assert_eq!(watch(&lines, PATIENCE, Duration::MAX), Some(End::Failed("a".into())));
         drop(sender);
-        assert_eq!(watch(&lines, PATIENCE), None);
+        assert_eq!(watch(&lines, PATIENCE, Duration::MAX), None);
     }
 }

@@ -1,0 +1,40 @@
+//! What no expectation shows: settings that change the noise alone.
+
+use crate::render::{Progress, Settings, render};
+use crate::scene::load_text;
+use crate::spectrum::ColorMode;
+
+/// The variance of the direct light on a floor under two lamps, one of which it does not see.
+fn variance(emitter_samples: u32) -> f64 {
+    let lamp = |place: &str| {
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale value="0.3"/>{place}</transform>
+                <emitter type="area"/></shape>"#
+        )
+    };
+    let seen = lamp(r#"<rotate x="1" angle="180"/><translate z="1"/>"#);
+    let hidden = lamp(r#"<translate z="2"/>"#);
+    let text = format!(
+        r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="2"/>
+                <integer name="emitter_samples" value="{emitter_samples}"/><integer name="reuse" value="1"/></integrator>
+            <sensor type="perspective"><float name="fov" value="0.001"/>
+                <transform name="to_world"><lookat origin="0, -3, 0.5" target="0, 0, 0" up="0, 0, 1"/></transform>
+                <sampler type="independent"/>
+                <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/>
+                    <rfilter type="box"/></film></sensor>
+            <shape type="rectangle"/>{seen}{hidden}</scene>"#
+    );
+    let scene = load_text("lamps.xml", &text, ColorMode::Rgb).unwrap();
+    let window = scene.sensor.film.crop;
+    let settings = Settings { samples: 0..1024, seed: 0, window, threads: 1, shard: false, kernel: None };
+    let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+    let green = image.channel("G").unwrap();
+    green.variance.iter().flatten().map(|&v| f64::from(v)).sum()
+}
+
+#[test]
+fn eight_emitter_samples_have_an_eighth_of_the_variance() {
+    // What sampling the surface adds is a hundredth; each variance is known to one in fifty.
+    let ratio = variance(8) / variance(1);
+    assert!((ratio - 0.125).abs() < 0.02, "{ratio}");
+}
