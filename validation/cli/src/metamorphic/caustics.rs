@@ -38,15 +38,6 @@ fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
     Relation::expectation(name, side(0.0), side(1.0)).samples(4096)
 }
 
-/// Both sides with roulette from the first edge on.
-fn with_roulette(relation: Relation) -> Relation {
-    let (never, at_once) = ("\"rr_depth\" value=\"7\"", "\"rr_depth\" value=\"1\"");
-    let with = |terms: Vec<Term>| {
-        terms.into_iter().map(|term| Term { scene: term.scene.replace(never, at_once), ..term }).collect()
-    };
-    Relation { left: with(relation.left), right: with(relation.right), ..relation }
-}
-
 /// The integrator of both sides with an option that ends its element.
 fn with_integrator(relation: Relation, option: &str) -> Relation {
     let with = |terms: Vec<Term>| {
@@ -154,11 +145,6 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_in_a_globe", &plain, &room(&bulb)),
         relation("block_of_glass", &plain, &room(&block(&glass("")))),
         relation("tinted_glass", &plain, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
-        with_roulette(relation(
-            "tinted_glass_with_roulette",
-            &plain,
-            &room(&block(&glass(&grey("specular_transmittance", 0.6)))),
-        )),
         // Through glass the floor is three edges from the lamp, and the camera a fourth.
         up_to(3, "glass_ball_one_edge_too_far", &plain, &room(&ball(&glass("")))),
         relation("upon_rough_plastic", &plain, &room(&(ball(&mirror()) + &rough_floor))),
@@ -167,7 +153,6 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_glass", &plain, &room(&block(&relief(&glass(""))))),
         relation("relief_of_a_mirror_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&mirror()))))),
         relation("relief_of_glass_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&glass("")))))),
-        relation("relief_of_polished_metal", &plain, &room(&block(&relief(&polished)))),
         relation("vase_of_glass", &plain, &room(&vase)),
         relation("half_a_mirror", &plain, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &plain, &room(&(ball(&mirror()) + &second))),
