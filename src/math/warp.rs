@@ -77,7 +77,13 @@ pub fn triangle(u: DVec2) -> DVec2 {
 #[inline]
 pub fn linear(u: f64, a: f64, b: f64) -> f64 {
     let sum = a + b;
-    if sum > 0.0 { u * sum / (a + (a * a + u * (b - a) * sum).max(0.0).sqrt()) } else { u }
+    if sum <= 0.0 {
+        return u;
+    }
+    // Parts of the sum, whose squares stay in range.
+    let (a, b) = (a / sum, b / sum);
+    let divisor = a + (a * a + u * (b - a)).max(0.0).sqrt();
+    if divisor > 0.0 { (u / divisor).min(1.0) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -95,6 +101,7 @@ mod tests {
             }
         }
         assert_eq!(linear(0.25, 0.0, 0.0), 0.25);
+        assert_eq!(linear(0.0, 0.0, 1.0), 0.0);
     }
 
     fn grid() -> impl Iterator<Item = DVec2> {
