@@ -33,7 +33,7 @@ pub struct Path {
     pub hide_emitters: bool,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
-    /// Light paths to a camera path, where there are caustics; see [`caustics`]. By default a pilot decides.
+    /// Light paths to a camera path, where there are caustics; see [`caustics`](super::caustics). By default a pilot decides.
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,

@@ -28,7 +28,7 @@ pub struct State {
     /// Whether the ray still goes straight from the camera.
     pub direct_view: bool,
     /// The factors of how much likelier light paths make this path, and whether they would begin at the last vertex;
-    /// see [`caustics`].
+    /// see [`caustics`](crate::integrator::caustics).
     pub light_ratio: f64,
     pub from_caster: bool,
     /// What is found from here on is shared with other pixels; the throughput begins at the source.
