@@ -99,7 +99,6 @@ pub fn relations() -> Vec<Relation> {
         Case { pixels: 2, ..case("two", room(&matte)) },
         Case { camera: wide, ..case("gaussian_film", room(&matte)) },
         Case { integrator: path(-1), ..case("roulette", room(&matte)) }.option("integer", "rr_depth", "2"),
-        case("open", objects(&[]).concat() + &constant(1.0)),
         case("smooth_normals", room(&vase(&diffuse(0.8)))),
         case("two_sides", room(&(screen(&both_sides) + &vase(&both_sides)))),
         case("veil", room(&screen(&veil))),
@@ -112,6 +111,7 @@ pub fn relations() -> Vec<Relation> {
         ),
     ];
     let noisy = vec![
+        Case { pixels: 16, ..case("open", objects(&[]).concat() + &constant(1.0)) },
         Case { pixels: 16, ..case("sixteen", room(&matte)) },
         case("hidden_lamp", room(&(matte.clone() + &screen(&area(1.0))))).option(
             "boolean",
