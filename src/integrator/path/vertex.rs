@@ -212,6 +212,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let to_camera = bsdf.evaluate(sample.wi, vertex.wo).pdf;
                 caustics::further(to_camera, sample.pdf, cos_camera, cos_light)
             };
+        }
+        if F & Features::CAUSTICS != 0 {
+            // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
         }
         state.throughput *= sample.weight;
