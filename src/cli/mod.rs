@@ -10,6 +10,7 @@ mod summary;
 mod watch;
 
 use clap::Parser;
+use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
@@ -113,7 +114,10 @@ impl SceneArguments {
         say("--integrator", self.integrator.clone());
         say("--max-depth", self.max_depth.map(|m| m.to_string()));
         say("--light-paths", self.light_paths.map(|share| share.to_string()));
-        say("--reuse", self.reuse.map(|pixels| if pixels == 0 { "auto".into() } else { pixels.to_string() }));
+        say(
+            "--reuse",
+            self.reuse.map(|pixels| if pixels == AUTO { "auto".into() } else { pixels.to_string() }),
+        );
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));
@@ -136,7 +140,6 @@ fn light_paths(text: &str) -> Result<f64, String> {
 }
 
 fn reuse(text: &str) -> Result<u32, String> {
-    use etalon::integrator::path::reuse::{AUTO, PIXELS};
     if text == "auto" {
         return Ok(AUTO);
     }

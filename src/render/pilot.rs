@@ -105,11 +105,11 @@ impl Quality {
         Self::new(image.crop, correlated_edge(reuse.max(1)), channels)
     }
 
-    fn of(partial: &Partial, window: Window, edge: u32) -> Self {
+    fn of(partial: &Partial, scene: &Scene, window: Window) -> Self {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
-        Self::new(window, edge, channels)
+        Self::new(window, correlated_edge(scene.integrator.reuse()), channels)
     }
 
     /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.
@@ -152,8 +152,7 @@ pub fn for_error(
     progress: &Progress,
 ) -> Result<Pilot, NoCount> {
     let mut needed = f64::INFINITY;
-    let edge = correlated_edge(scene.integrator.reuse());
-    let quality_of = |partial: &Partial| Quality::of(partial, settings.window, edge);
+    let quality_of = |partial: &Partial| Quality::of(partial, scene, settings.window);
     let pilot = run(scene, settings, progress, |partial| {
         let n = partial.samples.end as f64;
         if partial.samples.end < FEWEST {
@@ -194,7 +193,6 @@ pub fn for_time(
     seconds: f64,
     progress: &Progress,
 ) -> Result<Pilot, NoCount> {
-    let edge = correlated_edge(scene.integrator.reuse());
     let begin = Instant::now();
     let pilot = run(scene, settings, progress, |_| {
         if begin.elapsed().as_secs_f64() < seconds / 20.0 {
@@ -210,7 +208,7 @@ pub fn for_time(
         count,
         samples: pilot.samples.end,
         rays: pilot.report.rays,
-        quality: Quality::of(&pilot, settings.window, edge),
+        quality: Quality::of(&pilot, scene, settings.window),
     })
 }
 

@@ -6,6 +6,7 @@
 //! choice cannot bias an image, and every part of a render makes the same.
 
 use super::sample::Camera;
+use super::scattered;
 use crate::integrator::path::reuse::{AUTO, CELL, cell};
 use crate::integrator::{Counters, kernel_for};
 use crate::scene::{Features, Scene};
@@ -23,21 +24,24 @@ const BLOCK: u64 = 8;
 /// Correlated errors are a price as well, which a smaller gain is not worth.
 const WORTH: f64 = 0.8;
 
-/// Settles whether pixels share, if the scene's file or a command line asks for that.
+/// Settles how many pixels share, by a pilot if the scene's file or a command line leaves it to that.
 pub fn settle(scene: &mut Scene) {
-    if scene.integrator.reuse() != AUTO {
-        return;
+    let mut pixels = scene.integrator.reuse();
+    if pixels == AUTO {
+        let mut measured = |pixels: u32| {
+            set(scene, pixels);
+            measure(scene)
+        };
+        let (shared, alone) = (measured(PIXELS), measured(1));
+        pixels = if relative_error(&shared, &alone) < WORTH { PIXELS } else { 1 };
     }
-    let mut measured = |pixels: u32| {
-        scene.integrator.set_reuse(pixels);
-        scene.features.0 &= !Features::REUSE;
-        scene.features.0 |= if pixels > 1 { Features::REUSE } else { 0 };
-        measure(scene)
-    };
-    let (shared, alone) = (measured(PIXELS), measured(1));
-    if relative_error(&shared, &alone) < WORTH {
-        measured(PIXELS);
-    }
+    set(scene, pixels);
+}
+
+fn set(scene: &mut Scene, pixels: u32) {
+    scene.integrator.set_reuse(pixels);
+    scene.features.0 &= !Features::REUSE;
+    scene.features.0 |= if pixels > 1 { Features::REUSE } else { 0 };
 }
 
 /// What the pilot saw: the variance of each cell, and rays.
@@ -64,22 +68,18 @@ fn measure(scene: &Scene) -> Measured {
     let channels = camera.channel_names().len();
     let mut counters = Counters::default();
     let variance = |i: u64| {
-        // Cells all over the film: multiples of the golden ratio leave no gaps.
-        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-        let at = ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(columns * rows)) >> 64) as u32;
+        let at = scattered(i, u64::from(columns * rows)) as u32;
         let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
         // Green stands for all colours. Of every pixel: the sum, the sum of squares of blocks, the block at hand.
         let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
         for sample in 0..SAMPLES {
-            let mut which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
+            let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
             let mut values = vec![0.0; channels * which.len()];
             camera.samples(&which, &mut counters, &mut values);
-            let mut greens: Vec<_> =
-                which.drain(..).zip(values.chunks(channels)).map(|(of, v)| (of.0, v[1])).collect();
-            greens.sort_by_key(|of| of.0);
-            for (sum, (_, green)) in sums.iter_mut().zip(greens) {
-                sum[0] += green;
-                sum[2] += green;
+            for (((x, y), _), values) in which.into_iter().zip(values.chunks(channels)) {
+                let sum = &mut sums[(y % CELL * CELL + x % CELL) as usize];
+                sum[0] += values[1];
+                sum[2] += values[1];
                 if sample % BLOCK == BLOCK - 1 {
                     sum[1] += sum[2] * sum[2];
                     sum[2] = 0.0;

@@ -7,6 +7,7 @@
 //! are a function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
 
 use super::sample::Camera;
+use super::scattered;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::{Counters, kernel_for};
 use crate::scene::{Features, Scene};
@@ -62,9 +63,7 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let pixels = film.pixels() as u64;
     let which: Vec<((u32, u32), u64)> = (0..CAMERA_SAMPLES)
         .map(|i| {
-            // Pixels all over the film: multiples of the golden ratio leave no gaps.
-            const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-            let pixel = ((u128::from(u64::from(i).wrapping_mul(GOLDEN)) * u128::from(pixels)) >> 64) as u64;
+            let pixel = scattered(u64::from(i), pixels);
             let (x, y) = ((pixel % u64::from(film.width)) as u32, (pixel / u64::from(film.width)) as u32);
             ((film.x + x, film.y + y), u64::from(i))
         })

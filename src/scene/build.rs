@@ -131,7 +131,6 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
     let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
     features.0 |= if caustics.is_some() { Features::CAUSTICS } else { 0 };
-    features.0 |= if integrator.reuse() > 1 { Features::REUSE } else { 0 };
     let mut scene = Scene {
         shapes,
         owners,

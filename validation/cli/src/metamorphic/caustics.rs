@@ -3,7 +3,6 @@
 use super::still_life::*;
 use super::{Relation, Term};
 use crate::stage::*;
-use etalon::spectrum::ColorMode;
 
 /// The integrator with so many light paths to a camera path, and with this longest path.
 fn with_light_paths(share: f64, longest: i64) -> String {
@@ -45,12 +44,6 @@ fn with_integrator(relation: Relation, option: &str) -> Relation {
         terms.into_iter().map(with).collect()
     };
     Relation { left: with(relation.left), right: with(relation.right), ..relation }
-}
-
-fn in_spectra(relation: Relation) -> Relation {
-    let spectral =
-        |terms: Vec<Term>| terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect();
-    Relation { left: spectral(relation.left), right: spectral(relation.right), ..relation }
 }
 
 pub fn relations() -> Vec<Relation> {
@@ -162,11 +155,12 @@ pub fn relations() -> Vec<Relation> {
             &plain,
             &room(&(ball(&mirror()) + &sphere([0.4, -1.5, 0.5], 0.2, &area(4.0)))),
         )),
-        in_spectra(relation("in_spectra", &plain, &room(&ball(&glass(""))))),
-        in_spectra(relation(
+        relation("in_spectra", &plain, &room(&ball(&glass("")))).in_spectra(),
+        relation(
             "dispersion",
             &plain,
             &room(&block("<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>")),
-        )),
+        )
+        .in_spectra(),
     ]
 }

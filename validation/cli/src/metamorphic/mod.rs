@@ -172,6 +172,14 @@ impl Relation {
         Self { name: name.into(), left, right, alike: Alike::Expectation(0.01), samples: 1024 }
     }
 
+    /// The same of spectral renders.
+    pub fn in_spectra(self) -> Self {
+        let spectral = |terms: Vec<Term>| {
+            terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect()
+        };
+        Self { left: spectral(self.left), right: spectral(self.right), ..self }
+    }
+
     pub fn samples(self, samples: u64) -> Self {
         Self { samples, ..self }
     }

@@ -7,7 +7,6 @@ use super::still_life::*;
 use super::{Relation, Term};
 use crate::stage::*;
 use etalon::integrator::path::reuse::correlated_edge;
-use etalon::spectrum::ColorMode;
 use validation::image::Image;
 
 /// One pixel of each square of this edge.
@@ -60,12 +59,6 @@ impl Case {
         };
         Relation::expectation(self.name, side(1), side(self.pixels)).samples(2048)
     }
-}
-
-fn in_spectra(relation: Relation) -> Relation {
-    let spectral =
-        |terms: Vec<Term>| terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect();
-    Relation { left: spectral(relation.left), right: spectral(relation.right), ..relation }
 }
 
 pub fn relations() -> Vec<Relation> {
@@ -122,6 +115,6 @@ pub fn relations() -> Vec<Relation> {
     ];
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(noisy.into_iter().map(|case| case.relation().samples(4096)));
-    relations.push(in_spectra(case("spectra", closed_room(checks) + &matte).relation()).samples(4096));
+    relations.push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().samples(4096));
     relations
 }
