@@ -28,14 +28,14 @@ fn parse(snippet: &str, mode: ColorMode) -> Result<AnyMaterial, String> {
 }
 
 /// Calls `f` with every example in both modes.
-fn each(mut f: impl FnMut(&str, &AnyBsdf, &Wavelengths)) {
+fn each(mut f: impl FnMut(&str, &AnyBsdf, &AnyMaterial, &Wavelengths)) {
     let point = SurfacePoint::flat();
     for snippet in MATERIALS.iter().flat_map(|entry| entry.examples) {
         for (mode, λ) in
             [(ColorMode::Spectral, Wavelengths::sample_visible(0.03)), (ColorMode::Rgb, Wavelengths::rgb())]
         {
             let material = parse(snippet, mode).unwrap_or_else(|e| panic!("{snippet}: {e}"));
-            f(&format!("{} {snippet}", mode.name()), &material.at(&point, &λ), &λ);
+            f(&format!("{} {snippet}", mode.name()), &material.at(&point, &λ), &material, &λ);
         }
     }
 }
@@ -57,7 +57,7 @@ fn lattice(i: usize) -> (f64, DVec2) {
 
 #[test]
 fn weights_are_values_over_densities() {
-    each(|name, bsdf, _| {
+    each(|name, bsdf, _, _| {
         for wo in views().chain([direction(89.99f64.to_radians(), 1.0)]) {
             for (lobe, u) in grid(12, 8) {
                 let Some(s) = bsdf.sample(wo, lobe, u).filter(|s| !s.delta) else { continue };
@@ -76,10 +76,25 @@ fn weights_are_values_over_densities() {
     });
 }
 
+/// What light is sampled for, where a material neither transmits nor has a relief: the hemisphere that ωo is in.
+#[test]
+fn opaque_materials_gather_light_from_one_side() {
+    each(|name, bsdf, material, _| {
+        let traits = material.traits();
+        if traits.transmits || traits.relief {
+            return;
+        }
+        for (wo, wi) in views().flat_map(|wo| views().map(move |wi| (wo, wi))) {
+            let value = bsdf.evaluate(wo, wi).value;
+            assert!(same_side(wo, wi) || value.is_zero(), "{name}: {wo} from {wi}: {value:?}");
+        }
+    });
+}
+
 /// The density has the mass and the first moments of the samples.
 #[test]
 fn densities_are_those_of_the_samples() {
-    each(|name, bsdf, λ| {
+    each(|name, bsdf, _, λ| {
         if λ.mode() == ColorMode::Rgb {
             return;
         }
@@ -116,7 +131,7 @@ fn densities_are_those_of_the_samples() {
 
 #[test]
 fn nothing_gives_more_light_than_it_gets() {
-    each(|name, bsdf, λ| {
+    each(|name, bsdf, _, λ| {
         for wo in views() {
             let mut sum = [0.0; 8];
             let mut count = 0.0;
@@ -141,7 +156,7 @@ fn nothing_gives_more_light_than_it_gets() {
 
 #[test]
 fn grazing_directions_are_finite() {
-    each(|name, bsdf, _| {
+    each(|name, bsdf, _, _| {
         let grazing =
             [89.99, 89.999_999, 90.000_001, 90.0 - 1e-13].map(|d: f64| direction(d.to_radians(), 0.7));
         for wo in grazing.into_iter().chain(views()) {

@@ -1,7 +1,7 @@
 //! The same light from everywhere.
 
 use super::{AnyEmitter, DirectSample};
-use crate::math::{DVec2, DVec3, INV_PI, warp};
+use crate::math::{DVec2, DVec3, Frame, INV_PI, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -32,22 +32,21 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 }
 
 impl Constant {
-    const PDF: f64 = 0.25 * INV_PI;
-
-    pub fn sample(&self, u: DVec2, λ: &Wavelengths) -> DirectSample {
-        let radiance = self.radiance.eval(DVec2::ZERO, λ);
-        DirectSample {
-            wi: warp::sphere(u),
-            distance: f64::INFINITY,
-            radiance,
-            pdf: Self::PDF,
-            delta: false,
-            n: DVec3::ZERO,
-        }
+    /// A direction of the hemisphere about `n` by the cosine, or of the sphere if `n` is zero.
+    pub fn sample(&self, n: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
+        let wi = if n == DVec3::ZERO {
+            warp::sphere(u)
+        } else {
+            Frame::about(n).to_world(warp::cosine_hemisphere(u))
+        };
+        let (radiance, pdf) = self.radiance(wi, n, λ);
+        let n = DVec3::ZERO;
+        (pdf > 0.0).then_some(DirectSample { wi, distance: f64::INFINITY, radiance, pdf, delta: false, n })
     }
 
-    pub fn radiance(&self, λ: &Wavelengths) -> (Spectrum, f64) {
-        (self.radiance.eval(DVec2::ZERO, λ), Self::PDF)
+    pub fn radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
+        let pdf = if n == DVec3::ZERO { 0.25 * INV_PI } else { INV_PI * n.dot(w).max(0.0) };
+        (self.radiance.eval(DVec2::ZERO, λ), pdf)
     }
 
     pub fn mean(&self) -> f64 {

@@ -65,12 +65,13 @@ pub struct DirectSample {
 }
 
 impl AnyEmitter {
-    /// A direction from which this emitter may light the point `p`.
+    /// A direction from which this emitter may light a surface at `p` that gathers light about `n` (world, unit): from no more
+    /// than the hemisphere, by the cosine; or from everywhere if `n` is zero.
     #[inline(always)]
     pub fn sample(
         &self,
         shape: Option<&Geometry>,
-        p: DVec3,
+        (p, n): (DVec3, DVec3),
         u: DVec2,
         λ: &Wavelengths,
     ) -> Option<DirectSample> {
@@ -80,8 +81,8 @@ impl AnyEmitter {
             (Self::Point(point), _) => point.sample(p, λ),
             (Self::Spot(spot), _) => spot.sample(p, λ),
             (Self::Directional(directional), _) => directional.sample(λ),
-            (Self::Constant(constant), _) => Some(constant.sample(u, λ)),
-            (Self::Envmap(map), _) => map.sample(u, λ),
+            (Self::Constant(constant), _) => constant.sample(n, u, λ),
+            (Self::Envmap(map), _) => map.sample(n, u, λ),
         }
     }
 
@@ -103,12 +104,13 @@ impl AnyEmitter {
         }
     }
 
-    /// Radiance from outside the scene against the direction ω, and the density of sampling it.
+    /// Radiance from outside the scene against the direction ω, and the density with which it is sampled for a surface that
+    /// gathers light about `n`.
     #[inline]
-    pub fn distant_radiance(&self, w: DVec3, λ: &Wavelengths) -> Option<(Spectrum, f64)> {
+    pub fn distant_radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> Option<(Spectrum, f64)> {
         match self {
-            Self::Constant(constant) => Some(constant.radiance(λ)),
-            Self::Envmap(map) => Some(map.radiance(w, λ)),
+            Self::Constant(constant) => Some(constant.radiance(w, n, λ)),
+            Self::Envmap(map) => Some(map.radiance(w, n, λ)),
             _ => None,
         }
     }

@@ -50,7 +50,7 @@ impl Direct {
         CameraPath { ray, λ, sampler, covered, .. }: &mut CameraPath,
         counters: &mut Counters,
     ) -> Spectrum {
-        let seen = Arrival { pdf: 1.0, delta: true };
+        let seen = Arrival { pdf: 1.0, delta: true, n: DVec3::ZERO };
         let mut ray = *ray;
         let (hit, shape, point) = loop {
             counters.rays += 1;
@@ -84,12 +84,13 @@ impl Direct {
         };
         vertex.wo = vertex.to_local(-ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
+        let n = vertex.gathers_about();
         if side.traits.smooth {
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
-                let light =
-                    light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ, |_, _| 0.0);
+                let u = (u.one(4), u.pair(0));
+                let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _| 0.0);
                 let Some(light) = light else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {
@@ -101,17 +102,17 @@ impl Direct {
             let u = sampler.block(FIRST_VERTEX + i);
             let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
-            let arrived = self.arriving::<F>(scene, &onward, &sample, λ, counters);
+            let arrived = self.arriving::<F>(scene, (&onward, n), &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;
         }
         radiance
     }
 
-    /// Emitted light along a sampled direction, weighted against the emitter samples.
+    /// Emitted light along a sampled direction, weighted against the emitter samples of a surface that gathers light about n.
     fn arriving<const F: u32>(
         &self,
         scene: &Scene,
-        ray: &Ray,
+        (ray, n): (&Ray, DVec3),
         sample: &crate::bsdf::Sample,
         λ: &Wavelengths,
         counters: &mut Counters,
@@ -121,7 +122,7 @@ impl Direct {
             None if F & Features::ENVIRONMENT == 0 => return Spectrum::ZERO,
             None => {
                 let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
-                let found = scene.emitters.list[index].emitter.distant_radiance(ray.direction, λ);
+                let found = scene.emitters.list[index].emitter.distant_radiance(ray.direction, n, λ);
                 let Some((radiance, pdf)) = found else { return Spectrum::ZERO };
                 (radiance, pdf * scene.emitters.probability(index))
             }

@@ -45,6 +45,15 @@ impl<B> Vertex<'_, B> {
         self.frame.to_world(self.turn(w))
     }
 
+    /// The normal of the hemisphere from which light can be scattered, by the cosine or nearly; zero if it can be from
+    /// elsewhere.
+    #[inline]
+    pub fn gathers_about(&self) -> DVec3 {
+        let traits = self.side.traits;
+        let normal = if traits.transmits || traits.relief { DVec3::ZERO } else { self.frame.n };
+        if self.turn(self.wo).z < 0.0 { -normal } else { normal }
+    }
+
     /// A turned side sees the frame upside down.
     #[inline]
     fn turn(&self, w: DVec3) -> DVec3 {
@@ -66,13 +75,13 @@ pub struct Proposal {
 ///
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
 /// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of an emitter and a sample with which density, as
-/// one of directions, light paths make the whole path too; see [`super::caustics`].
+/// one of directions, light paths make the whole path too; see [`super::caustics`]. `n` is what the vertex gathers light about.
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
-    choice: f64,
-    u: DVec2,
+    n: DVec3,
+    (choice, u): (f64, DVec2),
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample) -> f64,
@@ -80,7 +89,7 @@ pub fn sample_emitter<B: Bsdf>(
     let (index, probability, _) = scene.emitters.sample(choice)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let light = entry.emitter.sample(shape, vertex.point.p, u, λ)?;
+    let light = entry.emitter.sample(shape, (vertex.point.p, n), u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
     if scattered.value.is_zero() || light.radiance.is_zero() {
         return None;

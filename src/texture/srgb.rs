@@ -32,7 +32,12 @@ mod tests {
             );
             let scene = load_text("scene.xml", &text, ColorMode::Spectral).unwrap();
             let λ = Wavelengths::sample_visible(0.03);
-            scene.emitters.list[0].emitter.distant_radiance(crate::math::DVec3::Z, &λ).unwrap().0.0
+            scene.emitters.list[0]
+                .emitter
+                .distant_radiance(crate::math::DVec3::Z, crate::math::DVec3::ZERO, &λ)
+                .unwrap()
+                .0
+                .0
         };
         let white = "name=\"color\" value=\"1, 1, 1\"/>";
         let flat = radiance(&format!("<spectrum type=\"srgb\" name=\"radiance\"><rgb {white}</spectrum>"));

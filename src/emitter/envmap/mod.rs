@@ -1,26 +1,31 @@
 //! Light from an image that surrounds the scene.
 
+mod directions;
+
 use super::{AnyEmitter, DirectSample};
 use crate::math::frame::unit;
-use crate::math::function::{acos, atan2, cos, sin_cos_turn};
-use crate::math::{DVec2, DVec3, Discrete, INV_PI, Transform, warp};
+use crate::math::function::{acos, atan2};
+use crate::math::{DVec2, DVec3, INV_PI, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use crate::texture::color_scale;
-use std::f64::consts::PI;
+use directions::{Cell, Corners, Directions, Place};
 
 pub const NAME: &str = "envmap";
 pub const ABOUT: &str =
     "A latitude–longitude image around the scene; +y is up, the centre of the image lies towards −z.";
 pub const EXAMPLES: &[&str] = &[];
 
-/// A texel: a colour and its scale.
+/// All that is known of a texel, side by side, for a lookup waits for memory.
 #[derive(Clone, Copy, Debug)]
-enum Texel {
-    Rgb([f32; 3]),
-    Illuminant { scale: f32, color: Sigmoid },
+struct Texel {
+    /// Coefficients of a [`Sigmoid`], or R, G and B.
+    color: [f32; 3],
+    /// What the sigmoid is multiplied by.
+    scale: f32,
+    luminance: f32,
 }
 
 /// Texel centres are at the middle of columns and at the ends of rows (the first and last row are the poles), as in
@@ -29,16 +34,10 @@ enum Texel {
 pub struct EnvironmentMap {
     texels: Vec<Texel>,
     width: usize,
-    height: usize,
     scale: f32,
     to_local: Transform,
     to_world: Transform,
-    /// Of the texels.
-    luminance: Vec<f64>,
-    /// Chooses a row of cells, then a cell in it. A cell lies between four texel centres, and within it the density is
-    /// bilinear in the turn and the height, as the luminance nearly is.
-    rows: Discrete,
-    columns: Vec<Discrete>,
+    directions: Directions,
     mean: f64,
 }
 
@@ -58,112 +57,78 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
         let message = format!("the texel ({}, {}) is negative", i % pixels.width, i / pixels.width);
         return Err(params.error("filename", message, ""));
     }
-    let texel = |rgb: &[f32; 3]| match params.loader.mode {
-        ColorMode::Rgb => Texel::Rgb(*rgb),
-        ColorMode::Spectral => {
-            let (scale, color) = color_scale(rgb.map(|v| v as f64));
-            Texel::Illuminant { scale, color: params.loader.upsampler.fit(color) }
+    let texel = |rgb: &[f32; 3]| {
+        let luminance = observer::luminance(rgb.map(f64::from)) as f32;
+        match params.loader.mode {
+            ColorMode::Rgb => Texel { color: *rgb, scale: 1.0, luminance },
+            ColorMode::Spectral => {
+                let (scale, color) = color_scale(rgb.map(f64::from));
+                Texel { color: params.loader.upsampler.fit(color).0, scale, luminance }
+            }
         }
     };
-    let texels = rgb.iter().map(texel).collect();
-    let luminance: Vec<f64> = rgb.iter().map(|c| observer::luminance(c.map(|v| v as f64))).collect();
-    let map = EnvironmentMap::new(texels, &luminance, pixels.width, scale, to_world);
+    let map = EnvironmentMap::new(rgb.iter().map(texel).collect(), pixels.width, scale, to_world);
     Ok(AnyEmitter::Envmap(Box::new(map)))
 }
 
 impl EnvironmentMap {
-    fn new(texels: Vec<Texel>, luminance: &[f64], width: usize, scale: f64, to_world: Transform) -> Self {
-        let height = texels.len() / width;
-        let weight = |row: usize, column: usize| {
-            let corners = corners(luminance, width, (row, column));
-            0.25 * corners.as_flattened().iter().sum::<f64>() * strip(row, height)
-        };
-        let columns: Vec<Discrete> =
-            (0..height - 1).map(|row| Discrete::new((0..width).map(|column| weight(row, column)))).collect();
-        let rows = Discrete::new(columns.iter().map(Discrete::total));
-        let mean = rows.total() * scale / (2.0 * width as f64);
-        let to_local = to_world.inverted();
-        let (luminance, scale) = (luminance.to_vec(), scale as f32);
-        Self { texels, width, height, scale, to_local, to_world, luminance, rows, columns, mean }
+    fn new(texels: Vec<Texel>, width: usize, scale: f64, to_world: Transform) -> Self {
+        let rows = texels.len() / width - 1;
+        let directions = Directions::new(width, rows, |cell| luminance(&corners(&texels, width, cell)));
+        let mean = directions.total() * scale / (2.0 * width as f64);
+        Self { texels, width, scale: scale as f32, to_local: to_world.inverted(), to_world, directions, mean }
     }
 
-    pub fn sample(&self, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
-        let (row, row_probability, v) = self.rows.sample(u.y);
-        let (column, column_probability, across) = self.columns[row].sample(u.x);
-        let [above, below] = corners(&self.luminance, self.width, (row, column));
-        let across = warp::linear(across, above[0] + below[0], above[1] + below[1]);
-        let v = warp::linear(v, lerp(above, across), lerp(below, across));
-        let turn = (column as f64 + 0.5 + across) / self.width as f64;
-        let turn = if turn < 1.0 { turn } else { turn - 1.0 };
-        let top = cos(PI * row as f64 / (self.height - 1) as f64);
-        let z = top - v * strip(row, self.height);
-        let (sin, cos) = sin_cos_turn(turn);
-        let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let wi = unit(self.to_world.vector(DVec3::new(r * sin, z, -r * cos)));
-        let pdf = row_probability * column_probability * self.density((row, column), (across, v));
-        let place = DVec2::new(turn, INV_PI * acos(z.clamp(-1.0, 1.0)));
+    /// A direction from which a surface of normal `n` (world, zero for none) may be lit.
+    pub fn sample(&self, n: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
+        let n = self.to_local.vector(n);
+        let place = self.directions.sample(n, u, |cell| luminance(&self.corners(cell)))?;
+        let corners = self.corners(place.cell);
+        let pdf = self.directions.pdf(n, &place, luminance(&corners));
+        let (turn, height) = self.directions.turn_and_height(&place);
+        let half_turns = INV_PI * acos(height.clamp(-1.0, 1.0));
         (pdf > 0.0).then(|| DirectSample {
-            wi,
+            wi: unit(self.to_world.vector(directions::direction(turn, height))),
             distance: f64::INFINITY,
-            radiance: self.eval(place, λ),
+            radiance: self.eval(&place, half_turns, &corners, λ),
             pdf,
             delta: false,
             n: DVec3::ZERO,
         })
     }
 
-    /// The density in sr⁻¹ within a cell, at parts of its width and of its height in z.
-    fn density(&self, (row, column): (usize, usize), (across, v): (f64, f64)) -> f64 {
-        let [above, below] = corners(&self.luminance, self.width, (row, column));
-        let here = lerp([lerp(above, across), lerp(below, across)], v);
-        let mean = 0.25 * (above[0] + above[1] + below[0] + below[1]);
-        if mean > 0.0 { here / mean * self.cells_per_steradian(row) } else { 0.0 }
-    }
-
-    fn cells_per_steradian(&self, row: usize) -> f64 {
-        self.width as f64 / (2.0 * PI * strip(row, self.height))
-    }
-
-    /// Radiance seen in direction ω (unit, world), and the density with which it is sampled.
-    pub fn radiance(&self, w: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
+    /// Radiance seen in direction ω (unit, world), and the density with which it is sampled for a surface of normal `n`.
+    pub fn radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
         let w = unit(self.to_local.vector(w));
         let turn = 0.5 * INV_PI * atan2(w.x, -w.z);
         let turn = if turn < 0.0 { turn + 1.0 } else { turn };
-        let place = DVec2::new(turn, INV_PI * acos(w.y.clamp(-1.0, 1.0)));
-        let row = ((place.y * (self.height - 1) as f64) as usize).min(self.height - 2);
-        let x = turn * self.width as f64 - 0.5;
-        let x = if x < 0.0 { x + self.width as f64 } else { x };
-        let column = (x as usize).min(self.width - 1);
-        let top = cos(PI * row as f64 / (self.height - 1) as f64);
-        let v = ((top - w.y) / strip(row, self.height)).clamp(0.0, 1.0);
-        let probability = self.rows.probability(row) * self.columns[row].probability(column);
-        let density = self.density((row, column), (x - column as f64, v));
-        (self.eval(place, λ), probability * density)
+        let half_turns = INV_PI * acos(w.y.clamp(-1.0, 1.0));
+        let place = self.directions.place(turn, half_turns, w.y);
+        let corners = self.corners(place.cell);
+        let pdf = self.directions.pdf(self.to_local.vector(n), &place, luminance(&corners));
+        (self.eval(&place, half_turns, &corners, λ), pdf)
     }
 
-    /// The bilinear value at a turn about +y and a polar angle in half turns.
-    fn eval(&self, place: DVec2, λ: &Wavelengths) -> Spectrum {
-        let x = place.x * self.width as f64 - 0.5;
-        let y = place.y.clamp(0.0, 1.0) * (self.height - 1) as f64;
-        let row = (y as usize).min(self.height - 2);
-        let (tx, ty) = ((x - x.floor()) as f32, (y - row as f64) as f32);
-        let column = |dx: i64| (x.floor() as i64 + dx).rem_euclid(self.width as i64) as usize;
-        let corners = [
-            (self.texels[row * self.width + column(0)], (1.0 - tx) * (1.0 - ty)),
-            (self.texels[row * self.width + column(1)], tx * (1.0 - ty)),
-            (self.texels[(row + 1) * self.width + column(0)], (1.0 - tx) * ty),
-            (self.texels[(row + 1) * self.width + column(1)], tx * ty),
-        ];
+    fn corners(&self, cell: Cell) -> [[Texel; 2]; 2] {
+        corners(&self.texels, self.width, cell)
+    }
+
+    /// The bilinear value at a place with a polar angle in half turns.
+    fn eval(&self, place: &Place, half_turns: f64, corners: &[[Texel; 2]; 2], λ: &Wavelengths) -> Spectrum {
+        let rows = (self.texels.len() / self.width - 1) as f64;
+        let x = place.across as f32;
+        let y = (half_turns * rows - place.cell.row as f64).clamp(0.0, 1.0) as f32;
+        let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
         // Mitsuba interpolates shape and scale of the upsampled spectra apart.
         let (mut shape, mut scale) = (Spectrum::ZERO, 0.0);
-        for (texel, weight) in corners {
-            match texel {
-                Texel::Rgb([r, g, b]) => shape += Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0]) * weight,
-                Texel::Illuminant { scale: s, color } => {
-                    shape += Spectrum(color.eval_lanes(&λ.nm)) * weight;
-                    scale += s * weight;
-                }
-            }
+        for (texel, weight) in corners.as_flattened().iter().zip(weights) {
+            scale += texel.scale * weight;
+            let [r, g, b] = texel.color;
+            let here = match λ.mode() {
+                ColorMode::Rgb => [r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0],
+                ColorMode::Spectral => Sigmoid(texel.color).eval_lanes(&λ.nm),
+            };
+            shape += Spectrum(here) * weight;
         }
         match λ.mode() {
             ColorMode::Rgb => shape * self.scale,
@@ -177,18 +142,12 @@ impl EnvironmentMap {
     }
 }
 
-/// The luminance at the corners of a cell: of the row above, left and right, and of the row below.
-fn corners(luminance: &[f64], width: usize, (row, column): (usize, usize)) -> [[f64; 2]; 2] {
-    let at = |row: usize, column: usize| luminance[row * width + column % width];
-    [row, row + 1].map(|row| [at(row, column), at(row, column + 1)])
+/// The texels at the corners of a cell: of the row above, left and right, and of the row below.
+fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
+    let right = if cell.column + 1 < width { cell.column + 1 } else { 0 };
+    [cell.row, cell.row + 1].map(|row| [texels[row * width + cell.column], texels[row * width + right]])
 }
 
-fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
-    a + t * (b - a)
-}
-
-/// cos of a strip's upper polar angle minus that of its lower: 2 sin(mid) sin(half), free of cancellation.
-fn strip(row: usize, height: usize) -> f64 {
-    let step = PI / (height - 1) as f64;
-    2.0 * libm::sin((row as f64 + 0.5) * step) * libm::sin(0.5 * step)
+fn luminance(corners: &[[Texel; 2]; 2]) -> Corners {
+    corners.map(|row| row.map(|texel| texel.luminance as f64))
 }

@@ -5,7 +5,7 @@ use super::reuse::{Exchange, Shared};
 use super::shadows::Shadows;
 use super::vertex::Arrival;
 use crate::integrator::{CameraPath, Counters};
-use crate::math::Ray;
+use crate::math::{DVec3, Ray};
 use crate::sampler::{FIRST_VERTEX, ManyNumbers};
 use crate::scene::{Features, Scene};
 use crate::shape::Hit;
@@ -39,7 +39,7 @@ impl State {
     const START: Self = Self {
         throughput: Spectrum::ONE,
         eta2: 1.0,
-        arrival: Arrival { pdf: 1.0, delta: true },
+        arrival: Arrival { pdf: 1.0, delta: true, n: DVec3::ZERO },
         depth: 0,
         direct_view: true,
         light_ratio: 1.0,
@@ -105,7 +105,9 @@ impl Path {
     ) {
         states.clear();
         states.resize(paths.len(), State::START);
-        shared.clear();
+        if F & Features::REUSE != 0 {
+            shared.clear();
+        }
         shared.resize(paths.len(), Shared::NOTHING);
         alive.clear();
         alive.extend(0..paths.len());

@@ -22,6 +22,8 @@ pub struct Arrival {
     pub pdf: f64,
     /// The direction could not have been found by sampling an emitter.
     pub delta: bool,
+    /// What the vertex before gathers light about; see [`Vertex::gathers_about`]. Zero where nothing surrounds the scene.
+    pub n: DVec3,
 }
 
 impl Path {
@@ -162,7 +164,11 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 _ => {}
             }
         }
+        let mut gathers_about = DVec3::ZERO;
         if side.traits.smooth {
+            if F & Features::ENVIRONMENT != 0 {
+                gathers_about = vertex.gathers_about();
+            }
             let counts = (settings.emitter_samples as f64, 1.0);
             let focuses = state.depth > 0 && side.traits.focuses();
             let ratio = if focuses { state.light_ratio } else { 0.0 };
@@ -177,7 +183,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 _ => 0.0,
             };
             let sample = |u: &Numbers| {
-                light::sample_emitter(scene, &vertex, u.one(4), u.pair(0), counts, λ, light_paths)
+                let u = (u.one(4), u.pair(0));
+                light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths)
             };
             // What light paths make as well is weighed for this pixel alone.
             let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
@@ -219,7 +226,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;
-        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta };
+        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about };
         state.direct_view &= sample.null;
         state.depth += 1;
         if state.throughput.is_zero() {
@@ -264,7 +271,9 @@ pub fn environment(
 ) -> Spectrum {
     let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
     let emitter = &scene.emitters.list[index].emitter;
-    let Some((radiance, pdf)) = emitter.distant_radiance(ray.direction, λ) else { return Spectrum::ZERO };
+    let Some((radiance, pdf)) = emitter.distant_radiance(ray.direction, arrival.n, λ) else {
+        return Spectrum::ZERO;
+    };
     if arrival.delta {
         return radiance;
     }

@@ -23,6 +23,8 @@ pub struct Light {
     λ: Wavelengths,
     middle: DVec3,
     radius: f64,
+    /// What is lit gathers light about this normal; from everywhere if it is zero.
+    n: DVec3,
 }
 
 /// A shape of the registry that shines.
@@ -38,9 +40,9 @@ pub fn area(snippet: &str) -> Result<Light, String> {
     Ok(light)
 }
 
-/// An emitter that is no surface.
-pub fn distant(snippet: &str) -> Result<Light, String> {
-    Light::new(snippet)
+/// An emitter that is no surface, for what gathers light about `n`.
+pub fn distant(snippet: &str, n: DVec3) -> Result<Light, String> {
+    Ok(Light { n, ..Light::new(snippet)? })
 }
 
 impl Light {
@@ -49,7 +51,7 @@ impl Light {
         let text = format!("<scene version=\"3.0.0\">{sensor}{inside}</scene>");
         let scene = scene::load_text("light.xml", &text, ColorMode::Spectral).map_err(|e| e.to_string())?;
         let λ = Wavelengths::sample_visible(0.4);
-        Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0 })
+        Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0, n: DVec3::ZERO })
     }
 
     /// What radiance is divided by, so that no weight is above 1: light is no albedo. Power over the squared distance is
@@ -64,6 +66,11 @@ impl Light {
         &self.scene.emitters.list[0].emitter
     }
 
+    /// What of the light from a direction is gathered.
+    fn gathered(&self, wi: DVec3) -> f64 {
+        if self.n == DVec3::ZERO { 1.0 } else { self.n.dot(wi).max(0.0) }
+    }
+
     fn place(&self, wo: DVec3) -> DVec3 {
         self.middle + wo * (DISTANCE * self.radius)
     }
@@ -71,8 +78,8 @@ impl Light {
     /// Radiance from a direction and its density, by following the ray.
     fn seen(&self, wo: DVec3, wi: DVec3) -> (f64, f64) {
         let ray = Ray::free(self.place(wo), wi);
-        if let Some((radiance, pdf)) = self.emitter().distant_radiance(wi, &self.λ) {
-            return (radiance.0[0] as f64, pdf);
+        if let Some((radiance, pdf)) = self.emitter().distant_radiance(wi, self.n, &self.λ) {
+            return (radiance.0[0] as f64 * self.gathered(wi), pdf);
         }
         let Some(hit) = self.scene.accel.closest(&ray) else { return (0.0, 0.0) };
         let (shape, point) = self.scene.surface::<true>(&ray, &hit);
@@ -95,8 +102,9 @@ impl Scatterer for Light {
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
         let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
-        let found = self.emitter().sample(geometry, self.place(wo), DVec2::new(u[1], u[2]), &self.λ)?;
-        let weight = found.radiance.0[0] as f64 / (found.pdf * self.scale());
+        let at = (self.place(wo), self.n);
+        let found = self.emitter().sample(geometry, at, DVec2::new(u[1], u[2]), &self.λ)?;
+        let weight = found.radiance.0[0] as f64 * self.gathered(found.wi) / (found.pdf * self.scale());
         Some(Sample { wi: found.wi, weight, pdf: found.pdf, delta: found.delta })
     }
 

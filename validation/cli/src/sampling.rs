@@ -8,9 +8,14 @@ use etalon::sensor::SENSORS;
 use etalon::shape::SHAPES;
 use std::sync::Arc;
 use validation::Scatterer;
+use validation::scatterer::DVec3;
 
 /// Where a shape or a map is looked at from: the directions that trials are named after.
 const AROUND: [f64; 3] = [20.0, 75.0, 150.0];
+
+/// What gathers the light of emitters that are no surfaces: anything, and surfaces of these normals.
+const RECEIVERS: [(&str, DVec3); 3] =
+    [("", DVec3::ZERO), ("-from-above", DVec3::Y), ("-aslant", DVec3::new(0.61, -0.29, 0.74))];
 
 /// For distributions that do not depend on a direction.
 const ONCE: [f64; 1] = [0.0];
@@ -40,8 +45,12 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
         let registered = emitter.examples.iter().map(|snippet| snippet.to_string());
         let own = files.iter().filter(|_| emitter.name == "envmap").cloned();
         for (i, snippet) in registered.chain(own).enumerate() {
-            let source = wrap(move || drawn_light::distant(&snippet));
-            trials.extend(trials_of(&format!("{}[{i}]", emitter.name), &source, &AROUND, &SCATTERING));
+            for (facing, n) in RECEIVERS {
+                let snippet = snippet.clone();
+                let source = wrap(move || drawn_light::distant(&snippet, n.normalize_or_zero()));
+                let name = format!("{}[{i}]{facing}", emitter.name);
+                trials.extend(trials_of(&name, &source, &AROUND, &SCATTERING));
+            }
         }
     }
     for sensor in SENSORS {
