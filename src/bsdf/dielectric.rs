@@ -96,6 +96,7 @@ impl Material for Dielectric {
         Traits {
             textured: self.reflectance.varies() || self.transmittance.varies(),
             dispersive: matches!(self.index, Index::Dispersive(..)),
+            refracts: matches!(self.index, Index::Constant(_)),
             transmits: true,
             ..Traits::default()
         }

@@ -83,6 +83,8 @@ pub struct Traits {
     pub transmits: bool,
     /// Has a lobe that is narrow, but not without density.
     pub glossy: bool,
+    /// All that it does besides reflecting is to let light through in one direction, the same for all wavelengths.
+    pub refracts: bool,
     /// Scatters about another normal than that of the frame it is given.
     pub relief: bool,
     /// Lobes without density are not the same from either end, so that only camera paths can follow them.
@@ -104,6 +106,7 @@ impl Traits {
             dispersive: self.dispersive || other.dispersive,
             transmits: self.transmits || other.transmits,
             glossy: self.glossy || other.glossy,
+            refracts: self.refracts && other.refracts,
             relief: self.relief || other.relief,
             one_way: self.one_way || other.one_way,
         }

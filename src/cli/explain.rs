@@ -41,6 +41,11 @@ impl Arguments {
             "materials": materials,
             "emitters": emitters,
             "light_paths": scene.caustics.as_ref().map_or(0, |caustics| caustics.paths),
+            "through_glass": match &scene.through_glass {
+                None => "never",
+                Some(glass) if glass.everywhere => "everywhere",
+                Some(_) => "unaided",
+            },
             "emitter_count": scene.emitters.list.len(),
             "uses": scene.features.names(),
             "kernel": kernel.name,

@@ -9,6 +9,7 @@ mod depth;
 mod direct;
 pub mod light;
 pub mod path;
+pub mod through_glass;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;

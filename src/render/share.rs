@@ -3,12 +3,14 @@
 //! A pixel of relative cost 1 + s and variance V + W/s, with s light paths to a camera path, is best at s² = W/V: the variance
 //! that light paths leave against that of camera paths. A pilot too short to know variances knows energies well, since
 //! either kind of path finds its own part of the light easily. So s is the root of the share of the image's light that
-//! light paths bring, as a power of two; and where they bring none they are left out. The pilot's samples are thrown away and
+//! light paths bring, as a power of two; and where they bring none they are left out. Where they would bring most of it, sampling emitters
+//! through glass ([`through_glass`](crate::integrator::through_glass)) relieves them first. The pilot's samples are thrown away and
 //! are a function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
 
 use super::sample::Camera;
 use super::scattered;
 use crate::integrator::caustics::Caustics;
+use crate::integrator::through_glass::Where;
 use crate::integrator::{Counters, kernel_for};
 use crate::scene::{Features, Scene};
 
@@ -18,6 +20,9 @@ const LIGHT_PATHS: u64 = 8192;
 
 /// Tiles along each side of the image.
 const TILES: usize = 8;
+
+/// Where light paths would bring this part of the light, emitters are sampled through glass at all vertices.
+const MUCH: f64 = 0.5;
 
 /// Fewer light paths than these to a camera path cost next to nothing, more gain next to nothing.
 const FEWEST: f64 = 1.0 / 32.0;
@@ -32,8 +37,14 @@ pub fn settle(scene: &mut Scene) {
     if scene.integrator.path().is_none_or(|path| path.light_paths.is_some()) {
         return;
     }
-    let Some(caustics) = &scene.caustics else { return };
-    let part = part_of_light_paths(scene, caustics);
+    let brought =
+        |scene: &Scene| scene.caustics.as_ref().map(|caustics| part_of_light_paths(scene, caustics));
+    let Some(mut part) = brought(scene) else { return };
+    let auto = scene.integrator.path().is_some_and(|path| path.through_glass == Where::Auto);
+    if let Some(glass) = scene.through_glass.as_mut().filter(|_| auto && part > MUCH) {
+        glass.everywhere = true;
+        part = brought(scene).unwrap_or(part);
+    }
     if part > 0.0 {
         let share = nearest_power_of_two(part.sqrt()).clamp(FEWEST, MOST);
         let pixels = scene.sensor.film.crop.pixels();
@@ -41,7 +52,9 @@ pub fn settle(scene: &mut Scene) {
         scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
     } else {
         scene.caustics = None;
-        scene.features.0 &= !Features::CAUSTICS;
+        if scene.through_glass.is_none() {
+            scene.features.0 &= !Features::CAUSTICS;
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use super::{Features, Overrides, Scene, Shape, Side, overrides};
 use crate::bsdf::AnyMaterial;
 use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
 use crate::integrator::caustics::Caustics;
+use crate::integrator::through_glass::{Glass, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::{DVec3, Ray, Transform, length};
 use crate::render::{reuse, share};
@@ -130,7 +131,10 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
     let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
-    features.0 |= if caustics.is_some() { Features::CAUSTICS } else { 0 };
+    let wanted = integrator.path().map_or(Where::Never, |path| path.through_glass);
+    let mut through_glass = Glass::of(&shapes).filter(|_| wanted != Where::Never);
+    through_glass.iter_mut().for_each(|glass| glass.everywhere = wanted == Where::Everywhere);
+    features.0 |= if caustics.is_some() || through_glass.is_some() { Features::CAUSTICS } else { 0 };
     let mut scene = Scene {
         shapes,
         owners,
@@ -141,6 +145,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         sensor,
         integrator,
         caustics,
+        through_glass,
         mode,
         features,
         hash,

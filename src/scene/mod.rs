@@ -20,6 +20,7 @@ use crate::bsdf::{AnyMaterial, Traits};
 use crate::emitter::Emitters;
 use crate::integrator::AnyIntegrator;
 use crate::integrator::caustics::Caustics;
+use crate::integrator::through_glass::Glass;
 use crate::math::{DVec3, Ray};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
@@ -67,6 +68,8 @@ pub struct Overrides {
     pub light_paths: Option<f64>,
     /// Pixels that share what their paths find.
     pub reuse: Option<u32>,
+    /// Where emitters are sampled through glass.
+    pub through_glass: Option<String>,
 }
 
 /// Everything that a render needs.
@@ -82,6 +85,8 @@ pub struct Scene {
     pub integrator: AnyIntegrator,
     /// How caustics are found, where light paths help.
     pub caustics: Option<Caustics>,
+    /// Where emitters are sampled through glass, if they are.
+    pub through_glass: Option<Glass>,
     pub mode: ColorMode,
     /// What the scene uses; decides which kernel runs.
     pub features: Features,

@@ -23,6 +23,9 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     if let Some(pixels) = overrides.reuse {
         set(child(root, "integrator", "path")?, "reuse", &pixels.to_string());
     }
+    if let Some(place) = &overrides.through_glass {
+        set_as("string", child(root, "integrator", "path")?, "through_glass", place);
+    }
     if let Some((width, height)) = overrides.size {
         let film = child(child(root, "sensor", "")?, "film", "hdrfilm")?;
         let crop = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];

@@ -61,6 +61,12 @@ impl Cylinder {
         }
     }
 
+    /// See [`Geometry::normal_change`].
+    pub fn normal_change(&self, dp: DVec3) -> DVec3 {
+        let around = dp - self.axis * dp.dot(self.axis);
+        around * (if self.inward { -1.0 } else { 1.0 } / self.radius)
+    }
+
     /// The nearest crossing beyond `ray.start`; `on_surface` if the origin lies on this very cylinder.
     ///
     /// The sphere's equation in the plane across the axis. With d′ the direction's part across, all terms are

@@ -28,6 +28,12 @@ fn single(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
+/// A vertex attribute at barycentric coordinates.
+#[inline(always)]
+fn interpolated([n0, n1, n2]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
+    n0 + (n1 - n0) * u + (n2 - n0) * v
+}
+
 impl Mesh {
     /// Places a mesh. Where the file has no normals they are made from the geometry, unless `face_normals`.
     ///
@@ -70,8 +76,7 @@ impl Mesh {
         let ns = match &self.normals {
             None => ng,
             Some(normals) => {
-                let [n0, n1, n2] = indices.map(|i| double(normals[i as usize]));
-                let n = n0 + (n1 - n0) * u + (n2 - n0) * v;
+                let n = interpolated(indices.map(|i| double(normals[i as usize])), u, v);
                 // Opposite normals may cancel, and files may hold zeros: there the surface itself decides.
                 if n.length_squared() > 0.0 { unit(n) } else { ng }
             }
@@ -95,6 +100,22 @@ impl Mesh {
             }
         };
         SurfacePoint { p: p0 + e1 * u + e2 * v, ng, ns, uv, dp_du, dp_dv }
+    }
+
+    /// See [`Geometry::normal_change`](super::Geometry::normal_change).
+    pub fn normal_change(&self, triangle: u32, (u, v): (f64, f64), dp: DVec3) -> DVec3 {
+        let Some(normals) = &self.normals else { return DVec3::ZERO };
+        let [p0, p1, p2] = self.corners(triangle);
+        let [n0, n1, n2] = self.triangles[triangle as usize].map(|i| double(normals[i as usize]));
+        let n = interpolated([n0, n1, n2], u, v);
+        let (e1, e2) = (p1 - p0, p2 - p0);
+        // dp = e₁ du + e₂ dv, by the vectors dual to the edges.
+        let across = e1.cross(e2);
+        let size = across.length_squared();
+        let (du, dv) = (dp.dot(e2.cross(across)) / size, dp.dot(across.cross(e1)) / size);
+        let change = (n1 - n0) * du + (n2 - n0) * dv;
+        let size = n.length_squared();
+        if size > 0.0 { (change - n * (n.dot(change) / size)) / size.sqrt() } else { DVec3::ZERO }
     }
 
     fn triangle_area(&self, triangle: u32) -> f64 {

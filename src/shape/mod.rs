@@ -153,6 +153,18 @@ impl Geometry {
         }
     }
 
+    /// How the unit shading normal changes where a hit on primitive `local` moves along the surface by `dp`, to first order.
+    pub fn normal_change(&self, local: u32, hit: &Hit, point: &SurfacePoint, dp: DVec3) -> DVec3 {
+        match self {
+            Self::Mesh(mesh) => mesh.normal_change(local, (hit.u, hit.v), dp),
+            Self::Patch(_) => DVec3::ZERO,
+            Self::Sphere(sphere) => {
+                dp * ((point.p - sphere.centre).dot(point.ns) / (sphere.radius * sphere.radius))
+            }
+            Self::Cylinder(cylinder) => cylinder.normal_change(dp),
+        }
+    }
+
     pub fn area(&self) -> f64 {
         match self {
             Self::Mesh(mesh) => mesh.area(),

@@ -5,6 +5,7 @@ use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, power_heuristic_of_three};
 use crate::integrator::path::{MAX_VERTICES, side_towards};
+use crate::integrator::through_glass::{density_of, goes_through};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Numbers, Sampler};
 use crate::scene::Scene;
@@ -37,8 +38,10 @@ struct LightPath {
     ratio: f64,
     /// Where it began: the emitter, the point of it, and its normal there.
     end: (usize, DVec3, DVec3),
-    /// How much likelier emitter sampling makes the first edge than the lobe of its other end does.
+    /// How much likelier emitter sampling makes the path's beginning than the first lobe with a density on the way does, from its end.
     by_emitter: f64,
+    /// Interfaces that it has gone through since it left, with which chance; `None` once it has met anything else.
+    through: Option<(u32, f64)>,
 }
 
 impl Caustics {
@@ -66,6 +69,7 @@ impl Caustics {
             ratio: self.paths as f64 / scale,
             end: start.end,
             by_emitter: 0.0,
+            through: Some((0, 1.0)),
         };
         for edges in 1..=MAX_VERTICES {
             let u = sampler.block(FIRST_VERTEX - 1 + edges);
@@ -101,9 +105,18 @@ impl Caustics {
         let (primitive, wo) = (hit.primitive, DVec3::ZERO);
         let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
         vertex.wo = vertex.to_local(to_light);
+        // The density of emitter samples through glass from here, over the chance that what scatters goes the same way.
+        let asked = side.traits.smooth && scene.through_glass.as_ref().is_some_and(|glass| glass.everywhere);
+        let linked = path.through.filter(|through| asked && through.0 > 0).map(|(interfaces, chance)| {
+            let (index, p, n) = path.end;
+            let end = (index, &SurfacePoint::plain(p, n, n));
+            let way = (to_light, interfaces);
+            let found = density_of(scene, (point.p, hit.primitive), way, end, &λ, counters);
+            found.unwrap_or(0.0) * f64::from(self.settings.emitter_samples) / chance
+        });
         if edges > 1
             && side.traits.smooth
-            && let Some((ray, found)) = self.connect(scene, path, &vertex, u)
+            && let Some((ray, found)) = self.connect(scene, path, &vertex, linked, u)
         {
             counters.rays += 1;
             if !scene.accel.occluded(&ray) {
@@ -120,6 +133,10 @@ impl Caustics {
         if sample.delta && side.traits.one_way {
             return None;
         }
+        path.through = path
+            .through
+            .filter(|_| side.traits.refracts && goes_through(vertex.wo, &sample))
+            .map(|(interfaces, chance)| (interfaces + 1, chance * sample.pdf));
         if sample.delta {
             let η2 = sample.eta * sample.eta;
             let shading = super::refraction(vertex.wo, sample.wi, sample.eta);
@@ -129,7 +146,9 @@ impl Caustics {
             let back = bsdf.evaluate(sample.wi, vertex.wo);
             path.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
             path.ratio *= super::further(sample.pdf, back.pdf, cos_camera, cos_light);
-            if edges == 1 {
+            if let Some(linked) = linked {
+                path.by_emitter = linked / back.pdf;
+            } else if edges == 1 {
                 path.by_emitter = self.emitter_pdf(scene, path, &point, hit.t) / back.pdf;
             }
         }
@@ -168,6 +187,7 @@ impl Caustics {
         scene: &Scene,
         path: &LightPath,
         vertex: &Vertex<B>,
+        linked: Option<f64>,
         u: Numbers,
     ) -> Option<(Ray, Splat)> {
         let (point, film) = (vertex.point, &scene.sensor.film);
@@ -182,7 +202,8 @@ impl Caustics {
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
         let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
         let ratio = path.ratio * super::first(false, scattered.pdf, cos_light, seen);
-        let shared = power_heuristic_of_three(1.0 / ratio, path.by_emitter / ratio);
+        let by_emitter = linked.map_or(path.by_emitter, |linked| linked / scattered.pdf);
+        let shared = power_heuristic_of_three(1.0 / ratio, by_emitter / ratio);
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));
         let radiance = path.throughput * path.emitted * scattered.value;
         let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);

@@ -6,6 +6,7 @@ mod stream;
 mod vertex;
 
 use super::AnyIntegrator;
+use super::through_glass::Where;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 pub use vertex::{Arrival, environment, side_towards};
@@ -37,6 +38,8 @@ pub struct Path {
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
+    /// Where emitters are sampled through glass; see [`through_glass`](super::through_glass).
+    pub through_glass: Where,
 }
 
 /// How many light paths to a camera path there can be.
@@ -51,6 +54,7 @@ impl Default for Path {
             emitter_samples: 1,
             light_paths: None,
             reuse: 1,
+            through_glass: Where::Auto,
         }
     }
 }
@@ -80,7 +84,19 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
             "expected a power of two up to 64, or 0",
         ));
     }
-    Ok(AnyIntegrator::Path(Path { max_depth, rr_depth, hide_emitters, emitter_samples, light_paths, reuse }))
+    let about =
+        "where emitters are sampled through glass; `unaided`: where light paths cannot help (an extension)";
+    let through_glass = params.choice("through_glass", &Where::NAMES, about)?;
+    let through_glass = Where::named(through_glass).unwrap_or(Where::Auto);
+    Ok(AnyIntegrator::Path(Path {
+        max_depth,
+        rr_depth,
+        hide_emitters,
+        emitter_samples,
+        light_paths,
+        reuse,
+        through_glass,
+    }))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::Path;
 use super::reuse::{Exchange, Shared};
 use super::shadows::Shadows;
 use super::vertex::Arrival;
+use crate::integrator::through_glass::Way;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FIRST_VERTEX, ManyNumbers};
@@ -59,6 +60,7 @@ struct Stream {
     numbers: ManyNumbers<STREAM>,
     shadows: Shadows,
     shared: Vec<Shared>,
+    ways: Vec<Way>,
     exchange: Exchange,
 }
 
@@ -100,7 +102,7 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, alive, rays, hits, numbers, shadows, shared, .. }: &mut Stream,
+        Stream { states, alive, rays, hits, numbers, shadows, shared, ways, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
@@ -109,6 +111,10 @@ impl Path {
             shared.clear();
         }
         shared.resize(paths.len(), Shared::NOTHING);
+        if F & Features::CAUSTICS != 0 {
+            ways.clear();
+        }
+        ways.resize(paths.len(), Way::NONE);
         alive.clear();
         alive.extend(0..paths.len());
         rays.clear();
@@ -125,7 +131,7 @@ impl Path {
                 let (path, state) = (&mut paths[index], &mut states[index]);
                 let onward = self.step::<F>(
                     scene,
-                    (index, path, state, &mut shared[index]),
+                    (index, path, state, &mut shared[index], &mut ways[index]),
                     (&rays[i], hits[i]),
                     numbers.of(i),
                     shadows,

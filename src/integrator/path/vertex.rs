@@ -8,6 +8,7 @@ use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::DirectSample;
 use crate::integrator::caustics;
 use crate::integrator::light::{self, Vertex, power_heuristic, power_heuristic_of_three};
+use crate::integrator::through_glass::{self, Link, Way};
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FURTHER_EMITTER_SAMPLES, Numbers};
@@ -32,7 +33,7 @@ impl Path {
     pub fn step<const F: u32>(
         &self,
         scene: &Scene,
-        (index, path, state, shared): (usize, &mut CameraPath, &mut State, &mut Shared),
+        (index, path, state, shared, way): (usize, &mut CameraPath, &mut State, &mut Shared, &mut Way),
         (ray, hit): (&Ray, Option<Hit>),
         u: Numbers,
         shadows: &mut Shadows,
@@ -63,12 +64,17 @@ impl Path {
             let entry = &scene.emitters.list[emitter as usize];
             let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
             if !emitted.is_zero() {
+                let count = self.emitter_samples as f64;
                 let by_emitter = if state.arrival.delta {
-                    0.0
+                    if F & Features::CAUSTICS != 0 {
+                        way.rival(scene, (emitter as usize, &point), count, λ, counters)
+                    } else {
+                        0.0
+                    }
                 } else {
                     let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
                     let chosen = scene.emitters.probability(emitter as usize);
-                    chosen * pdf * self.emitter_samples as f64 / state.arrival.pdf
+                    chosen * pdf * count / state.arrival.pdf
                 };
                 let by_light_path = match &scene.caustics {
                     Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
@@ -105,6 +111,8 @@ impl Path {
             path,
             state,
             shared,
+            way,
+            counters,
             wo: -ray.direction,
             primitive: hit.primitive,
             point: &point,
@@ -128,6 +136,8 @@ struct Scatter<'a, const F: u32> {
     path: &'a mut CameraPath,
     state: &'a mut State,
     shared: &'a mut Shared,
+    way: &'a mut Way,
+    counters: &'a mut Counters,
     /// World, towards where the path came from.
     wo: DVec3,
     primitive: u32,
@@ -143,8 +153,22 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     /// Asks for direct light and finds the ray with which the path goes on.
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
-        let Self { settings, scene, index, path, state, shared, wo, primitive, point, side, u, shadows } =
-            self;
+        let Self {
+            settings,
+            scene,
+            index,
+            path,
+            state,
+            shared,
+            way,
+            counters,
+            wo,
+            primitive,
+            point,
+            side,
+            u,
+            shadows,
+        } = self;
         let (λ, sampler) = (&mut path.λ, &path.sampler);
         let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
         let bsdf = material.at(point, λ);
@@ -164,6 +188,10 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 _ => {}
             }
         }
+        let numbers = |which: u32| match which {
+            0 => u,
+            further => sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further),
+        };
         let mut gathers_about = DVec3::ZERO;
         if side.traits.smooth {
             if F & Features::ENVIRONMENT != 0 {
@@ -182,23 +210,52 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
                 _ => 0.0,
             };
-            let sample = |u: &Numbers| {
-                let u = (u.one(4), u.pair(0));
-                light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths)
-            };
             // What light paths make as well is weighed for this pixel alone.
             let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
             let shares = state.shares && !alone;
             let throughput =
                 if state.shares && !shares { state.throughput * shared.albedo() } else { state.throughput };
             let owner = (index, shares);
-            if let Some(light) = sample(&u) {
-                shadows.push(owner, light.ray, throughput * light.radiance);
-            }
-            for further in 1..settings.emitter_samples {
-                let u = sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further);
-                if let Some(light) = sample(&u) {
+            for which in 0..settings.emitter_samples {
+                let u = numbers(which);
+                let u = (u.one(4), u.pair(0));
+                let found = light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths);
+                if let Some(light) = found {
                     shadows.push(owner, light.ray, throughput * light.radiance);
+                }
+            }
+        }
+        let through_glass = F & Features::CAUSTICS != 0
+            && side.traits.smooth
+            && scene.through_glass.as_ref().is_some_and(|glass| {
+                glass.everywhere || scene.caustics.is_none() || state.light_ratio == 0.0
+            });
+        let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
+        if through_glass && most > 0 {
+            let light_paths = |link: &Link, pdf: f64, end: (usize, DVec3, DVec3)| match &scene.caustics {
+                Some(caustics) if state.light_ratio > 0.0 => {
+                    let (cos_light, cos_camera) =
+                        (point.ng.dot(link.direction).abs(), point.ng.dot(wo).abs());
+                    let here = if state.depth == 0 {
+                        let seen = scene.pixels_per_area(&path.ray, point.p) * cos_camera;
+                        caustics::first(false, pdf, cos_light, seen)
+                    } else {
+                        let to_camera = bsdf.evaluate(vertex.to_local(link.direction), vertex.wo).pdf;
+                        caustics::further(to_camera, pdf, cos_camera, cos_light)
+                    };
+                    state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
+                }
+                _ => 0.0,
+            };
+            // Like all that casters throw, this is for the pixel alone.
+            let throughput = if state.shares { state.throughput * shared.albedo() } else { state.throughput };
+            for which in 0..settings.emitter_samples {
+                let u = numbers(which);
+                let (u, effort) = ((u.one(4), u.pair(0)), (settings.emitter_samples as f64, most));
+                let found =
+                    through_glass::sample_emitter(scene, &vertex, u, effort, λ, light_paths, counters);
+                if let Some(light) = found {
+                    shadows.push((index, false), light.ray, throughput * light.radiance);
                 }
             }
         }
@@ -223,6 +280,13 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if F & Features::CAUSTICS != 0 {
             // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
+            if through_glass {
+                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample);
+            } else if side.traits.smooth {
+                *way = Way::NONE;
+            } else {
+                way.follow(vertex.wo, side, &sample);
+            }
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;

@@ -5,26 +5,32 @@ use super::{Relation, Term};
 use crate::stage::*;
 
 /// The integrator with so many light paths to a camera path, and with this longest path.
-fn with_light_paths(share: f64, longest: i64) -> String {
+pub(super) fn with_light_paths(share: f64, longest: i64) -> String {
     path(longest).replace("</integrator>", &(float("light_paths", share) + "</integrator>"))
 }
 
+/// The integrator that finds whatever it finds from the camera, and by no other way than scattering if that is through glass.
+pub(super) fn plain(longest: i64) -> String {
+    let never = "<string name=\"through_glass\" value=\"never\"/></integrator>";
+    with_light_paths(0.0, longest).replace("</integrator>", never)
+}
+
 /// A matte floor and wall under a lamp, and this besides.
-fn room(things: &str) -> String {
+pub(super) fn room(things: &str) -> String {
     let objects = objects(&[]);
     objects[..2].concat() + &lamp(8.0) + things
 }
 
-fn glass(more: &str) -> String {
+pub(super) fn glass(more: &str) -> String {
     bsdf("dielectric", &(float("int_ior", 1.5) + more))
 }
 
 /// A ball above the floor.
-fn ball(wears: &str) -> String {
+pub(super) fn ball(wears: &str) -> String {
     sphere([-0.5, 0.0, 0.7], 0.6, wears)
 }
 
-fn block(wears: &str) -> String {
+pub(super) fn block(wears: &str) -> String {
     shape("cube", &[scale([0.4, 0.4, 0.5]), rotate('z', 25.0), translate([0.8, 0.2, 0.55])], wears)
 }
 
@@ -33,12 +39,12 @@ fn relation(name: &str, camera: &str, world: &str) -> Relation {
 }
 
 fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
-    let side = |share: f64| vec![Term::new(scene(&[&with_light_paths(share, longest), camera, world]))];
-    Relation::expectation(name, side(0.0), side(1.0)).samples(4096)
+    let side = |integrator: String| vec![Term::new(scene(&[&integrator, camera, world]))];
+    Relation::expectation(name, side(plain(longest)), side(with_light_paths(1.0, longest))).samples(4096)
 }
 
 /// The integrator of both sides with an option that ends its element.
-fn with_integrator(relation: Relation, option: &str) -> Relation {
+pub(super) fn with_integrator(relation: Relation, option: &str) -> Relation {
     let with = |terms: Vec<Term>| {
         let with = |term: Term| Term { scene: term.scene.replace("</integrator>", option), ..term };
         terms.into_iter().map(with).collect()
@@ -113,10 +119,10 @@ pub fn relations() -> Vec<Relation> {
     let hidden = |relation: Relation| {
         with_integrator(relation, "<boolean name=\"hide_emitters\" value=\"true\"/></integrator>")
     };
-    let (plain, tent) = (camera(), "<rfilter type=\"tent\"/>");
+    let (view, tent) = (camera(), "<rfilter type=\"tent\"/>");
     vec![
-        relation("glass_ball", &plain, &room(&ball(&glass("")))),
-        relation("mirror_ball", &plain, &room(&ball(&mirror()))),
+        relation("glass_ball", &view, &room(&ball(&glass("")))),
+        relation("mirror_ball", &view, &room(&ball(&mirror()))),
         relation("thin_lens", &lens, &room(&ball(&glass("")))),
         relation("parallel_view", &parallel, &room(&ball(&glass("")))),
         relation("gaussian_film", &filtered("<rfilter type=\"gaussian\"/>", ""), &room(&ball(&mirror()))),
@@ -130,35 +136,35 @@ pub fn relations() -> Vec<Relation> {
             &filtered(tent, "<boolean name=\"sample_border\" value=\"true\"/>"),
             &room(&ball(&mirror())),
         ),
-        relation("pane", &plain, &room(&pane)),
-        relation("polished_metal", &plain, &room(&ball(&polished))),
-        relation("polished_metal_by_two_lamps", &plain, &room(&(ball(&polished) + &second + &hanging))),
-        four_emitter_samples(relation("polished_metal_by_four_samples", &plain, &room(&ball(&polished)))),
-        relation("frosted_glass", &plain, &room(&block(&frosted))),
-        relation("bulb_in_a_globe", &plain, &room(&bulb)),
-        relation("block_of_glass", &plain, &room(&block(&glass("")))),
-        relation("tinted_glass", &plain, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
+        relation("pane", &view, &room(&pane)),
+        relation("polished_metal", &view, &room(&ball(&polished))),
+        relation("polished_metal_by_two_lamps", &view, &room(&(ball(&polished) + &second + &hanging))),
+        four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished)))),
+        relation("frosted_glass", &view, &room(&block(&frosted))),
+        relation("bulb_in_a_globe", &view, &room(&bulb)),
+        relation("block_of_glass", &view, &room(&block(&glass("")))),
+        relation("tinted_glass", &view, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
         // Through glass the floor is three edges from the lamp, and the camera a fourth.
-        up_to(3, "glass_ball_one_edge_too_far", &plain, &room(&ball(&glass("")))),
-        relation("upon_rough_plastic", &plain, &room(&(ball(&mirror()) + &rough_floor))),
-        relation("upon_rough_metal", &plain, &room(&(ball(&mirror()) + &metal_floor))),
-        relation("relief_of_a_mirror", &plain, &room(&block(&relief(&mirror())))),
-        relation("relief_of_glass", &plain, &room(&block(&relief(&glass(""))))),
-        relation("relief_of_a_mirror_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&mirror()))))),
-        relation("relief_of_glass_as_it_comes", &plain, &room(&block(&as_it_comes(&relief(&glass("")))))),
-        relation("vase_of_glass", &plain, &room(&vase)),
-        relation("half_a_mirror", &plain, &room(&(ball(&blend) + &block(&mirror())))),
-        relation("two_lamps", &plain, &room(&(ball(&mirror()) + &second))),
-        relation("behind_a_veil", &plain, &room(&(ball(&mirror()) + &veil))),
+        up_to(3, "glass_ball_one_edge_too_far", &view, &room(&ball(&glass("")))),
+        relation("upon_rough_plastic", &view, &room(&(ball(&mirror()) + &rough_floor))),
+        relation("upon_rough_metal", &view, &room(&(ball(&mirror()) + &metal_floor))),
+        relation("relief_of_a_mirror", &view, &room(&block(&relief(&mirror())))),
+        relation("relief_of_glass", &view, &room(&block(&relief(&glass(""))))),
+        relation("relief_of_a_mirror_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&mirror()))))),
+        relation("relief_of_glass_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&glass("")))))),
+        relation("vase_of_glass", &view, &room(&vase)),
+        relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
+        relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))),
+        relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil))),
         hidden(relation(
             "behind_a_hidden_lamp",
-            &plain,
+            &view,
             &room(&(ball(&mirror()) + &sphere([0.4, -1.5, 0.5], 0.2, &area(4.0)))),
         )),
-        relation("in_spectra", &plain, &room(&ball(&glass("")))).in_spectra(),
+        relation("in_spectra", &view, &room(&ball(&glass("")))).in_spectra(),
         relation(
             "dispersion",
-            &plain,
+            &view,
             &room(&block("<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>")),
         )
         .in_spectra(),

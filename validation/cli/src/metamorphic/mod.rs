@@ -16,6 +16,7 @@ mod motion;
 mod reuse;
 pub(crate) mod still_life;
 mod tessellation;
+mod through_glass;
 mod transport;
 mod wavelengths;
 
@@ -152,6 +153,7 @@ pub const FAMILIES: &[Family<Relation>] = &[
     ("methods", methods::relations),
     ("reuse", reuse::relations),
     ("tessellation", tessellation::relations),
+    ("through_glass", through_glass::relations),
     ("transport", transport::relations),
     ("wavelengths", wavelengths::relations),
 ];

@@ -1,0 +1,191 @@
+use super::*;
+use crate::math::Frame;
+use crate::math::frame::unit;
+use crate::scene::load_text;
+use crate::shape::mesh_data::{MeshData, write_ply};
+use crate::spectrum::ColorMode;
+
+/// A lamp above a floor, and glass between.
+fn scene(between: &str) -> Scene {
+    let text = format!(
+        r#"<scene version="3.0.0"><sensor type="perspective"/>
+            <integrator type="path"><string name="through_glass" value="everywhere"/></integrator>
+            <shape type="rectangle"><transform name="to_world"><scale value="9"/></transform></shape>
+            <shape type="sphere"><point name="center" x="0.2" y="0.1" z="5"/><float name="radius" value="0.3"/>
+                <emitter type="area"/></shape>{between}</scene>"#
+    );
+    load_text("glass.xml", &text, ColorMode::Rgb).expect("it loads")
+}
+
+const GLASS: &str =
+    r#"<bsdf type="dielectric"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>"#;
+
+fn slab() -> Scene {
+    scene(&format!(
+        r#"<shape type="cube"><transform name="to_world"><scale x="9" y="9" z="0.5"/><translate z="2"/></transform>{GLASS}</shape>"#
+    ))
+}
+
+/// A sheet that bends like a bowl, with the normals of the bowl.
+fn bowl(height: f64, bend: f64) -> MeshData {
+    const SIDE: u32 = 40;
+    let at = |i: u32| (f64::from(i) / f64::from(SIDE) - 0.5) * 3.0;
+    let places: Vec<(f64, f64)> = (0..=SIDE).flat_map(|j| (0..=SIDE).map(move |i| (at(i), at(j)))).collect();
+    let normal =
+        |(x, y): &(f64, f64)| unit(DVec3::new(-2.0 * bend * x, -2.0 * bend * y, 1.0)).as_vec3().to_array();
+    let position = |(x, y): &(f64, f64)| [*x as f32, *y as f32, (height + bend * (x * x + y * y)) as f32];
+    let corner = |i: u32, j: u32| j * (SIDE + 1) + i;
+    let halves = |i: u32, j: u32| {
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    MeshData {
+        positions: places.iter().map(position).collect(),
+        normals: Some(places.iter().map(normal).collect()),
+        uvs: None,
+        triangles: (0..SIDE).flat_map(|j| (0..SIDE).flat_map(move |i| halves(i, j))).collect(),
+        surface_points: None,
+    }
+}
+
+fn curved() -> Vec<(&'static str, Scene)> {
+    let ball = format!(
+        r#"<shape type="sphere"><point name="center" z="2"/><float name="radius" value="0.8"/>{GLASS}</shape>"#
+    );
+    let hollow = r#"<shape type="sphere"><point name="center" x="0.1" z="2.1"/><float name="radius" value="0.5"/>
+        <bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1.5"/></bsdf></shape>"#;
+    let tube = format!(
+        r#"<shape type="cylinder"><point name="p0" x="-3" z="2"/><point name="p1" x="3" z="2"/><float name="radius" value="0.7"/>{GLASS}</shape>"#
+    );
+    let lens = [("below", 1.6, 0.15), ("above", 2.4, -0.1)].map(|(name, height, bend)| {
+        let file = std::env::temp_dir().join(format!("etalon-lens-{name}-{}.ply", std::process::id()));
+        write_ply(&bowl(height, bend), &file).expect("a file of its own");
+        let wears = if bend > 0.0 { GLASS.replace("1.5", "0.6666666667") } else { GLASS.into() };
+        format!(r#"<shape type="ply"><string name="filename" value="{}"/>{wears}</shape>"#, file.display())
+    });
+    vec![
+        ("ball", scene(&ball)),
+        ("globe", scene(&(ball.clone() + hollow))),
+        ("tube", scene(&tube)),
+        ("lens", scene(&lens.concat())),
+    ]
+}
+
+fn link(scene: &Scene, x: DVec3, y: DVec3) -> Option<Link> {
+    let distance = length(y - x);
+    let from = (x, 0);
+    Link::find(scene, from, ((y - x) / distance, distance), 8, &Wavelengths::rgb(), &mut Counters::default())
+}
+
+/// Floor points and points near the lamp.
+fn pairs() -> impl Iterator<Item = (DVec3, DVec3)> {
+    let spread = |i: usize, step: f64| (i as f64 * step).fract() - 0.5;
+    (0..200).map(move |i| {
+        let x = DVec3::new(spread(i, 0.754_877_666), spread(i, 0.569_840_291), 0.0);
+        (x, DVec3::new(0.2 + 0.5 * spread(i, 0.618_033_989), 0.1 + 0.5 * spread(i, 0.414_213_562), 4.7))
+    })
+}
+
+#[test]
+fn a_slab_moves_rays_as_snell_says() {
+    let scene = slab();
+    for (x, y) in pairs() {
+        let found = link(&scene, x, y).expect("there is a way");
+        let (sin, cos) = (found.direction.truncate().length(), found.direction.z);
+        let (inside, cos_inside) = (sin / 1.5, (1.0 - sin * sin / 2.25f64).sqrt());
+        // How far along the floor it comes, in 3.7 of air and 1 of glass.
+        let along = 3.7 * sin / cos + inside / cos_inside;
+        assert!((along - (y - x).truncate().length()).abs() < 1e-6, "{x} {y}");
+        // Of the area R dR dφ for each sin θ dθ dφ, what lies across the ray.
+        let change = 3.7 / (cos * cos) + cos / (1.5 * cos_inside * cos_inside * cos_inside);
+        let spread = along * change * cos / sin;
+        assert!((found.spread / spread - 1.0).abs() < 1e-6, "{} {spread}", found.spread);
+        assert_eq!((found.interfaces, found.eta2), (2, 1.0));
+    }
+}
+
+#[test]
+fn spreads_are_quotients_of_differences() {
+    for (name, scene) in curved() {
+        let mut tried = 0;
+        for (x, y) in pairs() {
+            let Some(found) = link(&scene, x, y) else { continue };
+            let frame = Frame::about(found.last.direction);
+            let step = 1e-5;
+            let moved = |along: DVec3| {
+                let ends =
+                    [step, -step].map(|step| link(&scene, x, y + along * step).map(|link| link.direction));
+                Some((ends[0]? - ends[1]?) / (2.0 * step))
+            };
+            let (Some(a), Some(b)) = (moved(frame.s), moved(frame.t)) else { continue };
+            let spread = 1.0 / length(a.cross(b));
+            // Vertices are f32, and so are their normals.
+            let allowed = if name == "lens" { 1e-2 } else { 1e-3 };
+            assert!(
+                (found.spread / spread - 1.0).abs() < allowed,
+                "{name} {x} {y}: {} {spread}",
+                found.spread
+            );
+            tried += 1;
+        }
+        assert!(tried > 50, "{name}: {tried}");
+    }
+}
+
+#[test]
+fn both_sides_agree_on_the_density() {
+    let λ = Wavelengths::rgb();
+    for (name, scene) in curved().into_iter().chain([("slab", slab())]) {
+        let mut tried = 0;
+        for (x, _) in pairs() {
+            let Some(index) = scene.emitters.list.iter().position(|e| e.shape.is_some()) else { panic!() };
+            let entry = &scene.emitters.list[index];
+            let geometry = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
+            let u = DVec2::new((x.x * 37.0).rem_euclid(1.0), (x.y * 41.0).rem_euclid(1.0));
+            let Some(light) = entry.emitter.sample(geometry, (x, DVec3::ZERO), u, &λ) else { continue };
+            let y = x + light.wi * light.distance;
+            let Some(found) = link(&scene, x, y) else { continue };
+            let expected = density(light.pdf, (light.wi, light.distance), &found, light.n);
+            let way = (found.direction, found.interfaces);
+            let end = (index, &SurfacePoint::plain(y, light.n, light.n));
+            let counters = &mut Counters::default();
+            match density_of(&scene, (x, 0), way, end, &λ, counters) {
+                Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
+                None => assert!(found.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
+            }
+            // Another direction is another way, and another number of interfaces too.
+            let aside = unit(found.direction + DVec3::X * 1e-3);
+            assert!(density_of(&scene, (x, 0), (aside, found.interfaces), end, &λ, counters).is_none());
+            assert!(density_of(&scene, (x, 0), (way.0, way.1 - 1), end, &λ, counters).is_none());
+            tried += 1;
+        }
+        assert!(tried > 50, "{name}: {tried}");
+    }
+}
+
+#[test]
+fn what_is_not_refracted_is_not_linked() {
+    let rectangle = |wears: &str| {
+        scene(&format!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="2"/></transform>{wears}</shape>"#
+        ))
+    };
+    let thin = rectangle(r#"<bsdf type="thindielectric"/>"#);
+    let matte = rectangle(r#"<bsdf type="diffuse"/>"#);
+    let frosted = rectangle(r#"<bsdf type="roughdielectric"/>"#);
+    let veil = rectangle(r#"<bsdf type="mask"><bsdf type="dielectric"/></bsdf>"#);
+    let (x, y) = (DVec3::new(0.3, 0.2, 0.0), DVec3::new(0.1, 0.1, 4.0));
+    let straight = link(&thin, x, y).expect("a pane bends nothing");
+    assert!(length(straight.direction - unit(y - x)) < 1e-12);
+    assert!((straight.spread / (y - x).length_squared() - 1.0).abs() < 1e-9);
+    for other in [matte, frosted, veil, scene("")] {
+        assert!(link(&other, x, y).is_none());
+    }
+    // More interfaces than may be.
+    let twice = scene(&format!(
+        r#"<shape type="sphere"><point name="center" z="2"/>{GLASS}</shape><shape type="sphere"><point name="center" z="2"/><float name="radius" value="0.5"/>{GLASS}</shape>"#
+    ));
+    let (from, way) = ((x, 0), (unit(y - x), length(y - x)));
+    let find = |most| Link::find(&twice, from, way, most, &Wavelengths::rgb(), &mut Counters::default());
+    assert!(find(8).is_some() && find(4).is_some() && find(3).is_none());
+}

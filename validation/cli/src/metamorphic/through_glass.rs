@@ -1,0 +1,104 @@
+//! Emitter samples through glass change the noise and nothing else, whatever the glass, the surface and the emitter behind it.
+
+use super::caustics::{ball, block, glass, plain, room, with_integrator, with_light_paths};
+use super::still_life::*;
+use super::{Relation, Term};
+use crate::stage::*;
+
+/// At all vertices, without light paths or with as many as camera paths.
+fn through_glass(share: f64, longest: i64) -> String {
+    let everywhere = "<string name=\"through_glass\" value=\"everywhere\"/></integrator>";
+    with_light_paths(share, longest).replace("</integrator>", everywhere)
+}
+
+/// In a scene that is given by what is in the room.
+fn relation(name: &str, share: f64, things: &str) -> Relation {
+    up_to(6, name, share, &room(things))
+}
+
+fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relation {
+    let side = |integrator: String| vec![Term::new(scene(&[&integrator, &camera(), world]))];
+    Relation::expectation(name, side(plain(longest)), side(through_glass(share, longest))).samples(4096)
+}
+
+pub fn relations() -> Vec<Relation> {
+    let clear = || glass("");
+    let bulb = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &clear());
+    let globe = sphere([-0.5, 0.0, 1.0], 0.25, &area(4.0))
+        + &sphere([-0.5, 0.0, 1.0], 0.6, &clear())
+        + &sphere(
+            [-0.5, 0.0, 1.0],
+            0.5,
+            &bsdf("dielectric", &(float("int_ior", 1.0) + &float("ext_ior", 1.5))),
+        );
+    let pane = |wears: &str| shape("rectangle", &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])], wears);
+    let within = sphere([-0.5, 0.0, 0.8], 0.7, &clear()) + &sphere([-0.5, 0.0, 0.8], 0.4, &diffuse(0.6));
+    let mesh = |wears: &str| {
+        let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
+        shape("obj", &steps, &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + wears))
+    };
+    let tube = shape(
+        "cylinder",
+        &[translate([-0.5, 0.0, 0.0])],
+        &("<point name=\"p0\" x=\"-0.8\" y=\"0\" z=\"0.9\"/><point name=\"p1\" x=\"0.8\" y=\"0\" z=\"0.9\"/>"
+            .to_owned()
+            + &float("radius", 0.4) + &clear()),
+    );
+    let mirror = shape(
+        "rectangle",
+        &[scale([1.0; 3]), rotate('y', -60.0), translate([1.6, 0.3, 1.0])],
+        &bsdf("conductor", ""),
+    );
+    let rough = |kind: &str, more: &str| {
+        let floor = [scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])];
+        shape("rectangle", &floor, &bsdf(kind, &(float("alpha", 0.3) + more)))
+    };
+    let veil = shape(
+        "rectangle",
+        &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
+        &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
+    );
+    let schlick = glass("<string name=\"fresnel\" value=\"schlick\"/>");
+    let second = sphere([1.0, -0.5, 1.6], 0.3, &area(12.0));
+    let four = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
+    vec![
+        relation("glass_ball", 0.0, &ball(&clear())),
+        relation("glass_ball_and_light_paths", 1.0, &ball(&clear())),
+        relation("bulb", 0.0, &bulb),
+        relation("bulb_and_light_paths", 1.0, &bulb),
+        relation("bulb_in_a_globe", 0.0, &globe),
+        relation("bulb_in_a_globe_and_light_paths", 1.0, &globe),
+        relation("seen_in_a_mirror", 1.0, &(globe.clone() + &mirror)),
+        relation("matte_within_glass", 1.0, &within),
+        relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
+        relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))),
+        relation("surface_of_water", 1.0, &pane(&clear())),
+        relation("block", 0.0, &block(&clear())),
+        relation("block_and_light_paths", 1.0, &block(&clear())),
+        relation("tinted_block", 1.0, &block(&glass(&grey("specular_transmittance", 0.6)))),
+        relation("schlick", 1.0, &ball(&schlick)),
+        relation("vase", 0.0, &mesh(&clear())),
+        relation("vase_and_light_paths", 1.0, &mesh(&clear())),
+        relation("tube", 1.0, &tube),
+        relation("ball_in_a_block", 1.0, &(block(&clear()) + &sphere([0.8, 0.2, 0.55], 0.3, &clear()))),
+        relation("upon_rough_metal", 1.0, &(globe.clone() + &rough("roughconductor", ""))),
+        relation(
+            "upon_rough_plastic",
+            1.0,
+            &(globe.clone() + &rough("roughplastic", &grey("diffuse_reflectance", 0.5))),
+        ),
+        relation("two_lamps", 1.0, &(ball(&clear()) + &second)),
+        relation("behind_a_veil", 1.0, &(globe.clone() + &veil)),
+        with_integrator(relation("four_samples", 1.0, &globe), four),
+        // Through the glass the lamp is two edges from the floor, and the camera a third.
+        up_to(3, "one_edge_too_far", 0.0, &room(&ball(&clear()))),
+        up_to(4, "no_edge_too_far", 1.0, &room(&ball(&clear()))),
+        relation("in_spectra", 1.0, &globe).in_spectra(),
+        relation(
+            "dispersion",
+            1.0,
+            &block("<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>"),
+        )
+        .in_spectra(),
+    ]
+}
