@@ -201,7 +201,7 @@ impl Caustics {
         let cos_light = point.ng.dot(path.ray.direction).abs();
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
         let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
-        let ratio = path.ratio * super::first(false, scattered.pdf, cos_light, seen);
+        let ratio = path.ratio * super::first(scattered.pdf, cos_light, seen);
         let by_emitter = linked.map_or(path.by_emitter, |linked| linked / scattered.pdf);
         let shared = power_heuristic_of_three(1.0 / ratio, by_emitter / ratio);
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));

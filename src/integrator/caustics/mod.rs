@@ -92,9 +92,9 @@ pub fn is_caster(shape: &Shape) -> bool {
     shape.sides.iter().any(|side| side.traits.focuses())
 }
 
-/// The factor of r from x₁: zero where a delta lobe went on, for then no light path can be connected there. `seen` is J.
-pub fn first(delta: bool, pdf: f64, cos_light: f64, seen: f64) -> f64 {
-    if delta { 0.0 } else { cos_light / (pdf * seen) }
+/// The factor of r from x₁, where a lobe with a density went on: no light path can be connected with another. `seen` is J.
+pub fn first(pdf: f64, cos_light: f64, seen: f64) -> f64 {
+    cos_light / (pdf * seen)
 }
 
 /// The ratio of the cosines of ωo and ωi to the normal at which a delta lobe sent one to the other: 1 for reflection. `eta` is that of the

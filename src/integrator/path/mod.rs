@@ -1,6 +1,7 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
 pub mod reuse;
+mod scatter;
 mod shadows;
 mod stream;
 mod vertex;

@@ -1,19 +1,17 @@
-//! What happens where a path has arrived: light that it meets, light that it asks for, and where it goes on.
+//! What happens where a path has arrived: light that it meets, and what the surface there is.
 
-use super::reuse::{Receiver, Shared, Source};
+use super::reuse::Shared;
+use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::State;
 use super::{MAX_VERTICES, Path};
-use crate::bsdf::{Bsdf, Material, Visitor};
-use crate::emitter::DirectSample;
-use crate::integrator::caustics;
-use crate::integrator::light::{self, Vertex, power_heuristic, power_heuristic_of_three};
-use crate::integrator::through_glass::{self, Link, Way};
+use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
+use crate::integrator::through_glass::Way;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Ray};
-use crate::sampler::{FURTHER_EMITTER_SAMPLES, Numbers};
+use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Shape, Side};
-use crate::shape::{Hit, SurfacePoint};
+use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// How the path came to where it is: what its next emitter is to be weighed with.
@@ -23,7 +21,7 @@ pub struct Arrival {
     pub pdf: f64,
     /// The direction could not have been found by sampling an emitter.
     pub delta: bool,
-    /// What the vertex before gathers light about; see [`Vertex::gathers_about`]. Zero where nothing surrounds the scene.
+    /// What the vertex before gathers light about; see [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing surrounds the scene.
     pub n: DVec3,
 }
 
@@ -123,196 +121,6 @@ impl Path {
         if state.depth >= MAX_VERTICES {
             counters.cut += 1;
             return None;
-        }
-        Some(onward)
-    }
-}
-
-/// Scattering at a vertex, for a material still to be named.
-struct Scatter<'a, const F: u32> {
-    settings: &'a Path,
-    scene: &'a Scene,
-    index: usize,
-    path: &'a mut CameraPath,
-    state: &'a mut State,
-    shared: &'a mut Shared,
-    way: &'a mut Way,
-    counters: &'a mut Counters,
-    /// World, towards where the path came from.
-    wo: DVec3,
-    primitive: u32,
-    point: &'a SurfacePoint,
-    side: Side,
-    u: Numbers,
-    shadows: &'a mut Shadows,
-}
-
-impl<const F: u32> Visitor for Scatter<'_, F> {
-    type Output = Option<Ray>;
-
-    /// Asks for direct light and finds the ray with which the path goes on.
-    #[inline]
-    fn visit<M: Material>(self, material: &M) -> Option<Ray> {
-        let Self {
-            settings,
-            scene,
-            index,
-            path,
-            state,
-            shared,
-            way,
-            counters,
-            wo,
-            primitive,
-            point,
-            side,
-            u,
-            shadows,
-        } = self;
-        let (λ, sampler) = (&mut path.λ, &path.sampler);
-        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
-        let bsdf = material.at(point, λ);
-        let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
-        vertex.wo = vertex.to_local(wo);
-        if F & Features::REUSE != 0 && settings.reuse > 1 && vertex.wo.z > 0.0 {
-            match (state.depth, bsdf.albedo()) {
-                (0, Some(albedo)) if settings.rr_depth > 1 && !albedo.is_zero() => {
-                    let n = vertex.to_world(DVec3::Z);
-                    shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo });
-                }
-                (1, Some(_)) if shared.receiver.is_some() => {
-                    let n = vertex.to_world(DVec3::Z);
-                    shared.source = Some(Source { p: point.p, n, ng: point.ng });
-                    (state.throughput, state.shares) = (Spectrum::ONE, true);
-                }
-                _ => {}
-            }
-        }
-        let numbers = |which: u32| match which {
-            0 => u,
-            further => sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further),
-        };
-        let mut gathers_about = DVec3::ZERO;
-        if side.traits.smooth {
-            if F & Features::ENVIRONMENT != 0 {
-                gathers_about = vertex.gathers_about();
-            }
-            let counts = (settings.emitter_samples as f64, 1.0);
-            let focuses = state.depth > 0 && side.traits.focuses();
-            let ratio = if focuses { state.light_ratio } else { 0.0 };
-            let light_paths = |emitter: usize, light: &DirectSample| match &scene.caustics {
-                Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
-                    let end = (emitter, point.p + light.wi * light.distance, light.n);
-                    let to_camera = bsdf.evaluate(vertex.to_local(light.wi), vertex.wo).pdf;
-                    let (cos_light, cos_camera) = (point.ng.dot(light.wi).abs(), point.ng.dot(wo).abs());
-                    let ratio = ratio * caustics::further(to_camera, 1.0, cos_camera, cos_light);
-                    ratio * caustics.last(scene, end, -light.wi)
-                }
-                _ => 0.0,
-            };
-            // What light paths make as well is weighed for this pixel alone.
-            let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
-            let shares = state.shares && !alone;
-            let throughput =
-                if state.shares && !shares { state.throughput * shared.albedo() } else { state.throughput };
-            let owner = (index, shares);
-            for which in 0..settings.emitter_samples {
-                let u = numbers(which);
-                let u = (u.one(4), u.pair(0));
-                let found = light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths);
-                if let Some(light) = found {
-                    shadows.push(owner, light.ray, throughput * light.radiance);
-                }
-            }
-        }
-        let through_glass = F & Features::CAUSTICS != 0
-            && side.traits.smooth
-            && scene.through_glass.as_ref().is_some_and(|glass| {
-                glass.everywhere || scene.caustics.is_none() || state.light_ratio == 0.0
-            });
-        let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
-        if through_glass && most > 0 {
-            let light_paths = |link: &Link, pdf: f64, end: (usize, DVec3, DVec3)| match &scene.caustics {
-                Some(caustics) if state.light_ratio > 0.0 => {
-                    let (cos_light, cos_camera) =
-                        (point.ng.dot(link.direction).abs(), point.ng.dot(wo).abs());
-                    let here = if state.depth == 0 {
-                        let seen = scene.pixels_per_area(&path.ray, point.p) * cos_camera;
-                        caustics::first(false, pdf, cos_light, seen)
-                    } else {
-                        let to_camera = bsdf.evaluate(vertex.to_local(link.direction), vertex.wo).pdf;
-                        caustics::further(to_camera, pdf, cos_camera, cos_light)
-                    };
-                    state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
-                }
-                _ => 0.0,
-            };
-            // Like all that casters throw, this is for the pixel alone.
-            let throughput = if state.shares { state.throughput * shared.albedo() } else { state.throughput };
-            for which in 0..settings.emitter_samples {
-                let u = numbers(which);
-                let (u, effort) = ((u.one(4), u.pair(0)), (settings.emitter_samples as f64, most));
-                let found =
-                    through_glass::sample_emitter(scene, &vertex, u, effort, λ, light_paths, counters);
-                if let Some(light) = found {
-                    shadows.push((index, false), light.ray, throughput * light.radiance);
-                }
-            }
-        }
-        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
-        path.covered |= !sample.is_some_and(|sample| sample.null);
-        let sample = sample?;
-        if F & Features::CAUSTICS != 0 && state.light_ratio > 0.0 {
-            let to_light = vertex.to_world(sample.wi);
-            let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(wo).abs());
-            state.light_ratio *= if sample.delta && side.traits.one_way {
-                0.0
-            } else if state.depth == 0 {
-                let seen = scene.pixels_per_area(&path.ray, point.p) * cos_camera;
-                caustics::first(sample.delta, sample.pdf, cos_light, seen)
-            } else if sample.delta {
-                1.0 / (sample.eta * sample.eta)
-            } else {
-                let to_camera = bsdf.evaluate(sample.wi, vertex.wo).pdf;
-                caustics::further(to_camera, sample.pdf, cos_camera, cos_light)
-            };
-        }
-        if F & Features::CAUSTICS != 0 {
-            // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
-            state.from_caster = state.depth > 0 && side.traits.focuses();
-            if through_glass {
-                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample);
-            } else if side.traits.smooth {
-                *way = Way::NONE;
-            } else {
-                way.follow(vertex.wo, side, &sample);
-            }
-        }
-        state.throughput *= sample.weight;
-        state.eta2 *= sample.eta * sample.eta;
-        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about };
-        state.direct_view &= sample.null;
-        state.depth += 1;
-        if state.throughput.is_zero() {
-            return None;
-        }
-        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, primitive);
-        drop(bsdf);
-        if F & Features::DISPERSION != 0 && sample.dispersed {
-            λ.collapse();
-        }
-        if state.depth >= settings.rr_depth {
-            // The largest lane: a red path between red walls must not be punished for its other lanes. What a lossless
-            // path has lost to rounding is no loss: in a thousand reflections it would end one path in thousands.
-            let throughput = if state.shares { state.throughput * shared.albedo() } else { state.throughput };
-            let survival = λ.peak(throughput) as f64 * state.eta2;
-            let rounding = 4.0 * state.depth as f64 * f32::EPSILON as f64;
-            if survival < 1.0 - rounding {
-                if u.one(6) >= survival {
-                    return None;
-                }
-                state.throughput *= (1.0 / survival) as f32;
-            }
         }
         Some(onward)
     }

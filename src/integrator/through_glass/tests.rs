@@ -57,17 +57,26 @@ fn curved() -> Vec<(&'static str, Scene)> {
     let tube = format!(
         r#"<shape type="cylinder"><point name="p0" x="-3" z="2"/><point name="p1" x="3" z="2"/><float name="radius" value="0.7"/>{GLASS}</shape>"#
     );
-    let lens = [("below", 1.6, 0.15), ("above", 2.4, -0.1)].map(|(name, height, bend)| {
-        let file = std::env::temp_dir().join(format!("etalon-lens-{name}-{}.ply", std::process::id()));
+    let sheets = [("below", 1.6, 0.15), ("above", 2.4, -0.1)].map(|(name, height, bend)| {
+        let owner = format!("{}-{:?}", std::process::id(), std::thread::current().id());
+        let file = std::env::temp_dir().join(format!("etalon-lens-{name}-{owner}.ply"));
         write_ply(&bowl(height, bend), &file).expect("a file of its own");
         let wears = if bend > 0.0 { GLASS.replace("1.5", "0.6666666667") } else { GLASS.into() };
-        format!(r#"<shape type="ply"><string name="filename" value="{}"/>{wears}</shape>"#, file.display())
+        let text = format!(
+            r#"<shape type="ply"><string name="filename" value="{}"/>{wears}</shape>"#,
+            file.display()
+        );
+        (file, text)
     });
+    let lens = scene(&sheets.each_ref().map(|sheet| sheet.1.as_str()).concat());
+    for (file, _) in sheets {
+        std::fs::remove_file(file).expect("it is still there");
+    }
     vec![
         ("ball", scene(&ball)),
         ("globe", scene(&(ball.clone() + hollow))),
         ("tube", scene(&tube)),
-        ("lens", scene(&lens.concat())),
+        ("lens", lens),
     ]
 }
 

@@ -1,0 +1,214 @@
+//! Scattering at a vertex: light that it asks for, and where the path goes on.
+
+use super::Path;
+use super::reuse::{Receiver, Shared, Source};
+use super::shadows::Shadows;
+use super::stream::State;
+use super::vertex::Arrival;
+use crate::bsdf::{Bsdf, Material, Visitor};
+use crate::emitter::DirectSample;
+use crate::integrator::caustics;
+use crate::integrator::light::{self, Vertex};
+use crate::integrator::through_glass::{self, Link, Way};
+use crate::integrator::{CameraPath, Counters};
+use crate::math::{DVec3, Ray};
+use crate::sampler::{FURTHER_EMITTER_SAMPLES, Numbers};
+use crate::scene::{Features, Scene, Side};
+use crate::shape::SurfacePoint;
+use crate::spectrum::Spectrum;
+
+/// Scattering at a vertex, for a material still to be named.
+pub struct Scatter<'a, const F: u32> {
+    pub settings: &'a Path,
+    pub scene: &'a Scene,
+    pub index: usize,
+    pub path: &'a mut CameraPath,
+    pub state: &'a mut State,
+    pub shared: &'a mut Shared,
+    pub way: &'a mut Way,
+    pub counters: &'a mut Counters,
+    /// World, towards where the path came from.
+    pub wo: DVec3,
+    pub primitive: u32,
+    pub point: &'a SurfacePoint,
+    pub side: Side,
+    pub u: Numbers,
+    pub shadows: &'a mut Shadows,
+}
+
+impl<const F: u32> Visitor for Scatter<'_, F> {
+    type Output = Option<Ray>;
+
+    /// Asks for direct light and finds the ray with which the path goes on.
+    #[inline]
+    fn visit<M: Material>(self, material: &M) -> Option<Ray> {
+        let Self {
+            settings,
+            scene,
+            index,
+            path,
+            state,
+            shared,
+            way,
+            counters,
+            wo,
+            primitive,
+            point,
+            side,
+            u,
+            shadows,
+        } = self;
+        let (λ, sampler) = (&mut path.λ, &path.sampler);
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let bsdf = material.at(point, λ);
+        let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
+        vertex.wo = vertex.to_local(wo);
+        if F & Features::REUSE != 0 && settings.reuse > 1 && vertex.wo.z > 0.0 {
+            match (state.depth, bsdf.albedo()) {
+                (0, Some(albedo)) if settings.rr_depth > 1 && !albedo.is_zero() => {
+                    let n = vertex.to_world(DVec3::Z);
+                    shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo });
+                }
+                (1, Some(_)) if shared.receiver.is_some() => {
+                    let n = vertex.to_world(DVec3::Z);
+                    shared.source = Some(Source { p: point.p, n, ng: point.ng });
+                    (state.throughput, state.shares) = (Spectrum::ONE, true);
+                }
+                _ => {}
+            }
+        }
+        // What the camera's ray knows only of the first vertex.
+        let first = Some(path.ray).filter(|_| state.depth == 0);
+        let numbers = |which: u32| match which {
+            0 => u,
+            further => sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further),
+        };
+        let mut gathers_about = DVec3::ZERO;
+        if side.traits.smooth {
+            if F & Features::ENVIRONMENT != 0 {
+                gathers_about = vertex.gathers_about();
+            }
+            let counts = (settings.emitter_samples as f64, 1.0);
+            let focuses = state.depth > 0 && side.traits.focuses();
+            let ratio = if focuses { state.light_ratio } else { 0.0 };
+            let light_paths = |emitter: usize, light: &DirectSample| match &scene.caustics {
+                Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
+                    let end = (emitter, point.p + light.wi * light.distance, light.n);
+                    let here = ratio_at(scene, &vertex, (wo, None), vertex.to_local(light.wi), 1.0);
+                    ratio * here * caustics.last(scene, end, -light.wi)
+                }
+                _ => 0.0,
+            };
+            // What light paths make as well is weighed for this pixel alone.
+            let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
+            let shares = state.shares && !alone;
+            let throughput =
+                if state.shares && !shares { state.throughput * shared.albedo() } else { state.throughput };
+            let owner = (index, shares);
+            for which in 0..settings.emitter_samples {
+                let u = numbers(which);
+                let u = (u.one(4), u.pair(0));
+                let found = light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths);
+                if let Some(light) = found {
+                    shadows.push(owner, light.ray, throughput * light.radiance);
+                }
+            }
+        }
+        let through_glass = F & Features::CAUSTICS != 0
+            && side.traits.smooth
+            && scene.through_glass.as_ref().is_some_and(|glass| {
+                glass.everywhere || scene.caustics.is_none() || state.light_ratio == 0.0
+            });
+        let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
+        if through_glass && most > 0 {
+            let light_paths = |link: &Link, pdf: f64, end: (usize, DVec3, DVec3)| match &scene.caustics {
+                Some(caustics) if state.light_ratio > 0.0 => {
+                    let to_light = vertex.to_local(link.direction);
+                    let here = ratio_at(scene, &vertex, (wo, first), to_light, pdf);
+                    state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
+                }
+                _ => 0.0,
+            };
+            // Like all that casters throw, this is for the pixel alone.
+            let throughput = if state.shares { state.throughput * shared.albedo() } else { state.throughput };
+            for which in 0..settings.emitter_samples {
+                let u = numbers(which);
+                let (u, effort) = ((u.one(4), u.pair(0)), (settings.emitter_samples as f64, most));
+                let found =
+                    through_glass::sample_emitter(scene, &vertex, u, effort, λ, light_paths, counters);
+                if let Some(light) = found {
+                    shadows.push((index, false), light.ray, throughput * light.radiance);
+                }
+            }
+        }
+        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
+        path.covered |= !sample.is_some_and(|sample| sample.null);
+        let sample = sample?;
+        if F & Features::CAUSTICS != 0 && state.light_ratio > 0.0 {
+            state.light_ratio *= match sample.delta {
+                true if side.traits.one_way || state.depth == 0 => 0.0,
+                true => 1.0 / (sample.eta * sample.eta),
+                false => ratio_at(scene, &vertex, (wo, first), sample.wi, sample.pdf),
+            };
+        }
+        if F & Features::CAUSTICS != 0 {
+            // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
+            state.from_caster = state.depth > 0 && side.traits.focuses();
+            if through_glass {
+                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample);
+            } else if side.traits.smooth {
+                *way = Way::NONE;
+            } else {
+                way.follow(vertex.wo, side, &sample);
+            }
+        }
+        state.throughput *= sample.weight;
+        state.eta2 *= sample.eta * sample.eta;
+        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about };
+        state.direct_view &= sample.null;
+        state.depth += 1;
+        if state.throughput.is_zero() {
+            return None;
+        }
+        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, primitive);
+        drop(bsdf);
+        if F & Features::DISPERSION != 0 && sample.dispersed {
+            λ.collapse();
+        }
+        if state.depth >= settings.rr_depth {
+            // The largest lane: a red path between red walls must not be punished for its other lanes. What a lossless
+            // path has lost to rounding is no loss: in a thousand reflections it would end one path in thousands.
+            let throughput = if state.shares { state.throughput * shared.albedo() } else { state.throughput };
+            let survival = λ.peak(throughput) as f64 * state.eta2;
+            let rounding = 4.0 * state.depth as f64 * f32::EPSILON as f64;
+            if survival < 1.0 - rounding {
+                if u.one(6) >= survival {
+                    return None;
+                }
+                state.throughput *= (1.0 / survival) as f32;
+            }
+        }
+        Some(onward)
+    }
+}
+
+/// The factor of r (see [`caustics`]) that a vertex brings with a direction to the light (local) that was sampled with density `pdf`, seen from `wo`
+/// (world): as the first vertex on the camera's ray, if that is given, or as a further one.
+fn ratio_at<B: Bsdf>(
+    scene: &Scene,
+    vertex: &Vertex<B>,
+    (wo, first): (DVec3, Option<Ray>),
+    to_light: DVec3,
+    pdf: f64,
+) -> f64 {
+    let point = vertex.point;
+    let cos_light = point.ng.dot(vertex.to_world(to_light)).abs();
+    let cos_camera = point.ng.dot(wo).abs();
+    match first {
+        Some(ray) => caustics::first(pdf, cos_light, scene.pixels_per_area(&ray, point.p) * cos_camera),
+        None => {
+            let to_camera = vertex.bsdf.evaluate(to_light, vertex.wo).pdf;
+            caustics::further(to_camera, pdf, cos_camera, cos_light)
+        }
+    }
+}
