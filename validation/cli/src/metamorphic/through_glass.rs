@@ -72,7 +72,7 @@ pub fn relations() -> Vec<Relation> {
         relation("matte_within_glass", 1.0, &within),
         relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
         relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))),
-        relation("surface_of_water", 1.0, &pane(&clear())),
+        relation("surface_of_water", 1.0, &pane(&clear())).samples(16384),
         relation("block", 0.0, &block(&clear())),
         relation("block_and_light_paths", 1.0, &block(&clear())),
         relation("tinted_block", 1.0, &block(&glass(&grey("specular_transmittance", 0.6)))),
