@@ -1,7 +1,7 @@
 //! Shining surfaces.
 
 use super::{AnyEmitter, DirectSample};
-use crate::math::ray::position_error;
+use crate::math::ray::way_between;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -62,8 +62,7 @@ impl Area {
         if !(cos > 0.0 && d2 > 0.0) {
             return None;
         }
-        // The surface itself must not stand in the way of its own light.
-        let distance = d - 4.0 * (position_error(chosen.p) + position_error(p));
+        let distance = way_between(d, chosen.p, p);
         let radiance = self.radiance.eval(chosen.uv, λ);
         Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false, n: chosen.n })
     }

@@ -62,3 +62,10 @@ pub fn position_error(p: DVec3) -> f64 {
     const TEN_ROUNDINGS: f64 = 1.0 / (1u64 << 49) as f64;
     p.abs().max_element() * TEN_ROUNDINGS
 }
+
+/// How much of the way between two computed surface points, `distance` apart, must be free for them to see each other: neither's own surface
+/// may stand in the way.
+#[inline]
+pub fn way_between(distance: f64, p: DVec3, q: DVec3) -> f64 {
+    distance - 4.0 * (position_error(p) + position_error(q))
+}

@@ -42,6 +42,13 @@ pub struct Shape {
     pub emitter: Option<u32>,
 }
 
+impl Shape {
+    /// Whether all that it does to light besides reflecting is to refract it.
+    pub fn refracts(&self) -> bool {
+        self.sides.iter().all(|side| side.traits.refracts)
+    }
+}
+
 /// What one side of a surface wears.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {

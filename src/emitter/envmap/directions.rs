@@ -236,7 +236,6 @@ fn nearest(n: DVec3) -> usize {
         return ANYWHERE;
     }
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
-    let fold = |a: f64, b: f64| (1.0 - b.abs()).copysign(a);
     let (a, b) = if n.y < 0.0 { (fold(n.x, n.z), fold(n.z, n.x)) } else { (n.x, n.z) };
     let [column, row] = [a, b].map(|v| ((0.5 + 0.5 * v) * (NORMALS - 1) as f64 + 0.5) as usize);
     row * NORMALS + column
@@ -245,16 +244,21 @@ fn nearest(n: DVec3) -> usize {
 fn normal_of(number: usize) -> DVec3 {
     let [a, b] = [number % NORMALS, number / NORMALS].map(|i| 2.0 * i as f64 / (NORMALS - 1) as f64 - 1.0);
     let y = 1.0 - a.abs() - b.abs();
-    let fold = |a: f64, b: f64| (1.0 - b.abs()).copysign(a);
     let (x, z) = if y < 0.0 { (fold(a, b), fold(b, a)) } else { (a, b) };
     unit(DVec3::new(x, y, z))
+}
+
+/// A coordinate of the octahedron's lower half in the unfolded square, and back.
+#[inline]
+fn fold(a: f64, b: f64) -> f64 {
+    (1.0 - b.abs()).copysign(a)
 }
 
 fn mean(corners: Corners) -> f64 {
     0.25 * corners.as_flattened().iter().sum::<f64>()
 }
 
-pub fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
+fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
     a + t * (b - a)
 }
 

@@ -135,7 +135,7 @@ impl Caustics {
         }
         path.through = path
             .through
-            .filter(|_| side.traits.refracts && goes_through(vertex.wo, &sample))
+            .filter(|_| goes_through(side, vertex.wo, &sample))
             .map(|(interfaces, chance)| (interfaces + 1, chance * sample.pdf));
         if sample.delta {
             let η2 = sample.eta * sample.eta;

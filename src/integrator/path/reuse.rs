@@ -16,7 +16,7 @@
 //! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
 
 use crate::integrator::{CameraPath, Counters};
-use crate::math::ray::{Ends, position_error};
+use crate::math::ray::{Ends, way_between};
 use crate::math::{DVec3, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -167,7 +167,7 @@ impl Exchange {
         let share = cosines / (distance * distance);
         let faces = share > 0.0 && share.is_finite() && source.n.dot(direction) < 0.0;
         if faces || i == j {
-            let end = distance - 4.0 * (position_error(receiver.p) + position_error(source.p));
+            let end = way_between(distance, receiver.p, source.p);
             let ray = Ray::leaving(receiver.p, direction, end, receiver.primitive);
             self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
             self.shares.push((j, i, share));

@@ -47,6 +47,12 @@ impl State {
         from_caster: false,
         shares: false,
     };
+
+    /// What light from here on is multiplied with for the path's own pixel.
+    #[inline(always)]
+    pub fn own_throughput(&self, shared: &Shared) -> Spectrum {
+        if self.shares { self.throughput * shared.albedo() } else { self.throughput }
+    }
 }
 
 /// What a stream of paths needs on its way, kept for the next.

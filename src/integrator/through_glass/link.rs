@@ -15,7 +15,7 @@ use crate::integrator::Counters;
 use crate::integrator::path::side_towards;
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, Frame, Ray, length};
-use crate::scene::{Scene, Shape};
+use crate::scene::{Scene, Shape, Side};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// More interfaces than these are not tried.
@@ -142,7 +142,7 @@ fn refracting(scene: &Scene, primitive: u32) -> Option<(&Shape, u32)> {
         return None;
     }
     let (shape, local) = scene.shape_of(primitive);
-    shape.sides.iter().all(|side| side.traits.refracts).then_some((shape, local))
+    shape.refracts().then_some((shape, local))
 }
 
 impl Bent {
@@ -179,20 +179,21 @@ impl Bent {
             }
             let frame = Frame::about(point.ns);
             let wo = frame.to_local(-d);
-            let material = &scene.materials[side_towards(shape, wo.z).material as usize];
+            let side = side_towards(shape, wo.z);
+            let material = &scene.materials[side.material as usize];
             let sample = material.at(&point, λ).sample(wo, NOT_REFLECTED, DVec2::ZERO)?;
-            if !goes_through(wo, &sample) {
+            if !goes_through(side, wo, &sample) {
                 return None;
             }
             transmittance = transmittance * sample.weight * sample.pdf as f32;
             chance *= sample.pdf;
             eta2 *= sample.eta * sample.eta;
             if !sample.null {
-                let side = wo.z.signum();
+                let facing = wo.z.signum();
                 let (ratio, near, far) = (1.0 / sample.eta, wo.z.abs(), sample.wi.z.abs());
                 for (dp, dd) in dp.iter().zip(&mut dd) {
-                    let turned = shape.geometry.normal_change(local, &hit, &point, *dp) * side;
-                    let n = point.ns * side;
+                    let turned = shape.geometry.normal_change(local, &hit, &point, *dp) * facing;
+                    let n = point.ns * facing;
                     let near_change = -(dd.dot(n) + d.dot(turned));
                     let far_change = ratio * ratio * near * near_change / far;
                     *dd =
@@ -222,7 +223,7 @@ impl Bent {
     }
 }
 
-/// Whether a sample of a refracting material at ωo is of what goes through, with all wavelengths.
-pub fn goes_through(wo: DVec3, sample: &Sample) -> bool {
-    sample.delta && !sample.dispersed && wo.z * sample.wi.z < 0.0
+/// Whether what a side made of ωo is of what goes through an interface, with all wavelengths.
+pub fn goes_through(side: Side, wo: DVec3, sample: &Sample) -> bool {
+    side.traits.refracts && sample.delta && !sample.dispersed && wo.z * sample.wi.z < 0.0
 }

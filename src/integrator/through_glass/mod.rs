@@ -22,7 +22,7 @@ use super::Counters;
 use super::light::{Proposal, Vertex, power_heuristic_of_three};
 use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::AnyEmitter;
-use crate::math::ray::position_error;
+use crate::math::ray::{position_error, way_between};
 use crate::math::{DVec2, DVec3, Ray, length};
 use crate::scene::{Scene, Shape, Side};
 use crate::shape::SurfacePoint;
@@ -66,8 +66,8 @@ impl Glass {
     /// `None` if there is none, or no shape that shines.
     pub fn of(shapes: &[Shape]) -> Option<Self> {
         const FEW: usize = 8;
-        let refracts = |shape: &&Shape| shape.sides.iter().all(|side| side.traits.refracts);
-        let mut boxes: Vec<_> = shapes.iter().filter(refracts).map(|shape| shape.geometry.bounds()).collect();
+        let refracting = shapes.iter().filter(|shape| shape.refracts());
+        let mut boxes: Vec<_> = refracting.map(|shape| shape.geometry.bounds()).collect();
         if boxes.len() > FEW {
             let all = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
             boxes = all.into_iter().collect();
@@ -111,7 +111,7 @@ impl Way {
 
     /// Goes on from a vertex without emitter samples.
     pub fn follow(&mut self, wo: DVec3, side: Side, sample: &Sample) {
-        self.lost |= !(side.traits.refracts && goes_through(wo, sample));
+        self.lost |= !goes_through(side, wo, sample);
         self.pdf *= sample.pdf;
         self.interfaces += 1;
     }
@@ -151,7 +151,7 @@ pub fn density_of(
     if straight.direction.dot(point.ng) >= 0.0 {
         return None;
     }
-    let end = distance - 4.0 * (position_error(point.p) + position_error(from.0));
+    let end = way_between(distance, point.p, from.0);
     let link = Link::find(scene, from, (straight.direction, end), interfaces as usize, λ, counters)?;
     let same = length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
