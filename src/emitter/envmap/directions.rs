@@ -1,14 +1,14 @@
 //! Directions towards an image of the surroundings, chosen by how bright it is there and how much a surface faces it.
 //!
-//! A surface of normal n gathers L(ω) cos θ, so the density is the product of two factors. The luminance is bilinear between
-//! texel centres, in the turn and the height (the cosine of the polar angle). The cosine is that of a *block* of cells and of
+//! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its light and the cosine of its middle with
 //! the nearest of some normals all over the sphere, smoothed so that it is positive, for other directions of the block may be
-//! above the horizon of other normals. Blocks are few, so the probabilities of all of them are tabulated for each
-//! of the normals; inside a block the luminance alone decides, and is tabulated once.
+//! above the horizon of other normals. Blocks are few, so their probabilities are tabulated for each of the normals. Then a cell of the
+//! block is chosen by its light alone, which is tabulated once, and last a place in it, by the brightness B that is bilinear
+//! between texel centres, in the turn and the height (the cosine of the polar angle).
 //!
-//! The density is thereby known in closed form, at the price of no table at all: with c of block and normal, Σ the sum over all cells
-//! of c times luminance times height, and W cells around the equator, p(ω) = L(ω) c W / (2π Σ).
+//! With the mean brightness B̄ of the cell, its height h, and W cells around the equator, p(ω) = P(block, n) P(cell) B(ω)/B̄ · W/(2π h).
 
+use super::steps::{self, deal, pick};
 use crate::math::frame::unit;
 use crate::math::function::sin_cos_turn;
 use crate::math::{DVec2, DVec3, INV_PI, warp};
@@ -43,26 +43,27 @@ pub struct Cell {
     pub row: usize,
 }
 
-/// The luminance at the corners of a cell: of the row above, left and right, and of the row below.
+/// The brightness at the corners of a cell: of the row above, left and right, and of the row below.
 pub type Corners = [[f64; 2]; 2];
+
+/// For one row of blocks, where the steps of each block begin: as long as a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct RowOfBlocks([u16; BLOCKS[0]]);
 
 #[derive(Debug)]
 pub struct Directions {
     columns: usize,
     /// Height of each row of cells and its upper edge, as cosines.
     strips: Vec<(f64, f64)>,
-    /// Cells along a block's sides, as powers of two, and blocks along the image's.
+    /// Cells along a block's sides, as powers of two.
     shift: [u32; 2],
-    blocks: [usize; 2],
-    /// The middles of blocks, row by row.
-    middles: Vec<DVec3>,
-    normals: Vec<DVec3>,
-    /// What cosines are smoothed by.
-    blur: f64,
-    /// For each normal, and for none, running sums over rows of blocks and then, row by row, over blocks.
-    choices: Vec<f64>,
-    /// For each block, running sums over its rows and then, row by row, over its cells.
-    insides: Vec<f64>,
+    /// For each normal, and for none, by which a row of blocks is chosen.
+    rows: Vec<[u16; BLOCKS[1]]>,
+    /// For each normal, row by row, by which a block is chosen.
+    blocks: Vec<RowOfBlocks>,
+    /// For each block, by which a row of its cells is chosen and then, row by row, a cell.
+    insides: Vec<u16>,
 }
 
 impl Directions {
@@ -72,73 +73,96 @@ impl Directions {
         let shift = [(columns, BLOCKS[0]), (rows, BLOCKS[1])]
             .map(|(cells, blocks)| cells.div_ceil(blocks).next_power_of_two().trailing_zeros());
         let side = shift.map(|shift| 1 << shift);
-        let blocks = [columns.div_ceil(side[0]), rows.div_ceil(side[1])];
-        let (mut insides, mut middles, mut weights) = (vec![], vec![], vec![]);
-        for block_row in 0..blocks[1] {
-            for block_column in 0..blocks[0] {
-                let first = Cell { column: block_column * side[0], row: block_row * side[1] };
-                let end =
-                    Cell { column: columns.min(first.column + side[0]), row: rows.min(first.row + side[1]) };
-                let cell = |row: usize, column: usize| {
-                    let cell = Cell { column: first.column + column, row: first.row + row };
-                    let there = cell.column < end.column && cell.row < end.row;
-                    if there { mean(corners(cell)) * strips[cell.row].0 } else { 0.0 }
-                };
-                weights.push(sums_of(&mut insides, side[1], side[0], cell));
-                let turn = (0.5 * (first.column + end.column) as f64 + 0.5) / columns as f64;
-                middles
-                    .push(direction(turn, libm::cos(0.5 * PI * (first.row + end.row) as f64 / rows as f64)));
-            }
+        let (mut insides, mut middles, mut lights) = (vec![], vec![], vec![]);
+        for (row, column) in (0..BLOCKS[1]).flat_map(|row| (0..BLOCKS[0]).map(move |column| (row, column))) {
+            let first = Cell { column: column * side[0], row: row * side[1] };
+            let light = |row: usize, column: usize| {
+                let cell = Cell { column: first.column + column, row: first.row + row };
+                let there = cell.column < columns && cell.row < rows;
+                if there { mean(corners(cell)) * strips[cell.row].0 } else { 0.0 }
+            };
+            let cells: Vec<f64> = (0..side[1] * side[0]).map(|i| light(i / side[0], i % side[0])).collect();
+            let rows_of_cells: Vec<f64> = cells.chunks(side[0]).map(|row| row.iter().sum()).collect();
+            insides.extend(deal(&rows_of_cells));
+            insides.extend(cells.chunks(side[0]).flat_map(deal));
+            lights.push(rows_of_cells.iter().sum());
+            let end = [columns.min(first.column + side[0]), rows.min(first.row + side[1])];
+            let turn = (0.5 * (first.column + end[0]) as f64 + 0.5) / columns as f64;
+            let height = libm::cos(0.5 * PI * (first.row + end[1]) as f64 / rows as f64);
+            middles.push(direction(turn, height));
         }
         let angle =
             [side[0] as f64 / columns as f64, 0.5 * side[1] as f64 / rows as f64].map(|part| PI * part);
         let blur = 0.25 * libm::sin((NEAR + libm::hypot(angle[0], angle[1])).min(FRAC_PI_2));
-        let normals = (0..ANYWHERE).map(normal_of).collect();
-        let mut choices = vec![];
-        let mut directions =
-            Self { columns, strips, shift, blocks, middles, normals, blur, choices: vec![], insides };
-        for normal in 0..=ANYWHERE {
-            let block = |row: usize, column: usize| {
-                let block = row * blocks[0] + column;
-                weights[block] * directions.facing(normal, block)
-            };
-            sums_of(&mut choices, blocks[1], blocks[0], block);
-        }
-        directions.choices = choices;
+        let mut directions = Self { columns, strips, shift, rows: vec![], blocks: vec![], insides };
+        let normals = (0..ANYWHERE).map(|number| Some(normal_of(number)));
+        normals.chain([None]).for_each(|n| {
+            directions.add_choice(&lights, &middles, |middle| n.map_or(1.0, |n| facing(n.dot(middle), blur)))
+        });
         directions
     }
 
-    /// The sum of luminance times height over all cells.
-    pub fn total(&self) -> f64 {
-        self.table(ANYWHERE)[self.blocks[1] - 1]
+    /// Tabulates how blocks are chosen, by their light and how much they face something.
+    fn add_choice(&mut self, lights: &[f64], middles: &[DVec3], facing: impl Fn(DVec3) -> f64) {
+        let weights: Vec<f64> =
+            lights.iter().zip(middles).map(|(light, middle)| light * facing(*middle)).collect();
+        let rows: Vec<f64> = weights.chunks(BLOCKS[0]).map(|row| row.iter().sum()).collect();
+        self.rows.push(array(deal(&rows)));
+        self.blocks.extend(weights.chunks(BLOCKS[0]).map(|row| RowOfBlocks(array(deal(row)))));
     }
 
-    /// A place that may light a surface of normal n, or of none if n is zero; `None` if nothing shines there.
+    /// A place that may light a surface of normal n, or of none if n is zero, and its density in sr⁻¹; `None` if nothing shines there.
     #[inline]
-    pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<Place> {
-        let (block, u) = pick_both(self.table(nearest(n)), self.blocks, u)?;
-        let number = block.row * self.blocks[0] + block.column;
-        let side = self.shift.map(|shift| 1 << shift);
-        let size = side[1] + side[0] * side[1];
-        let (inside, u) = pick_both(&self.insides[number * size..][..size], side, u)?;
-        let [column, row] = [(block.column, inside.column, 0), (block.row, inside.row, 1)]
-            .map(|(block, cell, i)| (block << self.shift[i]) + cell);
-        let cell = Cell { column, row };
-        let [above, below] = corners(cell);
-        let across = warp::linear(u.x, above[0] + below[0], above[1] + below[1]);
-        let down = warp::linear(u.y, lerp(above, across), lerp(below, across));
-        Some(Place { cell, across, down })
-    }
-
-    /// The density of a place for normal n, in sr⁻¹.
-    #[inline]
-    pub fn pdf(&self, n: DVec3, place: &Place, [above, below]: Corners) -> f64 {
+    pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<(Place, f64)> {
         let normal = nearest(n);
-        let total = self.table(normal)[self.blocks[1] - 1];
-        let block = (place.cell.row >> self.shift[1]) * self.blocks[0] + (place.cell.column >> self.shift[0]);
-        let luminance = lerp([lerp(above, place.across), lerp(below, place.across)], place.down);
-        let facing = self.facing(normal, block);
-        if total > 0.0 { luminance * facing / total * (0.5 * INV_PI * self.columns as f64) } else { 0.0 }
+        let block_row = pick(&self.rows[normal], u.y)?;
+        let block = pick(&self.blocks[normal * BLOCKS[1] + block_row.index].0, u.x)?;
+        let (rows, cells) = self.inside(block_row.index * BLOCKS[0] + block.index);
+        let row = pick(rows, block_row.rest)?;
+        let column = pick(&cells[row.index << self.shift[0]..][..1 << self.shift[0]], block.rest)?;
+        let cell = Cell {
+            column: (block.index << self.shift[0]) + column.index,
+            row: (block_row.index << self.shift[1]) + row.index,
+        };
+        let corners = corners(cell);
+        let [above, below] = corners;
+        let across = warp::linear(column.rest, above[0] + below[0], above[1] + below[1]);
+        let down = warp::linear(row.rest, lerp(above, across), lerp(below, across));
+        let place = Place { cell, across, down };
+        let of_block = block_row.probability * block.probability;
+        Some((place, self.density(of_block * (row.probability * column.probability), &place, corners)))
+    }
+
+    /// The density of a place for normal n, in sr⁻¹: to the bit what [`Directions::sample`] says.
+    #[inline]
+    pub fn pdf(&self, n: DVec3, place: &Place, corners: Corners) -> f64 {
+        let normal = nearest(n);
+        let [column, row] = [place.cell.column, place.cell.row];
+        let [block, block_row] = [column >> self.shift[0], row >> self.shift[1]];
+        let of_block = steps::probability(&self.rows[normal], block_row)
+            * steps::probability(&self.blocks[normal * BLOCKS[1] + block_row].0, block);
+        let (rows, cells) = self.inside(block_row * BLOCKS[0] + block);
+        let [column, row] = [column - (block << self.shift[0]), row - (block_row << self.shift[1])];
+        let cells = &cells[row << self.shift[0]..][..1 << self.shift[0]];
+        let of_cell = steps::probability(rows, row) * steps::probability(cells, column);
+        self.density(of_block * of_cell, place, corners)
+    }
+
+    /// By which rows of the cells of a block are chosen, and row by row the cells.
+    #[inline]
+    fn inside(&self, block: usize) -> (&[u16], &[u16]) {
+        let [width, height] = self.shift.map(|shift| 1 << shift);
+        let size = height + width * height;
+        self.insides[block * size..][..size].split_at(height)
+    }
+
+    /// The density of a place in a cell of this probability.
+    #[inline]
+    fn density(&self, probability: f64, place: &Place, corners: Corners) -> f64 {
+        let [above, below] = corners;
+        let brightness = lerp([lerp(above, place.across), lerp(below, place.across)], place.down);
+        let even = probability * (0.5 * INV_PI * self.columns as f64) / self.strips[place.cell.row].0;
+        if probability > 0.0 { even * (brightness / mean(corners)) } else { 0.0 }
     }
 
     /// The turn of a place about +y, and the cosine of its polar angle.
@@ -161,25 +185,6 @@ impl Directions {
         let down = ((top - height) / strip).clamp(0.0, 1.0);
         Place { cell: Cell { column, row }, across: (x - column as f64).min(1.0), down }
     }
-
-    /// The running sums over rows of blocks, and those over blocks.
-    #[inline]
-    fn table(&self, normal: usize) -> &[f64] {
-        let size = self.blocks[1] + self.blocks[0] * self.blocks[1];
-        &self.choices[normal * size..][..size]
-    }
-
-    /// How much a block is taken to face a normal: (c + √(c² + ε²))/2 of the cosine c, close to max(c, 0) but never zero.
-    #[inline]
-    fn facing(&self, normal: usize, block: usize) -> f64 {
-        if normal == ANYWHERE {
-            return 1.0;
-        }
-        let (c, blur) = (self.normals[normal].dot(self.middles[block]), self.blur);
-        // Below the horizon the sum would cancel.
-        let large = 0.5 * (c.abs() + (c * c + blur * blur).sqrt());
-        if c > 0.0 { large } else { 0.25 * blur * blur / large }
-    }
 }
 
 /// The direction at a turn about +y, of which the middle of the image is half a one, and a height.
@@ -190,43 +195,16 @@ pub fn direction(turn: f64, height: f64) -> DVec3 {
     DVec3::new(r * sin, height, -r * cos)
 }
 
-/// Appends running sums over rows, and over the columns of each row, and answers with the sum of all.
-fn sums_of(sums: &mut Vec<f64>, rows: usize, columns: usize, weight: impl Fn(usize, usize) -> f64) -> f64 {
-    let (first, mut total) = (sums.len(), 0.0);
-    sums.resize(first + rows, 0.0);
-    for row in 0..rows {
-        let mut sum = 0.0;
-        for column in 0..columns {
-            sum += weight(row, column);
-            sums.push(sum);
-        }
-        total += sum;
-        sums[first + row] = total;
-    }
-    total
+/// How much something at cosine c is taken to face a normal: (c + √(c² + ε²))/2, close to max(c, 0) but never zero.
+fn facing(c: f64, blur: f64) -> f64 {
+    // Below the horizon the sum would cancel.
+    let large = 0.5 * (c.abs() + (c * c + blur * blur).sqrt());
+    if c > 0.0 { large } else { 0.25 * blur * blur / large }
 }
 
-/// Chooses a row and a column by running sums, and stretches what is left of u over the cell.
-#[inline]
-fn pick_both(sums: &[f64], [columns, rows]: [usize; 2], u: DVec2) -> Option<(Cell, DVec2)> {
-    let (sums, below) = sums.split_at(rows);
-    let (row, y) = pick(sums, u.y)?;
-    let (column, x) = pick(&below[row * columns..][..columns], u.x)?;
-    Some((Cell { column, row }, DVec2::new(x, y)))
-}
-
-/// The first of some running sums that is above u of the last, and what is left of u.
-#[inline]
-fn pick(sums: &[f64], u: f64) -> Option<(usize, f64)> {
-    let total = *sums.last()?;
-    if total <= 0.0 {
-        return None;
-    }
-    let x = (u * total).min(total.next_down());
-    // Counting all is faster than a search: there are few, no branch depends on them, and registers hold several.
-    let index: usize = sums.iter().map(|sum| usize::from(*sum <= x)).sum();
-    let below = if index == 0 { 0.0 } else { sums[index - 1] };
-    Some((index, ((x - below) / (sums[index] - below)).min(1.0 - f64::EPSILON / 2.0)))
+/// The first N of what comes.
+fn array<const N: usize>(mut numbers: impl Iterator<Item = u16>) -> [u16; N] {
+    std::array::from_fn(|_| numbers.next().unwrap_or(u16::MAX))
 }
 
 /// The number of the normal nearest to n on the octahedron, or of none.
@@ -263,7 +241,7 @@ fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
 }
 
 /// The height of a row of cells, which is 2 sin(mid) sin(half), free of cancellation, and its upper edge.
-fn strip(row: usize, rows: usize) -> (f64, f64) {
+pub fn strip(row: usize, rows: usize) -> (f64, f64) {
     let step = PI / rows as f64;
     (2.0 * libm::sin((row as f64 + 0.5) * step) * libm::sin(0.5 * step), libm::cos(row as f64 * step))
 }
@@ -320,7 +298,8 @@ mod tests {
             let mut expected = vec![0.0; columns * rows];
             for i in 0..SIDE * SIDE {
                 let u = DVec2::new((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5) / SIDE as f64;
-                let place = directions.sample(n, u, corners(columns)).expect("there is light");
+                let (place, pdf) = directions.sample(n, u, corners(columns)).expect("there is light");
+                assert_eq!(pdf, directions.pdf(n, &place, corners(columns)(place.cell)));
                 found[place.cell.row * columns + place.cell.column] += 1.0 / (SIDE * SIDE) as f64;
             }
             for (i, expected) in expected.iter_mut().enumerate() {
@@ -335,13 +314,5 @@ mod tests {
             let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(worst < 0.8 / SIDE as f64, "{worst}");
         }
-    }
-
-    #[test]
-    fn rounding_never_leads_to_where_nothing_shines() {
-        let sums = [0.0, 0.1, 0.1, 0.4, 0.4];
-        assert_eq!(pick(&sums, 0.0).map(|found| found.0), Some(1));
-        assert_eq!(pick(&sums, 1.0 - f64::EPSILON / 2.0).map(|found| found.0), Some(3));
-        assert_eq!(pick(&[0.0, 0.0], 0.5), None);
     }
 }

@@ -1,6 +1,7 @@
 //! Light from an image that surrounds the scene.
 
 mod directions;
+mod steps;
 
 use super::{AnyEmitter, DirectSample};
 use crate::math::frame::unit;
@@ -20,12 +21,12 @@ pub const EXAMPLES: &[&str] = &[];
 
 /// All that is known of a texel, side by side, for a lookup waits for memory.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
 struct Texel {
     /// Coefficients of a [`Sigmoid`], or R, G and B.
     color: [f32; 3],
-    /// What the sigmoid is multiplied by.
+    /// Twice the largest of R, G and B: what the sigmoid is multiplied by, and the brightness by which directions are chosen.
     scale: f32,
-    luminance: f32,
 }
 
 /// Texel centres are at the middle of columns and at the ends of rows (the first and last row are the poles), as in
@@ -58,33 +59,36 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
         return Err(params.error("filename", message, ""));
     }
     let texel = |rgb: &[f32; 3]| {
-        let luminance = observer::luminance(rgb.map(f64::from)) as f32;
+        let (scale, color) = color_scale(rgb.map(f64::from));
         match params.loader.mode {
-            ColorMode::Rgb => Texel { color: *rgb, scale: 1.0, luminance },
-            ColorMode::Spectral => {
-                let (scale, color) = color_scale(rgb.map(f64::from));
-                Texel { color: params.loader.upsampler.fit(color).0, scale, luminance }
-            }
+            ColorMode::Rgb => Texel { color: *rgb, scale },
+            ColorMode::Spectral => Texel { color: params.loader.upsampler.fit(color).0, scale },
         }
     };
-    let map = EnvironmentMap::new(rgb.iter().map(texel).collect(), pixels.width, scale, to_world);
+    let texels: Vec<Texel> = rgb.iter().map(texel).collect();
+    let (width, rows) = (pixels.width, pixels.height - 1);
+    let directions = Directions::new(width, rows, |cell| brightness(&corners(&texels, width, cell)));
+    let (mean, scale) = (scale * mean_luminance(&rgb, width), scale as f32);
+    let (to_local, to_world) = (to_world.inverted(), to_world);
+    let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, mean };
     Ok(AnyEmitter::Envmap(Box::new(map)))
 }
 
-impl EnvironmentMap {
-    fn new(texels: Vec<Texel>, width: usize, scale: f64, to_world: Transform) -> Self {
-        let rows = texels.len() / width - 1;
-        let directions = Directions::new(width, rows, |cell| luminance(&corners(&texels, width, cell)));
-        let mean = directions.total() * scale / (2.0 * width as f64);
-        Self { texels, width, scale: scale as f32, to_local: to_world.inverted(), to_world, directions, mean }
-    }
+/// The mean over all directions.
+fn mean_luminance(rgb: &[[f32; 3]], width: usize) -> f64 {
+    let luminance = |row: &[[f32; 3]]| row.iter().map(|c| observer::luminance(c.map(f64::from))).sum::<f64>();
+    let sums: Vec<f64> = rgb.chunks(width).map(luminance).collect();
+    let rows = sums.len() - 1;
+    let of_cells = |row: usize| 0.5 * (sums[row] + sums[row + 1]) * directions::strip(row, rows).0;
+    (0..rows).map(of_cells).sum::<f64>() / (2.0 * width as f64)
+}
 
+impl EnvironmentMap {
     /// A direction from which a surface of normal `n` (world, zero for none) may be lit.
     pub fn sample(&self, n: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
         let n = self.to_local.vector(n);
-        let place = self.directions.sample(n, u, |cell| luminance(&self.corners(cell)))?;
+        let (place, pdf) = self.directions.sample(n, u, |cell| brightness(&self.corners(cell)))?;
         let corners = self.corners(place.cell);
-        let pdf = self.directions.pdf(n, &place, luminance(&corners));
         let (turn, height) = self.directions.turn_and_height(&place);
         let half_turns = INV_PI * acos(height.clamp(-1.0, 1.0));
         (pdf > 0.0).then(|| DirectSample {
@@ -105,7 +109,7 @@ impl EnvironmentMap {
         let half_turns = INV_PI * acos(w.y.clamp(-1.0, 1.0));
         let place = self.directions.place(turn, half_turns, w.y);
         let corners = self.corners(place.cell);
-        let pdf = self.directions.pdf(self.to_local.vector(n), &place, luminance(&corners));
+        let pdf = self.directions.pdf(self.to_local.vector(n), &place, brightness(&corners));
         (self.eval(&place, half_turns, &corners, λ), pdf)
     }
 
@@ -148,6 +152,6 @@ fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
     [cell.row, cell.row + 1].map(|row| [texels[row * width + cell.column], texels[row * width + right]])
 }
 
-fn luminance(corners: &[[Texel; 2]; 2]) -> Corners {
-    corners.map(|row| row.map(|texel| texel.luminance as f64))
+fn brightness(corners: &[[Texel; 2]; 2]) -> Corners {
+    corners.map(|row| row.map(|texel| texel.scale as f64))
 }
