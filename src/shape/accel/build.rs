@@ -10,6 +10,7 @@ use super::space::Space;
 use super::spheres::Spheres;
 use super::splits::pieces;
 use super::triangles::Triangles;
+use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed};
 use crate::math::ray::position_error;
 use crate::math::{DVec3, length};
@@ -71,6 +72,7 @@ impl Accel {
         let mut accel = Self {
             space,
             nodes: Pages::zeroed(0),
+            scattered: false,
             triangles: Pages::zeroed(0),
             patches: vec![],
             inner_patches: 0,
@@ -193,6 +195,7 @@ impl Accel {
         self.nodes = Pages::zeroed(wide.len());
         let filled = self.nodes.par_iter_mut().zip(&wide).with_min_len(256);
         filled.for_each(|(node, wide)| *node = plan.node(wide, &leaves));
+        self.scattered = is_scattered(&self.nodes);
     }
 
     /// Stores up to four items, of which the triangles are stored already.

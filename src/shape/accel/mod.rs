@@ -19,6 +19,7 @@ mod spheres;
 mod splits;
 mod stack;
 mod triangles;
+mod turns;
 mod walk;
 
 use super::{Cylinder, Hit};
@@ -51,6 +52,8 @@ pub struct Accel {
     space: Space,
     /// Empty where all blocks are simply tried.
     nodes: Pages<Node>,
+    /// Whether rays had better take turns.
+    scattered: bool,
     triangles: Pages<Triangles>,
     patches: Vec<Patches>,
     /// The first so many blocks of patches have the scene on both sides. Known only where there is no tree.
@@ -147,6 +150,9 @@ impl Accel {
     #[inline(always)]
     fn search_all<const ANY: bool>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
         let in_packets = self.nodes.is_empty() && !(self.patches.is_empty() && self.spheres.is_empty());
+        if self.take_turns(rays) {
+            return self.traverse_in_turns::<ANY>(rays, report);
+        }
         if !in_packets {
             for (i, ray) in rays.iter().enumerate() {
                 report(i, if ANY { self.any(ray) } else { self.closest(ray) });

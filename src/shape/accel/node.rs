@@ -90,6 +90,15 @@ impl Node {
         self.children[child] = to;
     }
 
+    /// Half the surfaces of the boxes that there are.
+    pub fn half_areas(&self) -> impl Iterator<Item = f32> {
+        let area = |child: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.planes[1][axis][child] - self.planes[0][axis][child]);
+            x * y + y * z + z * x
+        };
+        (0..8).filter(|child| self.children[*child] != NodeRef::EMPTY).map(area)
+    }
+
     /// Which boxes the ray enters (a bit each) and where.
     #[inline(always)]
     pub fn intersect(&self, ray: &LocalRay) -> (u32, [f32; 8]) {

@@ -41,6 +41,12 @@ impl Stack {
         Self { few: [Waiting(0); FEW], more: vec![] }
     }
 
+    /// Forgets what a ray has left behind that ended early.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.more.clear();
+    }
+
     /// Answers with the first of the children that a ray enters (a bit each, at least one) and lets the others wait. Any hit
     /// will do (`ANY`) in the order of the children, the closest one is best looked for in the order of distances: then all
     /// are likely to be looked at, and `coming` hears of them beforehand.
@@ -145,6 +151,17 @@ mod tests {
                 assert_eq!(order, near.map(|(_, &lane)| NodeRef::node(lane)).collect::<Vec<_>>());
             }
         }
+    }
+
+    #[test]
+    fn nothing_is_left_behind() {
+        let (mut stack, mut length) = (Stack::new(), 0);
+        let children = std::array::from_fn(NodeRef::node);
+        for _ in 0..FEW {
+            stack.enter::<true>(&mut length, 0xff, &[0.0; 8], &children, |_| {});
+        }
+        stack.clear();
+        assert_eq!(stack.pop(&mut 0, 1.0), None);
     }
 
     #[test]

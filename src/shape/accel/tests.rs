@@ -178,9 +178,10 @@ fn room() -> Vec<Geometry> {
 fn rays_together_meet_what_they_meet_alone() {
     let mut rng = Pcg32::new(5, 5);
     let (room, zoo) = (room(), zoo());
-    for shapes in [&room[..], &room[..9], &zoo[..]] {
+    for (shapes, in_turns) in [(&room[..], false), (&room[..9], false), (&zoo[..], false), (&zoo[..], true)] {
         let shapes: Vec<&Geometry> = shapes.iter().collect();
-        let accel = Accel::new(&shapes);
+        let mut accel = Accel::new(&shapes);
+        accel.scattered = in_turns;
         let mut ray = || {
             let origin = direction(&mut rng) * 0.9;
             let end = if uniform(&mut rng) < 0.5 { f64::INFINITY } else { uniform(&mut rng) };
@@ -199,6 +200,15 @@ fn rays_together_meet_what_they_meet_alone() {
             }
         }
     }
+}
+
+#[test]
+fn rays_take_turns_where_most_is_far() {
+    let scattered = |shapes: &[Geometry]| Accel::new(&shapes.iter().collect::<Vec<_>>()).scattered;
+    let fine = |size: f64| ball(300, size, DVec3::ZERO);
+    assert!(scattered(&[fine(1.0)]));
+    assert!(!scattered(&[ball(20, 1.0, DVec3::ZERO)]));
+    assert!(!scattered(&[ball(20, 1.0, DVec3::ZERO), fine(0.01)]));
 }
 
 #[test]

@@ -40,6 +40,12 @@ impl<'a> Walk<'a> {
         Some(Self { search, local, sheared, next: NodeRef::ROOT, waiting: 0 })
     }
 
+    /// Begins to bring what comes next into the cache.
+    #[inline(always)]
+    pub fn prefetch(&self, view: &View) {
+        self.next.prefetch(view);
+    }
+
     /// Looks at one node or leaf; false where there is no more to see.
     #[inline(always)]
     pub fn step<const ANY: bool>(&mut self, view: &View, stack: &mut Stack) -> bool {
