@@ -1,12 +1,12 @@
-//! Directions towards an image of the surroundings, chosen by how bright it is there and how much a surface faces it.
+//! Directions towards an image of the surroundings, chosen by how important it is there and how much a surface faces it.
 //!
-//! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its light and the cosine of its middle with
+//! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its importance and the cosine of its middle with
 //! the nearest of some normals all over the sphere, smoothed so that it is positive, for other directions of the block may be
 //! above the horizon of other normals. Blocks are few, so their probabilities are tabulated for each of the normals. Then a cell of the
-//! block is chosen by its light alone, which is tabulated once, and last a place in it, by the brightness B that is bilinear
+//! block is chosen by its importance alone, which is tabulated once, and last a place in it, by the importance I that is bilinear
 //! between texel centres, in the turn and the height (the cosine of the polar angle).
 //!
-//! With the mean brightness B̄ of the cell, its height h, and W cells around the equator, p(ω) = P(block, n) P(cell) B(ω)/B̄ · W/(2π h).
+//! With the mean importance Ī of the cell, its height h, and W cells around the equator, p(ω) = P(block, n) P(cell) I(ω)/Ī · W/(2π h).
 
 use super::steps::{self, deal, pick};
 use crate::math::frame::unit;
@@ -43,7 +43,7 @@ pub struct Cell {
     pub row: usize,
 }
 
-/// The brightness at the corners of a cell: of the row above, left and right, and of the row below.
+/// How important the corners of a cell are: of the row above, left and right, and of the row below.
 pub type Corners = [[f64; 2]; 2];
 
 /// For one row of blocks, where the steps of each block begin: as long as a cache line.
@@ -73,19 +73,20 @@ impl Directions {
         let shift = [(columns, BLOCKS[0]), (rows, BLOCKS[1])]
             .map(|(cells, blocks)| cells.div_ceil(blocks).next_power_of_two().trailing_zeros());
         let side = shift.map(|shift| 1 << shift);
-        let (mut insides, mut middles, mut lights) = (vec![], vec![], vec![]);
+        let (mut insides, mut middles, mut importances) = (vec![], vec![], vec![]);
         for (row, column) in (0..BLOCKS[1]).flat_map(|row| (0..BLOCKS[0]).map(move |column| (row, column))) {
             let first = Cell { column: column * side[0], row: row * side[1] };
-            let light = |row: usize, column: usize| {
+            let important = |row: usize, column: usize| {
                 let cell = Cell { column: first.column + column, row: first.row + row };
                 let there = cell.column < columns && cell.row < rows;
                 if there { mean(corners(cell)) * strips[cell.row].0 } else { 0.0 }
             };
-            let cells: Vec<f64> = (0..side[1] * side[0]).map(|i| light(i / side[0], i % side[0])).collect();
+            let cells: Vec<f64> =
+                (0..side[1] * side[0]).map(|i| important(i / side[0], i % side[0])).collect();
             let rows_of_cells: Vec<f64> = cells.chunks(side[0]).map(|row| row.iter().sum()).collect();
             insides.extend(deal(&rows_of_cells));
             insides.extend(cells.chunks(side[0]).flat_map(deal));
-            lights.push(rows_of_cells.iter().sum());
+            importances.push(rows_of_cells.iter().sum());
             let end = [columns.min(first.column + side[0]), rows.min(first.row + side[1])];
             let turn = (0.5 * (first.column + end[0]) as f64 + 0.5) / columns as f64;
             let height = libm::cos(0.5 * PI * (first.row + end[1]) as f64 / rows as f64);
@@ -97,15 +98,19 @@ impl Directions {
         let mut directions = Self { columns, strips, shift, rows: vec![], blocks: vec![], insides };
         let normals = (0..ANYWHERE).map(|number| Some(normal_of(number)));
         normals.chain([None]).for_each(|n| {
-            directions.add_choice(&lights, &middles, |middle| n.map_or(1.0, |n| facing(n.dot(middle), blur)))
+            directions
+                .add_choice(&importances, &middles, |middle| n.map_or(1.0, |n| facing(n.dot(middle), blur)))
         });
         directions
     }
 
-    /// Tabulates how blocks are chosen, by their light and how much they face something.
-    fn add_choice(&mut self, lights: &[f64], middles: &[DVec3], facing: impl Fn(DVec3) -> f64) {
-        let weights: Vec<f64> =
-            lights.iter().zip(middles).map(|(light, middle)| light * facing(*middle)).collect();
+    /// Tabulates how blocks are chosen, by their importance and how much they face something.
+    fn add_choice(&mut self, importances: &[f64], middles: &[DVec3], facing: impl Fn(DVec3) -> f64) {
+        let weights: Vec<f64> = importances
+            .iter()
+            .zip(middles)
+            .map(|(importance, middle)| importance * facing(*middle))
+            .collect();
         let rows: Vec<f64> = weights.chunks(BLOCKS[0]).map(|row| row.iter().sum()).collect();
         self.rows.push(array(deal(&rows)));
         self.blocks.extend(weights.chunks(BLOCKS[0]).map(|row| RowOfBlocks(array(deal(row)))));
@@ -160,9 +165,9 @@ impl Directions {
     #[inline]
     fn density(&self, probability: f64, place: &Place, corners: Corners) -> f64 {
         let [above, below] = corners;
-        let brightness = lerp([lerp(above, place.across), lerp(below, place.across)], place.down);
+        let importance = lerp([lerp(above, place.across), lerp(below, place.across)], place.down);
         let even = probability * (0.5 * INV_PI * self.columns as f64) / self.strips[place.cell.row].0;
-        if probability > 0.0 { even * (brightness / mean(corners)) } else { 0.0 }
+        if probability > 0.0 { even * (importance / mean(corners)) } else { 0.0 }
     }
 
     /// The turn of a place about +y, and the cosine of its polar angle.

@@ -19,13 +19,16 @@ pub const ABOUT: &str =
     "A latitude–longitude image around the scene; +y is up, the centre of the image lies towards −z.";
 pub const EXAMPLES: &[&str] = &[];
 
+/// Where it is darker than the mean, an image is chosen with this part of its brightness.
+const DARK: f64 = 1.0 / 32.0;
+
 /// All that is known of a texel, side by side, for a lookup waits for memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(16))]
 struct Texel {
     /// Coefficients of a [`Sigmoid`], or R, G and B.
     color: [f32; 3],
-    /// Twice the largest of R, G and B: what the sigmoid is multiplied by, and the brightness by which directions are chosen.
+    /// Twice the largest of R, G and B: what the sigmoid is multiplied by, and the brightness.
     scale: f32,
 }
 
@@ -39,6 +42,8 @@ pub struct EnvironmentMap {
     to_local: Transform,
     to_world: Transform,
     directions: Directions,
+    /// What a brightness must exceed to count in full.
+    common: f64,
     mean: f64,
 }
 
@@ -48,7 +53,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
         found.ok_or_else(|| params.error("filename", "an envmap needs a `filename`", "add one"))?;
     let scale = params.float_where("scale", 1.0, "factor", "no negative number", |v| v >= 0.0)?;
     let to_world = params.transform("to_world", "turns the image")?;
-    params.boolean("mis_compensation", false, "Mitsuba's sampling option; ignored")?;
+    params.boolean("mis_compensation", true, "Mitsuba's sampling option; ignored, for it is always on")?;
     let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
     if pixels.width < 2 || pixels.height < 3 {
         return Err(params.error("filename", "the image is too small", "expected at least 2 × 3 texels"));
@@ -67,17 +72,19 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     };
     let texels: Vec<Texel> = rgb.iter().map(texel).collect();
     let (width, rows) = (pixels.width, pixels.height - 1);
-    let directions = Directions::new(width, rows, |cell| brightness(&corners(&texels, width, cell)));
-    let (mean, scale) = (scale * mean_luminance(&rgb, width), scale as f32);
+    let common = mean(width, texels.iter().map(|texel| f64::from(texel.scale)));
+    let directions = Directions::new(width, rows, |cell| importance(&corners(&texels, width, cell), common));
+    let luminance = mean(width, rgb.iter().map(|c| observer::luminance(c.map(f64::from))));
+    let (mean, scale) = (scale * luminance, scale as f32);
     let (to_local, to_world) = (to_world.inverted(), to_world);
-    let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, mean };
+    let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, common, mean };
     Ok(AnyEmitter::Envmap(Box::new(map)))
 }
 
-/// The mean over all directions.
-fn mean_luminance(rgb: &[[f32; 3]], width: usize) -> f64 {
-    let luminance = |row: &[[f32; 3]]| row.iter().map(|c| observer::luminance(c.map(f64::from))).sum::<f64>();
-    let sums: Vec<f64> = rgb.chunks(width).map(luminance).collect();
+/// The mean over all directions of what is bilinear between texels.
+fn mean(width: usize, values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    let sums: Vec<f64> = values.chunks(width).map(|row| row.iter().sum()).collect();
     let rows = sums.len() - 1;
     let of_cells = |row: usize| 0.5 * (sums[row] + sums[row + 1]) * directions::strip(row, rows).0;
     (0..rows).map(of_cells).sum::<f64>() / (2.0 * width as f64)
@@ -87,7 +94,8 @@ impl EnvironmentMap {
     /// A direction from which a surface of normal `n` (world, zero for none) may be lit.
     pub fn sample(&self, n: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
         let n = self.to_local.vector(n);
-        let (place, pdf) = self.directions.sample(n, u, |cell| brightness(&self.corners(cell)))?;
+        let (place, pdf) =
+            self.directions.sample(n, u, |cell| importance(&self.corners(cell), self.common))?;
         let corners = self.corners(place.cell);
         let (turn, height) = self.directions.turn_and_height(&place);
         let half_turns = INV_PI * acos(height.clamp(-1.0, 1.0));
@@ -109,7 +117,7 @@ impl EnvironmentMap {
         let half_turns = INV_PI * acos(w.y.clamp(-1.0, 1.0));
         let place = self.directions.place(turn, half_turns, w.y);
         let corners = self.corners(place.cell);
-        let pdf = self.directions.pdf(self.to_local.vector(n), &place, brightness(&corners));
+        let pdf = self.directions.pdf(self.to_local.vector(n), &place, importance(&corners, self.common));
         (self.eval(&place, half_turns, &corners, λ), pdf)
     }
 
@@ -152,6 +160,13 @@ fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
     [cell.row, cell.row + 1].map(|row| [texels[row * width + cell.column], texels[row * width + right]])
 }
 
-fn brightness(corners: &[[Texel; 2]; 2]) -> Corners {
-    corners.map(|row| row.map(|texel| texel.scale as f64))
+/// By what directions are chosen: the brightness beyond the mean, for scattering finds the rest as well (Karlík et al. 2019, "MIS
+/// Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling"); and some of it everywhere, for nothing that shines may be left out where directions are chosen in no other way.
+fn importance(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
+    corners.map(|row| {
+        row.map(|texel| {
+            let brightness = f64::from(texel.scale);
+            (brightness - common).max(DARK * brightness)
+        })
+    })
 }
