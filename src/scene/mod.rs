@@ -24,7 +24,7 @@ use crate::integrator::through_glass::Glass;
 use crate::math::{DVec3, Ray};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
-use crate::shape::{Geometry, Hit, SurfacePoint};
+use crate::shape::{Geometry, Hit, Mesh, SurfacePoint};
 use crate::spectrum::ColorMode;
 pub use build::load;
 pub use build::load_text;
@@ -153,6 +153,22 @@ impl Scene {
         }
         let (shape, local) = self.shape_of(hit.primitive);
         (shape, shape.geometry.point::<UV>(ray, hit, local))
+    }
+
+    /// Begins to bring what is known of surfaces into the cache, where primitives lie scattered over memory: first which corners the
+    /// triangles have, then the corners.
+    pub fn prefetch_surfaces(&self, hits: &[Option<Hit>]) {
+        if !self.accel.is_scattered() {
+            return;
+        }
+        for fetch in [Mesh::prefetch_triangle, Mesh::prefetch_corners] {
+            for hit in hits.iter().flatten().filter(|hit| !self.instances.have(hit.primitive)) {
+                let (shape, local) = self.shape_of(hit.primitive);
+                if let Geometry::Mesh(mesh) = &shape.geometry {
+                    fetch(mesh, local);
+                }
+            }
+        }
     }
 
     /// How many pixels (in px²) the film sees for each unit of area across a camera ray at its point `p`.

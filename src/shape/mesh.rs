@@ -4,6 +4,7 @@ use super::mesh_data::MeshData;
 use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
 use crate::math::function::acos;
+use crate::math::simd::prefetch;
 use crate::math::{DVec2, DVec3, Discrete, Frame, Transform, warp};
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
@@ -63,6 +64,19 @@ impl Mesh {
     #[inline]
     pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|i| double(self.positions[i as usize]))
+    }
+
+    /// Begins to bring the numbers of a triangle's corners into the cache.
+    pub fn prefetch_triangle(&self, triangle: u32) {
+        prefetch(&self.triangles, triangle as usize);
+    }
+
+    /// Begins to bring the corners of a triangle into the cache.
+    pub fn prefetch_corners(&self, triangle: u32) {
+        for corner in self.triangles[triangle as usize] {
+            prefetch(&self.positions, corner as usize);
+            self.normals.iter().for_each(|normals| prefetch(normals, corner as usize));
+        }
     }
 
     /// The point p₀ + u(p₁ − p₀) + v(p₂ − p₀) of a triangle.

@@ -130,6 +130,7 @@ impl Path {
             let count = alive.len();
             counters.rays += count as u64;
             scene.accel.closest_all(rays, hits);
+            scene.prefetch_surfaces(&hits[..count]);
             numbers.fill(count, |i| (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth));
             let mut kept = 0;
             for i in 0..count {

@@ -179,6 +179,11 @@ impl Accel {
         }
     }
 
+    /// Whether much of what rays visit lies far away in memory.
+    pub fn is_scattered(&self) -> bool {
+        self.scattered
+    }
+
     /// How many primitives there are.
     pub fn primitives(&self) -> u32 {
         self.primitives
