@@ -109,24 +109,15 @@ impl Accel {
                 return accel;
             }
         }
-        let mut boxes: Vec<Aabb> = items
-            .iter()
-            .map(|item| {
-                let (lo, hi) = match shapes.get(item.shape as usize) {
-                    Some(shape) => primitive_bounds(shape, item.local),
-                    None => accel.instances[item.shape as usize - shapes.len()].bounds(),
-                };
-                let (lo, hi) = space.enclose(lo, hi);
-                Aabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
-            })
-            .collect();
+        let mut boxes: Vec<Aabb> = items.iter().map(|item| accel.box_of(shapes, item)).collect();
         let whose = accel.split(shapes, &items, &mut boxes);
         let preset = BvhBuildParams::medium_build();
         let indices = (0..boxes.len() as u32).collect();
         let (distance, depth) = (preset.ploc_search_distance, preset.search_depth_threshold);
         let mut builder = PlocBuilder::with_capacity(boxes.len());
         let mut binary = builder.build(distance, &boxes, indices, preset.sort_precision, depth);
-        drop(builder);
+        // What is no longer needed is given back: trees of millions of triangles are where memory runs out.
+        drop((builder, boxes));
         ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
         for piece in &mut binary.primitive_indices {
             *piece = whose[*piece as usize];
@@ -139,14 +130,24 @@ impl Accel {
                     let unit = space.scale() * space.scale();
                     ((length((b - a).cross(c - a)) * unit) as f32, 1, true)
                 }
-                Some(_) => (boxes[primitive as usize].half_area(), 1, false),
+                Some(_) => (accel.box_of(shapes, item).half_area(), 1, false),
                 // A leaf of its own.
-                None => (boxes[primitive as usize].half_area(), LEAF, false),
+                None => (accel.box_of(shapes, item).half_area(), LEAF, false),
             };
             Content { surface, size, is_triangle }
         });
         accel.arrange(shapes, &items, &plan);
         accel
+    }
+
+    /// The box around an item.
+    fn box_of(&self, shapes: &[&Geometry], item: &Item) -> Aabb {
+        let (lo, hi) = match shapes.get(item.shape as usize) {
+            Some(shape) => primitive_bounds(shape, item.local),
+            None => self.instances[item.shape as usize - shapes.len()].bounds(),
+        };
+        let (lo, hi) = self.space.enclose(lo, hi);
+        Aabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
     }
 
     /// Puts smaller boxes around the pieces of thin triangles; answers with the item of each box.

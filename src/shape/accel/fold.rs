@@ -31,8 +31,8 @@ pub struct Content {
 /// What is known of a node of the binary tree and what is below it.
 #[derive(Clone, Copy, Default)]
 struct Decision {
-    /// The least cost of at most 1, 2, … 7 trees.
-    costs: [f32; 7],
+    /// The least cost of one tree.
+    cost: f32,
     /// How it comes about: `choices[i]` trees of at most i come from the left child, and 0 means as for i − 1.
     /// `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight children come from the left.
     choices: [u8; 8],
@@ -42,6 +42,9 @@ struct Decision {
     has_triangles: bool,
     only_triangles: bool,
 }
+
+/// The least costs of at most 1, 2, … 7 trees: known only while decisions are made.
+type Costs = [f32; 7];
 
 /// What the nodes of eight are made of.
 pub struct Plan<'a> {
@@ -66,24 +69,27 @@ impl<'a> Plan<'a> {
     /// `content` tells what a primitive is.
     pub fn new(binary: &'a Bvh2, content: impl Fn(u32) -> Content) -> Self {
         let mut plan = Self { binary, decisions: vec![Decision::default(); binary.nodes.len()] };
+        let mut costs = vec![Costs::default(); binary.nodes.len()];
         for index in parents_first(binary).into_iter().rev() {
-            plan.decisions[index as usize] = plan.decide(index as usize, &content);
+            let index = index as usize;
+            (plan.decisions[index], costs[index]) = plan.decide(index, &costs, &content);
         }
         plan
     }
 
-    fn decide(&self, index: usize, content: &impl Fn(u32) -> Content) -> Decision {
+    fn decide(&self, index: usize, known: &[Costs], content: &impl Fn(u32) -> Content) -> (Decision, Costs) {
         let node = &self.binary.nodes[index];
         let area = node.aabb().half_area();
         if node.is_leaf() {
             let Content { surface, size, is_triangle } =
                 content(self.binary.primitive_indices[node.first_index as usize]);
-            let costs = [area * BLOCK_COST; 7];
+            let cost = area * BLOCK_COST;
             let (has_triangles, only_triangles) = (is_triangle, is_triangle);
-            return Decision { costs, choices: [0; 8], surface, size, has_triangles, only_triangles };
+            let decision = Decision { cost, choices: [0; 8], surface, size, has_triangles, only_triangles };
+            return (decision, [cost; 7]);
         }
-        let (l, r) =
-            (&self.decisions[node.first_index as usize], &self.decisions[node.first_index as usize + 1]);
+        let (left, right) = (node.first_index as usize, node.first_index as usize + 1);
+        let (l, r) = (&self.decisions[left], &self.decisions[right]);
         let mut decision = Decision {
             surface: l.surface + r.surface,
             size: (l.size + r.size).min(LEAF + 1),
@@ -94,7 +100,7 @@ impl<'a> Plan<'a> {
         let split = |trees: usize| {
             let mut best = (f32::INFINITY, 0);
             for k in trees.saturating_sub(7).max(1)..=(trees - 1).min(7) {
-                let cost = l.costs[k - 1] + r.costs[trees - k - 1];
+                let cost = known[left][k - 1] + known[right][trees - k - 1];
                 if cost < best.0 {
                     best = (cost, k as u8);
                 }
@@ -106,16 +112,17 @@ impl<'a> Plan<'a> {
         decision.choices[0] = from_left;
         decision.choices[1] = u8::from(decision.size > LEAF || inner < leaf);
         let mut best = if decision.choices[1] == 0 { leaf } else { inner };
-        decision.costs[0] = best;
+        let mut costs = [best; 7];
+        decision.cost = best;
         for trees in 2..8 {
             let (cost, from_left) = split(trees);
             let thrift = if decision.size <= LEAF && decision.choices[1] == 0 { THRIFT } else { 1.0 };
             if cost < best * thrift {
                 (best, decision.choices[trees]) = (cost, from_left);
             }
-            decision.costs[trees - 1] = best;
+            costs[trees - 1] = best;
         }
-        decision
+        (decision, costs)
     }
 
     pub fn has_triangles(&self, index: u32) -> bool {
@@ -180,7 +187,7 @@ impl<'a> Plan<'a> {
         // How much of a surface a child holds for what it costs to search.
         let promise = |child: u32| {
             let decision = &self.decisions[child as usize];
-            decision.surface / decision.costs[0]
+            decision.surface / decision.cost
         };
         wide.children[..usize::from(wide.count)].sort_by(|&a, &b| promise(b).total_cmp(&promise(a)));
     }
