@@ -37,12 +37,12 @@ pub fn is_scattered(nodes: &[Node]) -> bool {
 impl Accel {
     /// Whether these rays are better traced in turns.
     #[inline]
-    pub fn take_turns(&self, rays: &[Ray]) -> bool {
+    pub(super) fn take_turns(&self, rays: &[Ray]) -> bool {
         self.scattered && rays.first().is_some_and(|ray| ray.from != Search::NONE)
     }
 
     /// What each ray meets, in any order; bit for bit what it meets alone.
-    pub fn traverse_in_turns<const ANY: bool>(
+    pub(super) fn traverse_in_turns<const ANY: bool>(
         &self,
         rays: &[Ray],
         mut report: impl FnMut(usize, Option<Hit>),
