@@ -1,8 +1,10 @@
 //! From shapes to blocks and boxes.
 //!
-//! obvhs builds a binary tree (PLOC with reinsertion: Meister & Bittner 2018, 2022), which [`Plan`] folds into nodes of eight.
+//! A binary tree is [grown](super::grow) from the top, obvhs tries a few nodes elsewhere (Meister & Bittner 2018, "Parallel
+//! Reinsertion for Bounding Volume Hierarchy Optimization"), and [`Plan`] folds it into nodes of eight.
 
 use super::fold::{Content, LEAF, Plan};
+use super::grow::grow;
 use super::node::NodeRef;
 use super::pages::Pages;
 use super::patches::Patches;
@@ -16,18 +18,20 @@ use crate::math::ray::position_error;
 use crate::math::{DVec3, length};
 use crate::shape::{Geometry, Patch};
 use glam::Vec3A;
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::ploc::PlocBuilder;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Up to this many blocks are faster tried than searched.
-const FEW: usize = 8;
+const FEW: usize = 10;
 
-/// The part of all nodes that is tried elsewhere in the tree. Ten times as many make rays 3 % faster and take twice the
-/// time to build.
+/// With more items leaves are filled while the tree grows: half the memory, and no ray notices. Fewer are left to the plan, which
+/// is better where kinds of shapes meet.
+const MANY: usize = 1000;
+
+/// The part of all nodes that is tried elsewhere in the tree. Without, any-hit rays in rooms take a third longer; more
+/// gains nothing.
 const REINSERTED: f32 = 0.02;
 
 /// A primitive by shape and place in it, or an instance.
@@ -48,7 +52,9 @@ impl Accel {
     /// The same, with instances of other trees; their primitives come after those of the shapes. All together must
     /// be fewer than [`Ray::FREE`](crate::math::Ray::FREE).
     pub fn with_instances(shapes: &[&Geometry], mut instances: Vec<Instance>) -> Self {
-        let mut items = vec![];
+        let count =
+            shapes.iter().map(|geometry| geometry.primitives() as usize).sum::<usize>() + instances.len();
+        let mut items = Vec::with_capacity(count);
         let mut bounds = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
         for (shape, geometry) in shapes.iter().enumerate() {
             let (lo, hi) = geometry.bounds();
@@ -109,19 +115,13 @@ impl Accel {
                 return accel;
             }
         }
-        let mut boxes: Vec<Aabb> = items.iter().map(|item| accel.box_of(shapes, item)).collect();
+        let mut boxes: Vec<Aabb> = items.par_iter().map(|item| accel.box_of(shapes, item)).collect();
         let whose = accel.split(shapes, &items, &mut boxes);
-        let preset = BvhBuildParams::medium_build();
-        let indices = (0..boxes.len() as u32).collect();
-        let (distance, depth) = (preset.ploc_search_distance, preset.search_depth_threshold);
-        let mut builder = PlocBuilder::with_capacity(boxes.len());
-        let mut binary = builder.build(distance, &boxes, indices, preset.sort_precision, depth);
-        // What is no longer needed is given back: trees of millions of triangles are where memory runs out.
-        drop((builder, boxes));
+        // An instance is a leaf of its own.
+        let whole_leaves = accel.instances.is_empty() && items.len() > MANY;
+        let most = if whole_leaves { usize::from(LEAF) } else { 1 };
+        let mut binary = grow(boxes, whose, most);
         ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
-        for piece in &mut binary.primitive_indices {
-            *piece = whose[*piece as usize];
-        }
         let plan = Plan::new(&binary, |primitive| {
             let item = &items[primitive as usize];
             let (surface, size, is_triangle) = match shapes.get(item.shape as usize) {

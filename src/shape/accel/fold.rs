@@ -7,6 +7,7 @@
 
 use super::node::{Node, NodeRef};
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 
 /// What testing a block of four triangles costs, in tests of a node.
 const BLOCK_COST: f32 = 0.6;
@@ -81,11 +82,15 @@ impl<'a> Plan<'a> {
         let node = &self.binary.nodes[index];
         let area = node.aabb().half_area();
         if node.is_leaf() {
-            let Content { surface, size, is_triangle } =
-                content(self.binary.primitive_indices[node.first_index as usize]);
             let cost = area * BLOCK_COST;
-            let (has_triangles, only_triangles) = (is_triangle, is_triangle);
-            let decision = Decision { cost, choices: [0; 8], surface, size, has_triangles, only_triangles };
+            let mut decision = Decision { cost, only_triangles: true, ..Decision::default() };
+            for &primitive in self.of_leaf(node) {
+                let Content { surface, size, is_triangle } = content(primitive);
+                decision.surface += surface;
+                decision.size += size;
+                decision.has_triangles |= is_triangle;
+                decision.only_triangles &= is_triangle;
+            }
             return (decision, [cost; 7]);
         }
         let (left, right) = (node.first_index as usize, node.first_index as usize + 1);
@@ -208,6 +213,12 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// The primitives of a leaf of the binary tree.
+    fn of_leaf(&self, node: &Bvh2Node) -> &[u32] {
+        let first = node.first_index as usize;
+        &self.binary.primitive_indices[first..first + node.prim_count as usize]
+    }
+
     /// The primitives below a binary node that becomes a leaf.
     pub fn primitives(&self, index: u32) -> impl Iterator<Item = u32> {
         let mut waiting = [index; LEAF as usize];
@@ -217,7 +228,7 @@ impl<'a> Plan<'a> {
                 count -= 1;
                 let node = &self.binary.nodes[waiting[count] as usize];
                 if node.is_leaf() {
-                    return Some(self.binary.primitive_indices[node.first_index as usize]);
+                    return Some(self.of_leaf(node));
                 }
                 waiting[count] = node.first_index + 1;
                 waiting[count + 1] = node.first_index;
@@ -225,6 +236,8 @@ impl<'a> Plan<'a> {
             }
             None
         })
+        .flatten()
+        .copied()
     }
 }
 

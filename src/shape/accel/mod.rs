@@ -7,8 +7,10 @@
 //!
 //! A handful of primitives needs no tree at all.
 
+mod bins;
 mod build;
 mod fold;
+mod grow;
 mod instances;
 mod node;
 mod packet;

@@ -1,0 +1,209 @@
+//! A binary tree from the top down.
+//!
+//! Boxes are divided in two, and the halves again, each time where [`bins`](super::bins) finds it cheapest. No step depends
+//! on the order of work, so the tree is the same for any number of threads.
+
+use super::bins::{around, divide};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+
+/// Up to so many boxes are divided by one thread.
+const LIMB: usize = 1 << 14;
+
+/// A part of the tree.
+enum Part {
+    Fork(Aabb, Box<[Part; 2]>),
+    /// Nodes by themselves: first the root, then children in pairs.
+    Limb(Vec<Bvh2Node>),
+}
+
+/// Boxes that are not divided yet.
+struct Seeds<'a> {
+    boxes: &'a mut [Aabb],
+    /// What they are around.
+    items: &'a mut [u32],
+    /// How many lie before them.
+    before: usize,
+    /// The box around all of them.
+    bounds: Aabb,
+}
+
+impl<'a> Seeds<'a> {
+    // Not inlined: bins would take room on the stack at every level of the tree.
+    #[inline(never)]
+    fn halves(self) -> [Self; 2] {
+        let (at, bounds) = divide(self.boxes, self.items);
+        let (boxes, items) = (self.boxes.split_at_mut(at), self.items.split_at_mut(at));
+        [
+            Seeds { boxes: boxes.0, items: items.0, before: self.before, bounds: bounds[0] },
+            Seeds { boxes: boxes.1, items: items.1, before: self.before + at, bounds: bounds[1] },
+        ]
+    }
+
+    fn leaf(&self) -> Bvh2Node {
+        Bvh2Node::new(self.bounds, self.boxes.len() as u32, self.before as u32)
+    }
+}
+
+/// The tree over `boxes`, at least one, which are around `items`. Leaves hold up to `most`, and no less where they can.
+pub fn grow(mut boxes: Vec<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
+    let bounds = around(&boxes);
+    let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, bounds }, most);
+    // Trees of millions of triangles are where memory runs out.
+    drop(boxes);
+    let mut nodes = vec![Bvh2Node::default()];
+    join(part, 0, &mut nodes);
+    Bvh2 { nodes, primitive_indices: items, ..Bvh2::default() }
+}
+
+fn part(seeds: Seeds, most: usize) -> Part {
+    if seeds.boxes.len() <= LIMB {
+        return Part::Limb(limb(seeds, most));
+    }
+    let bounds = seeds.bounds;
+    let [left, right] = seeds.halves();
+    let (left, right) = rayon::join(|| part(left, most), || part(right, most));
+    Part::Fork(bounds, Box::new([left, right]))
+}
+
+fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
+    let mut nodes = Vec::with_capacity(2 * seeds.boxes.len() / most + 1);
+    nodes.push(Bvh2Node::default());
+    let mut waiting = vec![(0, seeds)];
+    while let Some((to, seeds)) = waiting.pop() {
+        if seeds.boxes.len() <= most {
+            nodes[to] = seeds.leaf();
+            continue;
+        }
+        let children = nodes.len();
+        nodes[to] = Bvh2Node::new(seeds.bounds, 0, children as u32);
+        nodes.extend([Bvh2Node::default(); 2]);
+        let [left, right] = seeds.halves();
+        waiting.extend([(children + 1, right), (children, left)]);
+    }
+    nodes
+}
+
+/// Puts the root of a part at `to`, and all below it at the end.
+fn join(part: Part, to: usize, nodes: &mut Vec<Bvh2Node>) {
+    let end = nodes.len() as u32;
+    match part {
+        Part::Fork(bounds, children) => {
+            nodes[to] = Bvh2Node::new(bounds, 0, end);
+            nodes.extend([Bvh2Node::default(); 2]);
+            for (child, to) in children.into_iter().zip(end as usize..) {
+                join(child, to, nodes);
+            }
+        }
+        Part::Limb(limb) => {
+            let mut moved = limb.into_iter().map(|mut node| {
+                if !node.is_leaf() {
+                    // The root is not among them.
+                    node.first_index += end - 1;
+                }
+                node
+            });
+            nodes[to] = moved.next().unwrap_or_default();
+            nodes.extend(moved);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+    use rand_pcg::{Pcg32, rand_core::Rng};
+
+    const MOST: usize = 4;
+
+    /// Small boxes in the unit cube.
+    fn crumbs(count: usize) -> Vec<Aabb> {
+        let mut rng = Pcg32::new(31, 1);
+        let mut uniform = || rng.next_u32() as f32 / 4294967296.0;
+        let mut corner = || Vec3A::new(uniform(), uniform(), uniform());
+        (0..count).map(|_| (corner(), 0.01 * corner())).map(|(at, size)| Aabb::new(at, at + size)).collect()
+    }
+
+    fn tree(boxes: &[Aabb]) -> Bvh2 {
+        grow(boxes.to_vec(), (0..boxes.len() as u32).collect(), MOST)
+    }
+
+    /// Looks at every node; answers with the number of levels.
+    fn check(tree: &Bvh2, boxes: &[Aabb]) -> usize {
+        let mut found = vec![0; boxes.len()];
+        let mut levels = 0;
+        let mut waiting = vec![(0, 1)];
+        while let Some((node, level)) = waiting.pop() {
+            let node = &tree.nodes[node];
+            levels = levels.max(level);
+            let first = node.first_index as usize;
+            let inside: Vec<Aabb> = if node.is_leaf() {
+                let count = node.prim_count as usize;
+                assert!((1..=MOST).contains(&count), "{count} in a leaf");
+                let items = tree.primitive_indices[first..first + count].iter().map(|&i| i as usize);
+                items.clone().for_each(|item| found[item] += 1);
+                items.map(|item| boxes[item]).collect()
+            } else {
+                waiting.extend([(first, level + 1), (first + 1, level + 1)]);
+                tree.nodes[first..first + 2].iter().map(|child| *child.aabb()).collect()
+            };
+            let needed = around(&inside);
+            assert_eq!((node.aabb().min, node.aabb().max), (needed.min, needed.max));
+        }
+        assert!(found.iter().all(|&times| times == 1));
+        levels
+    }
+
+    #[test]
+    fn every_box_is_in_one_leaf_and_in_all_nodes_above() {
+        for count in [1, 2, 4, 5, 9, 17, 65, 1000, 3 * LIMB] {
+            let boxes = crumbs(count);
+            let levels = check(&tree(&boxes), &boxes);
+            assert!(levels <= 2 + 2 * count.ilog2() as usize, "{levels} levels for {count}");
+        }
+    }
+
+    #[test]
+    fn boxes_in_one_place_and_ever_nearer_to_one_are_divided() {
+        let same = vec![crumbs(1)[0]; 3 * LIMB];
+        assert!(check(&tree(&same), &same) <= 16);
+        let at = |i: i32| Vec3A::splat(libm::exp2f(-(i % 140) as f32));
+        let nearer: Vec<Aabb> = (0..40_000).map(|i| Aabb::new(at(i), at(i))).collect();
+        assert!(check(&tree(&nearer), &nearer) < 150);
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let boxes = crumbs(200_000);
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let tree = pool.install(|| tree(&boxes));
+            let nodes =
+                tree.nodes.iter().map(|n| (n.min.to_array(), n.max.to_array(), n.first_index, n.prim_count));
+            (nodes.collect::<Vec<_>>(), tree.primitive_indices.clone())
+        };
+        assert!(with(1) == with(3));
+    }
+
+    #[test]
+    fn walls_are_kept_from_what_stands_between_them() {
+        let mut boxes: Vec<Aabb> =
+            crumbs(5000).iter().map(|b| Aabb::new(b.min + Vec3A::ONE, b.max + Vec3A::ONE)).collect();
+        let room = Vec3A::splat(3.0);
+        for axis in 0..3 {
+            // All of a wall's coordinate along the axis is one number.
+            let (mut near, mut far) = (room, Vec3A::ZERO);
+            (near[axis], far[axis]) = (0.0, room[axis]);
+            boxes.extend([Aabb::new(Vec3A::ZERO, near), Aabb::new(far, room)]);
+        }
+        // The middle of the floor is below what stands there.
+        boxes.push(Aabb::new(Vec3A::new(0.0, 1.4, 0.0), Vec3A::new(3.0, 1.6, 3.0)));
+        let tree = tree(&boxes);
+        check(&tree, &boxes);
+        let root = tree.nodes[0].first_index as usize;
+        let areas = [0, 1].map(|i| tree.nodes[root + i].aabb().half_area());
+        assert!(areas[0].min(areas[1]) < 4.0, "{areas:?}");
+    }
+}
