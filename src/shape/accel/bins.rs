@@ -44,7 +44,7 @@ struct Plane {
 pub fn divide(boxes: &mut [Aabb], items: &mut [u32]) -> (usize, [Aabb; 2]) {
     match boxes.len() {
         ..=16 => divide_by::<8, 3>(boxes, items),
-        ..=64 => divide_by::<16, 3>(boxes, items),
+        ..=512 => divide_by::<16, 3>(boxes, items),
         _ => divide_by::<32, 4>(boxes, items),
     }
 }
