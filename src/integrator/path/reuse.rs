@@ -19,6 +19,7 @@ use crate::integrator::{CameraPath, Counters};
 use crate::math::ray::{Ends, way_between};
 use crate::math::{DVec3, Ray, length};
 use crate::scene::Scene;
+use crate::shape::accel::Shaft;
 use crate::spectrum::Spectrum;
 
 /// Edge in pixels of the cells of the film within which pixels share paths.
@@ -95,6 +96,7 @@ pub struct Source {
     pub n: DVec3,
     /// World, of the surface itself, on either side: areas are its.
     pub ng: DVec3,
+    pub primitive: u32,
 }
 
 /// What a path has to share.
@@ -119,10 +121,22 @@ impl Shared {
 #[derive(Default)]
 pub struct Exchange {
     rays: Vec<Ray>,
-    /// To which source and which receiver, and the share before visibility is known.
-    shares: Vec<(usize, usize, f64)>,
+    shares: Vec<Share>,
     occluded: Vec<bool>,
+    shaft: Shaft,
 }
+
+/// What a receiver may have of a source.
+struct Share {
+    source: usize,
+    receiver: usize,
+    /// Not yet divided by the sum over receivers.
+    weight: f64,
+    is_seen: bool,
+}
+
+/// From so many receivers on a [`Shaft`] is tried first. That costs about as much as two rays.
+const MANY: usize = 8;
 
 impl Exchange {
     /// Hands on what every path found to all whose receivers see its source.
@@ -140,13 +154,16 @@ impl Exchange {
         for size in groups() {
             let group = first..first + size;
             first += size;
+            self.shaft.begin(group.clone().filter_map(|i| Some(shared[i].receiver?.p)));
             for j in group.clone() {
                 let Some(source) = shared[j].source.filter(|_| !shared[j].radiance.is_zero()) else {
                     continue;
                 };
+                let clear = self.shaft.len() >= MANY
+                    && scene.accel.is_clear(&mut self.shaft, source.p, source.primitive);
                 for i in group.clone() {
                     let Some(receiver) = &shared[i].receiver else { continue };
-                    self.propose(receiver, &source, (j, i));
+                    self.propose(receiver, &source, (j, i), clear);
                 }
             }
         }
@@ -154,38 +171,41 @@ impl Exchange {
         self.occluded.resize(self.rays.len(), false);
         counters.rays += self.rays.len() as u64;
         scene.accel.occluded_all(&self.rays, &mut self.occluded);
+        let asked = self.shares.iter_mut().filter(|share| !share.is_seen);
+        asked.zip(&self.occluded).for_each(|(share, occluded)| share.is_seen = !occluded);
         self.gather(paths, shared);
     }
 
-    /// The ray from a receiver to a source, if they face each other.
-    fn propose(&mut self, receiver: &Receiver, source: &Source, (j, i): (usize, usize)) {
+    /// A share of source j for receiver i, if they face each other, and a ray between them unless the way is `clear`.
+    fn propose(&mut self, receiver: &Receiver, source: &Source, (j, i): (usize, usize), clear: bool) {
         let to_source = source.p - receiver.p;
         let distance = length(to_source);
         let direction = to_source / distance;
         let cosines = receiver.n.dot(direction) * source.ng.dot(direction).abs();
+        let weight = cosines / (distance * distance);
+        let faces = weight > 0.0 && weight.is_finite() && source.n.dot(direction) < 0.0;
+        if !faces && i != j {
+            return;
+        }
         // A path knows of itself that it met its source, whatever rounding says.
-        let share = cosines / (distance * distance);
-        let faces = share > 0.0 && share.is_finite() && source.n.dot(direction) < 0.0;
-        if faces || i == j {
+        let is_seen = clear || i == j;
+        if !is_seen {
             let end = way_between(distance, receiver.p, source.p);
             let ray = Ray::leaving(receiver.p, direction, end, receiver.primitive);
             self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
-            self.shares.push((j, i, share));
         }
+        self.shares.push(Share { source: j, receiver: i, weight, is_seen });
     }
 
     fn gather(&self, paths: &mut [CameraPath], shared: &[Shared]) {
-        let mut first = 0;
-        for shares in self.shares.chunk_by(|a, b| a.0 == b.0) {
-            let visible = |at: usize| !self.occluded[first + at] || shares[at].0 == shares[at].1;
-            let sum: f64 = (0..shares.len()).filter(|at| visible(*at)).map(|at| shares[at].2).sum();
-            for (at, &(j, i, share)) in shares.iter().enumerate() {
-                let Some(receiver) = &shared[i].receiver else { continue };
-                if visible(at) {
-                    paths[i].radiance += receiver.albedo * shared[j].radiance * (share / sum) as f32;
-                }
+        for shares in self.shares.chunk_by(|a, b| a.source == b.source) {
+            let seen = || shares.iter().filter(|share| share.is_seen);
+            let sum: f64 = seen().map(|share| share.weight).sum();
+            for share in seen() {
+                let Some(receiver) = &shared[share.receiver].receiver else { continue };
+                let part = (share.weight / sum) as f32;
+                paths[share.receiver].radiance += receiver.albedo * shared[share.source].radiance * part;
             }
-            first += shares.len();
         }
     }
 }

@@ -71,7 +71,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
                 (1, Some(_)) if shared.receiver.is_some() => {
                     let n = vertex.to_world(DVec3::Z);
-                    shared.source = Some(Source { p: point.p, n, ng: point.ng });
+                    shared.source = Some(Source { p: point.p, n, ng: point.ng, primitive });
                     (state.throughput, state.shares) = (Spectrum::ONE, true);
                 }
                 _ => {}

@@ -5,9 +5,10 @@
 
 use super::fold::{Content, LEAF, Plan};
 use super::grow::grow;
-use super::node::NodeRef;
+use super::node::{Node, NodeRef};
 use super::pages::Pages;
 use super::patches::Patches;
+use super::shaft::{Few, Plane};
 use super::space::Space;
 use super::spheres::Spheres;
 use super::splits::pieces;
@@ -85,6 +86,7 @@ impl Accel {
             spheres: vec![],
             cylinders: vec![],
             mixed: vec![],
+            few: Few::default(),
             instances,
             primitives,
             bounds,
@@ -112,6 +114,7 @@ impl Accel {
                     });
                 }
                 accel.inner_patches = kinds[0].len().div_ceil(4);
+                accel.few = accel.few(shapes, &items);
                 return accel;
             }
         }
@@ -138,6 +141,21 @@ impl Accel {
         });
         accel.arrange(shapes, &items, &plan);
         accel
+    }
+
+    /// Boxes and planes of primitives that are simply tried.
+    fn few(&self, shapes: &[&Geometry], items: &[Item]) -> Few {
+        let mut boxes = vec![Node::empty(); items.len().div_ceil(8)];
+        for (i, item) in items.iter().enumerate() {
+            let aabb = self.box_of(shapes, item);
+            boxes[i / 8].set(i % 8, aabb.min.to_array(), aabb.max.to_array(), NodeRef::EMPTY);
+        }
+        let plane = |item: &Item| match shapes[item.shape as usize] {
+            Geometry::Mesh(mesh) => Some(Plane::of_corners(mesh.corners(item.local))),
+            Geometry::Patch(patch) => Some(Plane::new(patch.centre, patch.n)),
+            Geometry::Sphere(_) | Geometry::Cylinder(_) => None,
+        };
+        Few { boxes, primitives: items.iter().map(|item| (item.primitive, plane(item))).collect() }
     }
 
     /// The box around an item.

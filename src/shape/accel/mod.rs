@@ -11,11 +11,13 @@ mod bins;
 mod build;
 mod fold;
 mod grow;
+mod hull;
 mod instances;
 mod node;
 mod packet;
 mod pages;
 mod patches;
+mod shaft;
 mod space;
 mod spheres;
 mod splits;
@@ -33,6 +35,7 @@ use node::Node;
 use packet::Packet;
 use pages::Pages;
 use patches::Patches;
+pub use shaft::Shaft;
 use space::Space;
 use spheres::Spheres;
 use stack::Stack;
@@ -63,6 +66,7 @@ pub struct Accel {
     spheres: Vec<Spheres>,
     cylinders: Vec<(Cylinder, u32)>,
     mixed: Vec<Mixed>,
+    few: shaft::Few,
     /// Where there are any, there is a tree.
     instances: Vec<Instance>,
     primitives: u32,

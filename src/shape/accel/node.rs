@@ -71,7 +71,7 @@ impl NodeRef {
 #[repr(C, align(32))]
 pub struct Node {
     /// planes[side][axis][child], side 0 the lower.
-    planes: [[[f32; 8]; 3]; 2],
+    pub planes: [[[f32; 8]; 3]; 2],
     pub children: [NodeRef; 8],
 }
 

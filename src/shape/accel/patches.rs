@@ -1,6 +1,7 @@
 //! Flat patches: four at a time against a ray, or one at a time against four rays.
 
 use super::packet::Packet;
+use super::shaft::Plane;
 use super::{Rays, Search};
 use crate::math::DVec3;
 use crate::math::simd::{F64x4, Mask, dot};
@@ -62,6 +63,21 @@ impl Patches {
                 items.get(i).map_or(Search::NONE, |(_, primitive)| *primitive)
             }),
         }
+    }
+
+    /// Each patch's number, its plane, and the corners of a box around it.
+    pub fn outlines(&self) -> impl Iterator<Item = (u32, Plane, (DVec3, DVec3))> {
+        let vector =
+            |lanes: &[F64x4; 3], lane: usize| DVec3::from_array(lanes.map(|axis| axis.to_array()[lane]));
+        let there = (0..4).filter(|&lane| self.primitives[lane] != Search::NONE);
+        there.map(move |lane| {
+            let [centre, n] = [&self.centre, &self.normal].map(|vectors| vector(vectors, lane));
+            let [d1, d2] = self.dual.each_ref().map(|vectors| vector(vectors, lane));
+            // What is normal to one dual vector is along the edge of the other.
+            let edge = |d: DVec3, other: DVec3| other.cross(n) / d.dot(other.cross(n));
+            let reach = edge(d1, d2).abs() + edge(d2, d1).abs();
+            (self.primitives[lane], Plane::new(centre, n), (centre - reach, centre + reach))
+        })
     }
 
     #[inline(always)]

@@ -47,10 +47,14 @@ impl Space {
         self.scale
     }
 
+    /// A point in unit coordinates.
+    pub fn local(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) * self.scale
+    }
+
     /// A box in unit coordinates, widened to hold all rounding.
     pub fn enclose(&self, lo: DVec3, hi: DVec3) -> ([f32; 3], [f32; 3]) {
-        let lo = (lo - self.centre) * self.scale;
-        let hi = (hi - self.centre) * self.scale;
+        let (lo, hi) = (self.local(lo), self.local(hi));
         let down = |v: f64| (v as f32).next_down() - PADDING;
         let up = |v: f64| (v as f32).next_up() + PADDING;
         (lo.to_array().map(down), hi.to_array().map(up))
@@ -61,7 +65,7 @@ impl Space {
     pub fn enter(&self, ray: &Ray) -> Option<LocalRay> {
         /// A direction this close to a plane of boxes does not cross the scene in that axis.
         const PARALLEL: f64 = 1.0 / (1u128 << 100) as f64;
-        let origin = (ray.origin - self.centre) * self.scale;
+        let origin = self.local(ray.origin);
         let direction = ray.direction.map(|d| if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d });
         let inverse = 1.0 / direction;
         let reach = 1.0 + 2.0 * PADDING as f64;

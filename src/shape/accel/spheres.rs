@@ -2,6 +2,7 @@
 
 use super::packet::Packet;
 use super::{Rays, Search};
+use crate::math::DVec3;
 use crate::math::simd::{F64x4, Mask, dot};
 use crate::shape::Sphere;
 
@@ -61,6 +62,17 @@ impl Spheres {
                 items.get(i).map_or(Search::NONE, |(_, primitive)| *primitive)
             }),
         }
+    }
+
+    /// The corners of a box around each.
+    pub fn bounds(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let radius = self.radius.to_array();
+        let centre = self.centre.map(|axis| axis.to_array());
+        let there = (0..4).filter(|&lane| self.primitives[lane] != Search::NONE);
+        there.map(move |lane| {
+            let centre = DVec3::from_array(centre.map(|axis| axis[lane]));
+            (centre - radius[lane], centre + radius[lane])
+        })
     }
 
     #[inline(always)]

@@ -5,8 +5,8 @@
 //! ray through the edge meets at least one.
 
 use super::Search;
-use crate::math::Ray;
 use crate::math::simd::F64x4;
+use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
@@ -60,6 +60,14 @@ impl Triangles {
             }
         }
         self.primitives[lane] = primitive;
+    }
+
+    /// Each triangle's number and corners.
+    pub fn corners(&self) -> impl Iterator<Item = (u32, [DVec3; 3])> {
+        let corner =
+            |vertex: &[[f32; 4]; 3], lane: usize| DVec3::from_array(vertex.map(|axis| f64::from(axis[lane])));
+        let there = (0..4).filter(|&lane| self.primitives[lane] != Search::NONE);
+        there.map(move |lane| (self.primitives[lane], [0, 1, 2].map(|i| corner(&self.vertices[i], lane))))
     }
 
     /// How many there are.
