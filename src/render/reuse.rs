@@ -1,7 +1,7 @@
 //! Whether pixels share what their paths find, where the scene leaves that to a pilot.
 //!
 //! Sharing multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: where light has
-//! met several matte surfaces. The pilot makes the same cells of pixels both ways, counts the rays, and takes the geometric mean of v over
+//! met several matte surfaces. The pilot makes the same cells of pixels each way, counts the rays, and takes the geometric mean of v over
 //! cells, which a rare bright path cannot sway. Its samples are thrown away and are a function of the scene alone, so the
 //! choice cannot bias an image, and every part of a render makes the same.
 
@@ -11,8 +11,12 @@ use crate::integrator::path::reuse::{AUTO, CELL, cell};
 use crate::integrator::{Counters, kernel_for};
 use crate::scene::{Features, Scene};
 
-/// Pixels that share if any do: more cost as much as they bring.
-const PIXELS: u32 = 16;
+/// Numbers of pixels to choose from, and what each must make of the product of variance and cost of the one before. Correlated errors
+/// are a price as well, which a smaller gain is not worth.
+const CHOICES: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
+
+/// What handing on light from one pixel to another costs, in rays, where no ray is needed.
+const HANDING_ON: f64 = 0.02;
 
 /// Cells and samples of the pilot: about a tenth of a second.
 const CELLS: u64 = 32;
@@ -21,19 +25,23 @@ const SAMPLES: u64 = 32;
 /// Samples that are summed before sums are compared: what stratification does away with is no gain of sharing.
 const BLOCK: u64 = 8;
 
-/// Correlated errors are a price as well, which a smaller gain is not worth.
-const WORTH: f64 = 0.8;
-
 /// Settles how many pixels share, by a pilot if the scene's file or a command line leaves it to that.
 pub fn settle(scene: &mut Scene) {
     let mut pixels = scene.integrator.reuse();
     if pixels == AUTO {
         let mut measured = |pixels: u32| {
             set(scene, pixels);
-            measure(scene)
+            measure(scene, pixels)
         };
-        let (shared, alone) = (measured(PIXELS), measured(1));
-        pixels = if relative_error(&shared, &alone) < WORTH { PIXELS } else { 1 };
+        let mut best = (1, measured(1));
+        for (more, worth) in CHOICES {
+            let measured = measured(more);
+            if relative_error(&measured, &best.1) > worth {
+                break;
+            }
+            best = (more, measured);
+        }
+        pixels = best.0;
     }
     set(scene, pixels);
 }
@@ -44,13 +52,13 @@ fn set(scene: &mut Scene, pixels: u32) {
     scene.features.0 |= if pixels > 1 { Features::REUSE } else { 0 };
 }
 
-/// What the pilot saw: the variance of each cell, and rays.
+/// What the pilot saw: the variance of each cell, and the cost in rays.
 struct Measured {
     variances: Vec<f64>,
-    rays: u64,
+    cost: f64,
 }
 
-/// The product of variance and rays, over the same of the other.
+/// The product of variance and cost, over the same of the other.
 fn relative_error(ours: &Measured, other: &Measured) -> f64 {
     let ratios = ours.variances.iter().zip(&other.variances).map(|(a, b)| a / b);
     let logarithms: Vec<f64> = ratios.map(libm::log).filter(|ratio| ratio.is_finite()).collect();
@@ -58,10 +66,10 @@ fn relative_error(ours: &Measured, other: &Measured) -> f64 {
         return f64::INFINITY;
     }
     let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
-    libm::exp(mean) * ours.rays as f64 / other.rays as f64
+    libm::exp(mean) * ours.cost / other.cost
 }
 
-fn measure(scene: &Scene) -> Measured {
+fn measure(scene: &Scene, pixels: u32) -> Measured {
     let camera = Camera::new(scene, 0, kernel_for(scene.features));
     let film = scene.sensor.film.crop;
     let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
@@ -90,7 +98,9 @@ fn measure(scene: &Scene) -> Measured {
         sums.iter().map(|sum| scatter(sum).max(0.0)).sum()
     };
     let variances = (0..CELLS).map(variance).collect();
-    Measured { variances, rays: counters.rays }
+    let paths = CELLS * SAMPLES * u64::from(CELL * CELL);
+    let handed_on = if pixels > 1 { paths * u64::from(pixels) } else { 0 };
+    Measured { variances, cost: counters.rays as f64 + HANDING_ON * handed_on as f64 }
 }
 
 #[cfg(test)]
@@ -117,7 +127,7 @@ mod tests {
         let bright = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>"#;
         let metal = r#"<bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf>"#;
         let asked = r#"<integer name="reuse" value="0"/>"#;
-        assert_eq!(chosen("cube", bright, asked), super::PIXELS);
+        assert_eq!(chosen("cube", bright, asked), 64);
         assert_eq!(chosen("cube", metal, asked), 1);
         assert_eq!(chosen("rectangle", bright, asked), 1);
         assert_eq!(chosen("cube", bright, ""), 1);

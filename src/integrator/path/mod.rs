@@ -1,5 +1,6 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
+mod receivers;
 pub mod reuse;
 mod scatter;
 mod shadows;

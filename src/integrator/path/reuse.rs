@@ -15,11 +15,11 @@
 //! What stays with its own path: all light up to yᵢ; paths by surfaces of any other kind; and beyond yᵢ the light that
 //! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
 
+use super::receivers::Receivers;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::ray::{Ends, way_between};
 use crate::math::{DVec3, Ray, length};
 use crate::scene::Scene;
-use crate::shape::accel::Shaft;
 use crate::spectrum::Spectrum;
 
 /// Edge in pixels of the cells of the film within which pixels share paths.
@@ -120,10 +120,10 @@ impl Shared {
 /// Rays between the receivers and sources of a group, kept for the next.
 #[derive(Default)]
 pub struct Exchange {
+    receivers: Receivers,
     rays: Vec<Ray>,
     shares: Vec<Share>,
     occluded: Vec<bool>,
-    shaft: Shaft,
 }
 
 /// What a receiver may have of a source.
@@ -134,9 +134,6 @@ struct Share {
     weight: f64,
     is_seen: bool,
 }
-
-/// From so many receivers on a [`Shaft`] is tried first. That costs about as much as two rays.
-const MANY: usize = 8;
 
 impl Exchange {
     /// Hands on what every path found to all whose receivers see its source.
@@ -152,20 +149,14 @@ impl Exchange {
         let groups = || paths.chunk_by(|a, b| a.group == b.group).map(<[_]>::len);
         let mut first = 0;
         for size in groups() {
-            let group = first..first + size;
-            first += size;
-            self.shaft.begin(group.clone().filter_map(|i| Some(shared[i].receiver?.p)));
-            for j in group.clone() {
-                let Some(source) = shared[j].source.filter(|_| !shared[j].radiance.is_zero()) else {
-                    continue;
-                };
-                let clear = self.shaft.len() >= MANY
-                    && scene.accel.is_clear(&mut self.shaft, source.p, source.primitive);
-                for i in group.clone() {
-                    let Some(receiver) = &shared[i].receiver else { continue };
-                    self.propose(receiver, &source, (j, i), clear);
+            let group = &shared[first..first + size];
+            self.receivers.begin(group);
+            for (j, path) in group.iter().enumerate() {
+                if let Some(source) = path.source.as_ref().filter(|_| !path.radiance.is_zero()) {
+                    self.propose(scene, group, (first, j), source);
                 }
             }
+            first += size;
         }
         self.occluded.clear();
         self.occluded.resize(self.rays.len(), false);
@@ -176,34 +167,41 @@ impl Exchange {
         self.gather(paths, shared);
     }
 
-    /// A share of source j for receiver i, if they face each other, and a ray between them unless the way is `clear`.
-    fn propose(&mut self, receiver: &Receiver, source: &Source, (j, i): (usize, usize), clear: bool) {
-        let to_source = source.p - receiver.p;
-        let distance = length(to_source);
-        let direction = to_source / distance;
-        let cosines = receiver.n.dot(direction) * source.ng.dot(direction).abs();
-        let weight = cosines / (distance * distance);
-        let faces = weight > 0.0 && weight.is_finite() && source.n.dot(direction) < 0.0;
-        if !faces && i != j {
-            return;
-        }
+    /// A share of the source of path j for each receiver of its group that faces it, and a ray between them where it is not known
+    /// that nothing is in the way.
+    fn propose(&mut self, scene: &Scene, group: &[Shared], (first, j): (usize, usize), source: &Source) {
+        let mut weights = [0.0; 64];
+        let facing = self.receivers.weights(source, &mut weights);
+        let mut in_sight = self.receivers.in_sight(scene, source);
         // A path knows of itself that it met its source, whatever rounding says.
-        let is_seen = clear || i == j;
-        if !is_seen {
-            let end = way_between(distance, receiver.p, source.p);
-            let ray = Ray::leaving(receiver.p, direction, end, receiver.primitive);
-            self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
+        in_sight |= 1 << j;
+        if facing >> j & 1 == 0 {
+            weights[j] = f64::MIN_POSITIVE;
         }
-        self.shares.push(Share { source: j, receiver: i, weight, is_seen });
+        let mut left = facing | 1 << j;
+        while left != 0 {
+            let i = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let is_seen = in_sight >> i & 1 == 1;
+            let Some(receiver) = group[i].receiver.as_ref() else { continue };
+            if !is_seen {
+                let way = source.p - receiver.p;
+                let distance = length(way);
+                let end = way_between(distance, receiver.p, source.p);
+                let ray = Ray::leaving(receiver.p, way / distance, end, receiver.primitive);
+                self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
+            }
+            self.shares.push(Share { source: first + j, receiver: first + i, weight: weights[i], is_seen });
+        }
     }
 
     fn gather(&self, paths: &mut [CameraPath], shared: &[Shared]) {
         for shares in self.shares.chunk_by(|a, b| a.source == b.source) {
             let seen = || shares.iter().filter(|share| share.is_seen);
-            let sum: f64 = seen().map(|share| share.weight).sum();
+            let all = 1.0 / seen().map(|share| share.weight).sum::<f64>();
             for share in seen() {
                 let Some(receiver) = &shared[share.receiver].receiver else { continue };
-                let part = (share.weight / sum) as f32;
+                let part = (share.weight * all) as f32;
                 paths[share.receiver].radiance += receiver.albedo * shared[share.source].radiance * part;
             }
         }

@@ -43,8 +43,8 @@ struct Plane {
 /// boxes around both. Neither group is empty.
 pub fn divide(boxes: &mut [Aabb], items: &mut [u32]) -> (usize, [Aabb; 2]) {
     match boxes.len() {
-        ..=16 => divide_by::<8, 3>(boxes, items),
-        ..=512 => divide_by::<16, 3>(boxes, items),
+        0..=16 => divide_by::<8, 3>(boxes, items),
+        17..=512 => divide_by::<16, 3>(boxes, items),
         _ => divide_by::<32, 4>(boxes, items),
     }
 }

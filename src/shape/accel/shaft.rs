@@ -58,7 +58,7 @@ impl Shaft {
     }
 
     /// How many points there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.points.len()
     }
 

@@ -1,0 +1,81 @@
+//! The receivers of a group, four to a register, and which of them see a source.
+
+use super::reuse::{Receiver, Shared, Source};
+use crate::math::DVec3;
+use crate::math::simd::{F64x4, dot};
+use crate::scene::Scene;
+use crate::shape::accel::Shaft;
+
+/// Receivers that follow one another and lie side by side, if not all are in sight.
+const RUN: usize = 16;
+
+/// From so many receivers on a [`Shaft`] is worth trying: it costs about as much as five rays.
+const MANY: usize = 8;
+
+/// The matte points that the pixels of a group see; at most 64.
+#[derive(Default)]
+pub struct Receivers {
+    blocks: Vec<Block>,
+    whole: Shaft,
+    runs: [Shaft; 4],
+}
+
+/// Four receivers; one that is missing has no normal, and so no weight.
+struct Block {
+    p: [F64x4; 3],
+    n: [F64x4; 3],
+}
+
+impl Receivers {
+    /// Takes those of a group.
+    pub fn begin(&mut self, group: &[Shared]) {
+        let vectors = |four: &[Shared], f: &dyn Fn(&Receiver) -> DVec3| {
+            let lane =
+                |i: usize| four.get(i).and_then(|shared| shared.receiver.as_ref()).map_or(DVec3::ZERO, f);
+            let lanes: [DVec3; 4] = std::array::from_fn(lane);
+            [0, 1, 2].map(|axis| F64x4::new(lanes.map(|v| v[axis])))
+        };
+        self.blocks.clear();
+        let block = |four| Block { p: vectors(four, &|r| r.p), n: vectors(four, &|r| r.n) };
+        self.blocks.extend(group.chunks(4).map(block));
+        let points =
+            |shared: &[Shared]| shared.iter().filter_map(|s| Some(s.receiver?.p)).collect::<Vec<_>>();
+        self.whole.begin(points(group).into_iter());
+        if group.len() > RUN {
+            for (shaft, run) in self.runs.iter_mut().zip(group.chunks(RUN)) {
+                shaft.begin(points(run).into_iter());
+            }
+        }
+    }
+
+    /// The geometry term between the source and each receiver that faces it, without visibility; a bit for each of these.
+    pub fn weights(&self, source: &Source, weights: &mut [f64; 64]) -> u64 {
+        let spread = |v: DVec3| v.to_array().map(F64x4::splat);
+        let (p, n, ng) = (spread(source.p), spread(source.n), spread(source.ng));
+        let (zero, most) = (F64x4::splat(0.0), F64x4::splat(f64::MAX));
+        let mut facing = 0;
+        for (i, block) in self.blocks.iter().enumerate() {
+            let way = [0, 1, 2].map(|axis| p[axis] - block.p[axis]);
+            let squared = dot(way, way);
+            // Both cosines have the distance in them.
+            let weight = dot(block.n, way) * dot(ng, way).abs() / (squared * squared);
+            let faces = zero.below(weight) & weight.at_most(most) & dot(n, way).below(zero);
+            facing |= u64::from(faces.bits()) << (4 * i);
+            weights[4 * i..4 * i + 4].copy_from_slice(&weight.to_array());
+        }
+        facing
+    }
+
+    /// A bit for each receiver that sees the source for sure.
+    pub fn in_sight(&mut self, scene: &Scene, source: &Source) -> u64 {
+        let clear = |shaft: &mut Shaft| {
+            shaft.count() >= MANY && scene.accel.is_clear(shaft, source.p, source.primitive)
+        };
+        if clear(&mut self.whole) {
+            return u64::MAX;
+        }
+        let count = if 4 * self.blocks.len() > RUN { self.blocks.len().div_ceil(RUN / 4) } else { 0 };
+        let runs = self.runs[..count].iter_mut().enumerate();
+        runs.fold(0, |bits, (i, run)| bits | if clear(run) { 0xffff << (RUN * i) } else { 0 })
+    }
+}
