@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn what_is_clear_is_seen_by_all() {
         for count in [16, 32, 80, 300] {
-            let mut rng = Pcg32::new(41, count as u64);
+            let mut rng = Pcg32::new(0, count as u64);
             let shapes = clutter(&mut rng, count);
             let accel = Accel::new(&shapes.iter().collect::<Vec<_>>());
             assert_eq!(accel.node_count() == 0, count < 40);
@@ -284,7 +284,7 @@ mod tests {
             (DVec3::Y, 270.0),
         ];
         let mut shapes: Vec<Geometry> = walls.map(|(axis, angle)| Geometry::Patch(wall(axis, angle))).into();
-        let mut rng = Pcg32::new(43, 1);
+        let mut rng = Pcg32::new(0, 1);
         let needle = MeshData {
             positions: vec![[0.0, 0.0, -0.3], [0.0, 1e-3, 0.3], [1e-3, 0.0, 0.3]],
             triangles: vec![[0, 1, 2]],

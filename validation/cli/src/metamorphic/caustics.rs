@@ -34,8 +34,11 @@ pub(super) fn block(wears: &str) -> String {
     shape("cube", &[scale([0.4, 0.4, 0.5]), rotate('z', 25.0), translate([0.8, 0.2, 0.55])], wears)
 }
 
+/// Edges of the longest path, where nothing else is said.
+const LONGEST: i64 = 6;
+
 fn relation(name: &str, camera: &str, world: &str) -> Relation {
-    up_to(6, name, camera, world)
+    up_to(LONGEST, name, camera, world)
 }
 
 fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
@@ -45,8 +48,13 @@ fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
 
 /// The integrator of both sides with an option that ends its element.
 pub(super) fn with_integrator(relation: Relation, option: &str) -> Relation {
+    replaced(relation, "</integrator>", option)
+}
+
+/// The relation with something else in the scenes of both sides.
+fn replaced(relation: Relation, piece: &str, by: &str) -> Relation {
     let with = |terms: Vec<Term>| {
-        let with = |term: Term| Term { scene: term.scene.replace("</integrator>", option), ..term };
+        let with = |term: Term| Term { scene: term.scene.replace(piece, by), ..term };
         terms.into_iter().map(with).collect()
     };
     Relation { left: with(relation.left), right: with(relation.right), ..relation }
@@ -116,6 +124,11 @@ pub fn relations() -> Vec<Relation> {
         let option = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
         with_integrator(relation, option)
     };
+    let roulette = |relation: Relation| {
+        let from = |depth: u32| format!("<integer name=\"rr_depth\" value=\"{depth}\"/>");
+        replaced(relation, &from(LONGEST as u32 + 1), &from(1))
+    };
+    let dim_mirror = bsdf("conductor", &grey("specular_reflectance", 0.4));
     let hidden = |relation: Relation| {
         with_integrator(relation, "<boolean name=\"hide_emitters\" value=\"true\"/></integrator>")
     };
@@ -123,6 +136,7 @@ pub fn relations() -> Vec<Relation> {
     vec![
         relation("glass_ball", &view, &room(&ball(&glass("")))),
         relation("mirror_ball", &view, &room(&ball(&mirror()))),
+        roulette(relation("roulette", &view, &room(&ball(&dim_mirror)))),
         relation("thin_lens", &lens, &room(&ball(&glass("")))),
         relation("parallel_view", &parallel, &room(&ball(&glass("")))),
         relation("gaussian_film", &filtered("<rfilter type=\"gaussian\"/>", ""), &room(&ball(&mirror()))),
