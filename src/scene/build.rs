@@ -1,28 +1,26 @@
 //! From a document to a [`Scene`].
 
 use super::error::{SceneError, known};
-use super::instances::{Group, Instances};
+use super::hash::hash;
 use super::loader::Loader;
+use super::objects::Objects;
 use super::owners::Owners;
-use super::params::{Params, Usage};
+use super::params::Usage;
 use super::registry::construct;
-use super::xml::{self, Document, Element};
-use super::{Features, Overrides, Scene, Shape, Side, overrides};
-use crate::bsdf::AnyMaterial;
-use crate::emitter::{AnyEmitter, EMITTERS, Emitters, select};
+use super::xml::{self, Document};
+use super::{Features, Overrides, Scene, overrides};
+use crate::emitter::Emitters;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::through_glass::{Glass, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
-use crate::math::{DVec3, Ray, Transform, length};
+use crate::math::length;
 use crate::render::{reuse, share};
 use crate::sensor::Sensor;
+use crate::shape::Geometry;
 use crate::shape::accel::Accel;
-use crate::shape::{Declared, Geometry, SHAPES};
 use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
-use std::collections::BTreeMap;
 use std::path::Path;
-use xxhash_rust::xxh3::Xxh3;
 
 /// Reads a scene file. `definitions` are values for its `$parameters`.
 pub fn load(
@@ -41,22 +39,6 @@ pub fn load_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, Scene
     build(&xml::read_text(name, text)?, mode)
 }
 
-struct Builder<'a, 'd> {
-    loader: &'a Loader<'d>,
-    shapes: Vec<Shape>,
-    instances: Instances,
-    /// The groups that were read, by their element.
-    known_groups: BTreeMap<*const Element, u32>,
-    /// Of all shapes and instances.
-    primitives: u64,
-    materials: Vec<AnyMaterial>,
-    /// What both sides wear of the materials that were read, by their element: shapes share them.
-    known: BTreeMap<*const Element, [Side; 2]>,
-    emitters: Vec<select::Entry>,
-    /// Grey for surfaces without a material; black for those that shine.
-    default_sides: [Option<[Side; 2]>; 2],
-}
-
 fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let root = &document.root;
     if root.tag != "scene" {
@@ -64,28 +46,18 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     }
     root.only(&["version", "type", "id", "name"])?;
     let loader = Loader::new(document, mode)?;
-    let mut builder = Builder {
-        loader: &loader,
-        shapes: vec![],
-        instances: Instances::default(),
-        known_groups: BTreeMap::new(),
-        primitives: 0,
-        materials: vec![],
-        known: BTreeMap::new(),
-        emitters: vec![],
-        default_sides: [None; 2],
-    };
+    let mut objects = Objects::new(&loader);
     let (mut sensors, mut integrators) = (vec![], vec![]);
     for child in &root.children {
         let element = loader.resolve(child)?;
         match element.tag.as_str() {
-            "shape" => builder.shape(element)?,
-            "emitter" => builder.emitter(element)?,
+            "shape" => objects.shape(element)?,
+            "emitter" => objects.emitter(element)?,
             "sensor" => sensors.push(element),
             "integrator" => integrators.push(element),
             // Read where they are referred to, and here for the sake of their errors.
             "bsdf" => {
-                builder.material(element)?;
+                objects.material(element)?;
             }
             "texture" | "spectrum" => {
                 AnyTexture::parse(element, &loader, Usage::Unbounded)?;
@@ -120,12 +92,12 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         }
     };
     let hash = hash(document, &loader, mode)?;
-    let mut features = features(&builder, &integrator);
-    let geometries: Vec<&Geometry> = builder.shapes.iter().map(|s| &s.geometry).collect();
-    let accel = Accel::with_instances(&geometries, builder.instances.trees());
+    let mut features = features(&objects, &integrator);
+    let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
+    let accel = Accel::with_instances(&geometries, objects.instances.trees());
     let (lo, hi) = accel.bounds();
     let radius = if accel.primitives() == 0 { 1.0 } else { 0.5 * length(hi - lo) };
-    let Builder { shapes, instances, materials, emitters, .. } = &mut builder;
+    let Objects { shapes, instances, materials, emitters, .. } = &mut objects;
     let emitters = Emitters::new(std::mem::take(emitters), radius, |i| &shapes[i as usize].geometry);
     let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));
     let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
@@ -155,255 +127,19 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-impl<'a, 'd> Builder<'a, 'd> {
-    fn shape(&mut self, element: &'d Element) -> Result<(), SceneError> {
-        let mut params = Params::new(element, self.loader, Usage::Unbounded)?;
-        match declared(&mut params)? {
-            Declared::Geometry(geometry) => self.surface(geometry, params),
-            Declared::Group => self.group(element, params).map(drop),
-            Declared::Instance(to_world) => self.instance(to_world, element, params),
-        }
-    }
-
-    fn surface(&mut self, mut geometry: Geometry, mut params: Params<'_, 'd>) -> Result<(), SceneError> {
-        let (sides, emitter) = self.attachments(&geometry, &mut params)?;
-        let emitter = match emitter {
-            None => None,
-            Some(element) => {
-                let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
-                if !matches!(emitter, AnyEmitter::Area(_)) {
-                    let message = format!("a shape cannot be a `{}` emitter", emitter.name());
-                    return Err(SceneError::at(&element.span, message, "expected an `area` emitter"));
-                }
-                if let Geometry::Mesh(mesh) = &mut geometry {
-                    mesh.prepare_sampling();
-                }
-                self.emitters.push(select::Entry { emitter, shape: Some(self.shapes.len() as u32) });
-                Some(self.emitters.len() as u32 - 1)
-            }
-        };
-        // Those of instances come after all of these, wherever they stand in the file.
-        let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
-        self.count(geometry.primitives(), params.element)?;
-        self.shapes.push(Shape { geometry, first_primitive, sides, emitter });
-        Ok(())
-    }
-
-    /// What a surface wears, and what it shall emit.
-    fn attachments(
-        &mut self,
-        geometry: &Geometry,
-        params: &mut Params<'_, 'd>,
-    ) -> Result<([Side; 2], Option<&'d Element>), SceneError> {
-        let material = params
-            .object("bsdf", "what the surface is made of; by default matte grey, or black if it shines")?;
-        let emitter = params.object("emitter", "what the surface emits")?;
-        params.finish()?;
-        check_extent(geometry.bounds(), geometry.primitives(), params.element)?;
-        let sides = match material {
-            Some(element) => self.material(element)?,
-            None => self.default_sides(emitter.is_some()),
-        };
-        Ok((sides, emitter))
-    }
-
-    /// Reads a group, once, and answers with its number. As in Mitsuba, its shapes neither shine nor are groups or
-    /// instances themselves.
-    fn group(&mut self, element: &'d Element, params: Params<'_, 'd>) -> Result<u32, SceneError> {
-        params.finish()?;
-        if let Some(number) = self.known_groups.get(&(element as *const Element)) {
-            return Ok(*number);
-        }
-        let mut shapes: Vec<Shape> = vec![];
-        for child in &element.children {
-            let member = self.loader.resolve(child)?;
-            let mut params = Params::new(member, self.loader, Usage::Unbounded)?;
-            let Declared::Geometry(geometry) = declared(&mut params)? else {
-                let message = "groups and instances cannot be grouped again";
-                return Err(SceneError::at(&child.span, message, "expected a shape with a surface"));
-            };
-            let (sides, emitter) = self.attachments(&geometry, &mut params)?;
-            if let Some(emitter) = emitter {
-                let message = "a shape in a group cannot shine";
-                return Err(SceneError::at(&emitter.span, message, "put the shape outside of the group"));
-            }
-            let first_primitive = shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
-            check_count(u64::from(first_primitive) + u64::from(geometry.primitives()), member)?;
-            shapes.push(Shape { geometry, first_primitive, sides, emitter: None });
-        }
-        let number = self.instances.add_group(Group::new(shapes));
-        self.known_groups.insert(element, number);
-        Ok(number)
-    }
-
-    fn instance(
-        &mut self,
-        to_world: Transform,
-        element: &'d Element,
-        params: Params<'_, 'd>,
-    ) -> Result<(), SceneError> {
-        params.finish()?;
-        for child in &element.children {
-            let nested = self.loader.resolve(child)?;
-            if nested.tag == "shape" {
-                let mut params = Params::new(nested, self.loader, Usage::Unbounded)?;
-                let Declared::Group = declared(&mut params)? else {
-                    let message = "an instance of a shape that is no group";
-                    return Err(SceneError::at(&child.span, message, "expected a `shapegroup`"));
-                };
-                let group = self.group(nested, params)?;
-                let (bounds, primitives) = self.instances.place(group, to_world);
-                check_extent(bounds, primitives, element)?;
-                self.count(primitives, element)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Counts further primitives.
-    fn count(&mut self, primitives: u32, element: &Element) -> Result<(), SceneError> {
-        self.primitives += u64::from(primitives);
-        check_count(self.primitives, element)
-    }
-
-    /// Adds a material. A two-sided one at the top is resolved here, once and for all.
-    fn sides(&mut self, material: AnyMaterial) -> [Side; 2] {
-        match material {
-            AnyMaterial::TwoSided(both) => {
-                let (front, back) = both.into_sides();
-                let front = self.side(front, false);
-                [front, back.map_or(Side { turned: true, ..front }, |back| self.side(back, true))]
-            }
-            other => [self.side(other, false); 2],
-        }
-    }
-
-    fn side(&mut self, material: AnyMaterial, turned: bool) -> Side {
-        let traits = material.traits();
-        self.materials.push(material);
-        Side { material: self.materials.len() as u32 - 1, turned, traits }
-    }
-
-    fn material(&mut self, element: &'d Element) -> Result<[Side; 2], SceneError> {
-        if let Some(sides) = self.known.get(&(element as *const Element)) {
-            return Ok(*sides);
-        }
-        let material = AnyMaterial::parse(element, self.loader)?;
-        let sides = self.sides(material);
-        self.known.insert(element, sides);
-        Ok(sides)
-    }
-
-    fn default_sides(&mut self, shines: bool) -> [Side; 2] {
-        let known = self.default_sides[usize::from(shines)];
-        let sides = known.unwrap_or_else(|| self.sides(AnyMaterial::matte(if shines { 0.0 } else { 0.5 })));
-        self.default_sides[usize::from(shines)] = Some(sides);
-        sides
-    }
-
-    fn emitter(&mut self, element: &'d Element) -> Result<(), SceneError> {
-        let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
-        if matches!(emitter, AnyEmitter::Area(_)) {
-            return Err(SceneError::at(
-                &element.span,
-                "an `area` emitter without a shape",
-                "put it inside a <shape>",
-            ));
-        }
-        if emitter.is_environment() && self.emitters.iter().any(|e| e.emitter.is_environment()) {
-            return Err(SceneError::at(&element.span, "a second environment", "expected only one"));
-        }
-        self.emitters.push(select::Entry { emitter, shape: None });
-        Ok(())
-    }
-}
-
-/// Reads what a `<shape>` is by itself.
-fn declared(params: &mut Params) -> Result<Declared, SceneError> {
-    let kind = params.element.require("type")?;
-    let entry = SHAPES.iter().find(|e| e.name == kind.value).ok_or_else(|| {
-        let names: Vec<&str> = SHAPES.iter().map(|e| e.name).collect();
-        SceneError::at(
-            &kind.value_span,
-            format!("unknown shape `{}`", kind.value),
-            known(&kind.value, &names),
-        )
-    })?;
-    (entry.parse)(params)
-}
-
-/// Refuses more primitives than can be numbered.
-fn check_count(primitives: u64, element: &Element) -> Result<(), SceneError> {
-    if primitives < u64::from(Ray::FREE) {
-        return Ok(());
-    }
-    let message = format!("{primitives} primitives, those of every instance counted");
-    Err(SceneError::at(&element.span, message, format!("expected fewer than {}", Ray::FREE)))
-}
-
-/// Refuses shapes whose coordinates overflow.
-fn check_extent((lo, hi): (DVec3, DVec3), primitives: u32, element: &Element) -> Result<(), SceneError> {
-    /// The largest coordinate whose square is still finite in f64 and which f32 vertices can hold.
-    const LARGEST: f64 = 1e37;
-    let largest = lo.abs().max(hi.abs()).max_element();
-    if primitives > 0 && (largest.is_nan() || largest >= LARGEST) {
-        return Err(SceneError::at(
-            &element.span,
-            "the shape's coordinates overflow",
-            "expected a smaller shape",
-        ));
-    }
-    Ok(())
-}
-
-fn features(builder: &Builder, integrator: &AnyIntegrator) -> Features {
+/// What the scene asks of a kernel.
+fn features(objects: &Objects, integrator: &AnyIntegrator) -> Features {
     let mut bits = 0;
-    for material in &builder.materials {
+    for material in &objects.materials {
         let traits = material.traits();
         bits |= if traits.textured { Features::TEXTURES } else { 0 };
         bits |= if traits.anisotropic { Features::TEXTURES | Features::ANISOTROPY } else { 0 };
         bits |= if traits.dispersive { Features::DISPERSION } else { 0 };
     }
-    for entry in &builder.emitters {
+    for entry in &objects.emitters {
         bits |= if entry.emitter.varies() { Features::TEXTURES } else { 0 };
         bits |= if entry.emitter.is_environment() { Features::ENVIRONMENT } else { 0 };
     }
     bits |= if integrator.needs_uv() { Features::TEXTURES } else { 0 };
     Features(bits)
-}
-
-/// Scene text after substitution, colour mode, and the bytes of every file it refers to.
-fn hash(document: &Document, loader: &Loader, mode: ColorMode) -> Result<String, SceneError> {
-    let mut hasher = Xxh3::new();
-    hasher.update(mode.name().as_bytes());
-    hash_element(&document.root, &mut hasher);
-    for (alias, id) in &document.aliases {
-        hash_text(alias, &mut hasher);
-        hash_text(id, &mut hasher);
-    }
-    for file in loader.files() {
-        let bytes = std::fs::read(&file)
-            .map_err(|e| SceneError::nowhere(format!("cannot read {}: {e}", file.display())))?;
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(&bytes);
-    }
-    Ok(format!("{:032x}", hasher.digest128()))
-}
-
-fn hash_text(text: &str, hasher: &mut Xxh3) {
-    hasher.update(&(text.len() as u64).to_le_bytes());
-    hasher.update(text.as_bytes());
-}
-
-fn hash_element(element: &Element, hasher: &mut Xxh3) {
-    hash_text(&element.tag, hasher);
-    hasher.update(&(element.attributes.len() as u64).to_le_bytes());
-    for attribute in &element.attributes {
-        hash_text(&attribute.name, hasher);
-        hash_text(&attribute.value, hasher);
-    }
-    hasher.update(&(element.children.len() as u64).to_le_bytes());
-    for child in &element.children {
-        hash_element(child, hasher);
-    }
 }

@@ -6,8 +6,10 @@
 mod build;
 pub mod catalogue;
 pub mod error;
+mod hash;
 pub mod instances;
 pub mod loader;
+mod objects;
 mod overrides;
 mod owners;
 pub mod params;

@@ -66,6 +66,21 @@ pub struct Directions {
     insides: Vec<u16>,
 }
 
+/// By which cells of a block are chosen.
+struct Inside<'a> {
+    rows: &'a [u16],
+    /// Row by row.
+    cells: &'a [u16],
+    width: usize,
+}
+
+impl Inside<'_> {
+    #[inline]
+    fn cells(&self, row: usize) -> &[u16] {
+        &self.cells[row * self.width..][..self.width]
+    }
+}
+
 impl Directions {
     /// From the corners of each of `columns` × `rows` cells.
     pub fn new(columns: usize, rows: usize, corners: impl Fn(Cell) -> Corners) -> Self {
@@ -121,10 +136,10 @@ impl Directions {
     pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<(Place, f64)> {
         let normal = nearest(n);
         let block_row = pick(&self.rows[normal], u.y)?;
-        let block = pick(&self.blocks[normal * BLOCKS[1] + block_row.index].0, u.x)?;
-        let (rows, cells) = self.inside(block_row.index * BLOCKS[0] + block.index);
-        let row = pick(rows, block_row.rest)?;
-        let column = pick(&cells[row.index << self.shift[0]..][..1 << self.shift[0]], block.rest)?;
+        let block = pick(self.blocks(normal, block_row.index), u.x)?;
+        let inside = self.inside([block.index, block_row.index]);
+        let row = pick(inside.rows, block_row.rest)?;
+        let column = pick(inside.cells(row.index), block.rest)?;
         let cell = Cell {
             column: (block.index << self.shift[0]) + column.index,
             row: (block_row.index << self.shift[1]) + row.index,
@@ -145,20 +160,25 @@ impl Directions {
         let [column, row] = [place.cell.column, place.cell.row];
         let [block, block_row] = [column >> self.shift[0], row >> self.shift[1]];
         let of_block = steps::probability(&self.rows[normal], block_row)
-            * steps::probability(&self.blocks[normal * BLOCKS[1] + block_row].0, block);
-        let (rows, cells) = self.inside(block_row * BLOCKS[0] + block);
+            * steps::probability(self.blocks(normal, block_row), block);
+        let inside = self.inside([block, block_row]);
         let [column, row] = [column - (block << self.shift[0]), row - (block_row << self.shift[1])];
-        let cells = &cells[row << self.shift[0]..][..1 << self.shift[0]];
-        let of_cell = steps::probability(rows, row) * steps::probability(cells, column);
+        let of_cell = steps::probability(inside.rows, row) * steps::probability(inside.cells(row), column);
         self.density(of_block * of_cell, place, corners)
     }
 
-    /// By which rows of the cells of a block are chosen, and row by row the cells.
+    /// By which a block of a row of blocks is chosen for a normal.
     #[inline]
-    fn inside(&self, block: usize) -> (&[u16], &[u16]) {
+    fn blocks(&self, normal: usize, row: usize) -> &[u16] {
+        &self.blocks[normal * BLOCKS[1] + row].0
+    }
+
+    #[inline]
+    fn inside(&self, [block, row]: [usize; 2]) -> Inside<'_> {
         let [width, height] = self.shift.map(|shift| 1 << shift);
         let size = height + width * height;
-        self.insides[block * size..][..size].split_at(height)
+        let (rows, cells) = self.insides[(row * BLOCKS[0] + block) * size..][..size].split_at(height);
+        Inside { rows, cells, width }
     }
 
     /// The density of a place in a cell of this probability.

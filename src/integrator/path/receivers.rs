@@ -18,6 +18,8 @@ pub struct Receivers {
     blocks: Vec<Block>,
     whole: Shaft,
     runs: [Shaft; 4],
+    /// A bit for each receiver with as many edges before it, by their number.
+    alike: Vec<(u32, u64)>,
 }
 
 /// Four receivers; one that is missing has no normal, and so no weight.
@@ -38,6 +40,13 @@ impl Receivers {
         self.blocks.clear();
         let block = |four| Block { p: vectors(four, &|r| r.p), n: vectors(four, &|r| r.n) };
         self.blocks.extend(group.chunks(4).map(block));
+        self.alike.clear();
+        for (i, receiver) in group.iter().enumerate().filter_map(|(i, s)| Some((i, s.receiver.as_ref()?))) {
+            match self.alike.iter_mut().find(|alike| alike.0 == receiver.edges) {
+                Some((_, bits)) => *bits |= 1 << i,
+                None => self.alike.push((receiver.edges, 1 << i)),
+            }
+        }
         let points =
             |shared: &[Shared]| shared.iter().filter_map(|s| Some(s.receiver?.p)).collect::<Vec<_>>();
         self.whole.begin(points(group).into_iter());
@@ -48,8 +57,9 @@ impl Receivers {
         }
     }
 
-    /// The geometry term between the source and each receiver that faces it, without visibility; a bit for each of these.
-    pub fn weights(&self, source: &Source, weights: &mut [f64; 64]) -> u64 {
+    /// The geometry term between the source of a path and each receiver that may have a share and faces it, without visibility; a bit for
+    /// each of these.
+    pub fn weights(&self, path: usize, source: &Source, weights: &mut [f64; 64]) -> u64 {
         let spread = |v: DVec3| v.to_array().map(F64x4::splat);
         let (p, n, ng) = (spread(source.p), spread(source.n), spread(source.ng));
         let (zero, most) = (F64x4::splat(0.0), F64x4::splat(f64::MAX));
@@ -63,7 +73,8 @@ impl Receivers {
             facing |= u64::from(faces.bits()) << (4 * i);
             weights[4 * i..4 * i + 4].copy_from_slice(&weight.to_array());
         }
-        facing
+        let alike = self.alike.iter().find(|alike| alike.1 >> path & 1 == 1);
+        facing & alike.map_or(0, |alike| alike.1)
     }
 
     /// A bit for each receiver that sees the source for sure.

@@ -12,6 +12,8 @@
 //! ray buys a pixel the rest of a whole path (Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths"). The
 //! price: errors of neighbouring pixels are no longer independent.
 //!
+//! Mirrors and smooth glass before xᵢ only change what ρᵢ stands for, but then only points that are as many edges from the camera share.
+//!
 //! What stays with its own path: all light up to yᵢ; paths by surfaces of any other kind; and beyond yᵢ the light that
 //! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
 
@@ -78,14 +80,18 @@ pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> Group {
     Group { cell: (x / CELL, y / CELL), sample, number: place / pixels }
 }
 
-/// A matte point that a pixel sees.
+/// A matte point that a pixel sees, directly or by mirrors and smooth glass.
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
     pub p: DVec3,
     /// World, unit length, on the side that is seen.
     pub n: DVec3,
     pub primitive: u32,
+    /// What becomes of light on its way from the source to the camera.
     pub albedo: Spectrum,
+    /// Of the path from the camera, besides the one that ends here. Only receivers with as many share, for what a source is
+    /// known to send depends on how many are left.
+    pub edges: u32,
 }
 
 /// A matte point that a path came to from a receiver.
@@ -171,7 +177,7 @@ impl Exchange {
     /// that nothing is in the way.
     fn propose(&mut self, scene: &Scene, group: &[Shared], (first, j): (usize, usize), source: &Source) {
         let mut weights = [0.0; 64];
-        let facing = self.receivers.weights(source, &mut weights);
+        let facing = self.receivers.weights(j, source, &mut weights);
         let mut in_sight = self.receivers.in_sight(scene, source);
         // A path knows of itself that it met its source, whatever rounding says.
         in_sight |= 1 << j;

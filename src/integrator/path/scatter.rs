@@ -64,13 +64,16 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
         vertex.wo = vertex.to_local(wo);
         if F & Features::REUSE != 0 && settings.reuse > 1 && vertex.wo.z > 0.0 {
-            match (state.depth, bsdf.albedo()) {
-                (0, Some(albedo)) if settings.rr_depth > 1 && !albedo.is_zero() => {
-                    let n = vertex.to_world(DVec3::Z);
-                    shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo });
+            let n = vertex.to_world(DVec3::Z);
+            match (&shared.receiver, bsdf.albedo()) {
+                (None, Some(albedo)) if state.mirrored && state.depth + 1 < settings.rr_depth => {
+                    let albedo = state.throughput * albedo;
+                    if !albedo.is_zero() && !λ.is_collapsed() {
+                        let edges = state.depth;
+                        shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo, edges });
+                    }
                 }
-                (1, Some(_)) if shared.receiver.is_some() => {
-                    let n = vertex.to_world(DVec3::Z);
+                (Some(receiver), Some(_)) if state.depth == receiver.edges + 1 => {
                     shared.source = Some(Source { p: point.p, n, ng: point.ng, primitive });
                     (state.throughput, state.shares) = (Spectrum::ONE, true);
                 }
@@ -165,6 +168,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         state.eta2 *= sample.eta * sample.eta;
         state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about };
         state.direct_view &= sample.null;
+        state.mirrored &= sample.delta;
         state.depth += 1;
         if state.throughput.is_zero() {
             return None;

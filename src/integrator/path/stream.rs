@@ -28,6 +28,8 @@ pub struct State {
     pub depth: u32,
     /// Whether the ray still goes straight from the camera.
     pub direct_view: bool,
+    /// Whether it comes from the camera by mirrors and smooth glass alone.
+    pub mirrored: bool,
     /// The factors of how much likelier light paths make this path, and whether they would begin at the last vertex;
     /// see [`caustics`](crate::integrator::caustics).
     pub light_ratio: f64,
@@ -43,6 +45,7 @@ impl State {
         arrival: Arrival { pdf: 1.0, delta: true, n: DVec3::ZERO },
         depth: 0,
         direct_view: true,
+        mirrored: true,
         light_ratio: 1.0,
         from_caster: false,
         shares: false,

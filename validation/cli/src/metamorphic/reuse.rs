@@ -65,6 +65,8 @@ pub fn relations() -> Vec<Relation> {
     let room = |things: &str| closed_room(&diffuse(0.7)) + things;
     let ball = |wears: &str| sphere([-0.5, 0.0, 0.7], 0.6, wears);
     let glass = bsdf("dielectric", &float("int_ior", 1.5));
+    let mirror = bsdf("conductor", "");
+    let flint = bsdf("dielectric", "<string name=\"dispersion\" value=\"sf11\"/>");
     let matte = objects(&[])[2..].concat();
     let checks = "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
                   <rgb name=\"color0\" value=\"0.8, 0.5, 0\"/><rgb name=\"color1\" value=\"0, 0.6, 0.7\"/>\
@@ -98,6 +100,8 @@ pub fn relations() -> Vec<Relation> {
         case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))),
         case("rough_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))),
         case("glass", room(&ball(&glass))),
+        case("mirror", room(&(ball(&mirror) + &screen(&mirror)))),
+        case("glass_before_mirror", room(&(ball(&glass) + &screen(&mirror)))),
         case(
             "bulb",
             room(&(sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass))),
@@ -115,6 +119,7 @@ pub fn relations() -> Vec<Relation> {
     ];
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(noisy.into_iter().map(|case| case.relation().samples(4096)));
+    relations.push(case("dispersion", room(&ball(&flint))).relation().in_spectra().samples(4096));
     relations.push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().samples(4096));
     relations
 }
