@@ -47,12 +47,10 @@ impl Receivers {
                 None => self.alike.push((receiver.edges, 1 << i)),
             }
         }
-        let points =
-            |shared: &[Shared]| shared.iter().filter_map(|s| Some(s.receiver?.p)).collect::<Vec<_>>();
-        self.whole.begin(points(group).into_iter());
+        self.whole.begin(points(group));
         if group.len() > RUN {
             for (shaft, run) in self.runs.iter_mut().zip(group.chunks(RUN)) {
-                shaft.begin(points(run).into_iter());
+                shaft.begin(points(run));
             }
         }
     }
@@ -89,4 +87,9 @@ impl Receivers {
         let runs = self.runs[..count].iter_mut().enumerate();
         runs.fold(0, |bits, (i, run)| bits | if clear(run) { 0xffff << (RUN * i) } else { 0 })
     }
+}
+
+/// Where the receivers are.
+fn points(group: &[Shared]) -> impl Iterator<Item = DVec3> {
+    group.iter().filter_map(|shared| Some(shared.receiver.as_ref()?.p))
 }
