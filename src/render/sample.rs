@@ -1,5 +1,6 @@
 //! Camera samples: from (seed, pixel, sample number) to the values of all channels.
 
+use crate::film::Band;
 use crate::integrator::path::reuse;
 use crate::integrator::{CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
@@ -121,10 +122,8 @@ impl<'a> Camera<'a> {
         for (value, c) in rgb.iter_mut().zip(λ.to_rgb(radiance)) {
             *value = c * weight;
         }
-        for (value, band) in bands.iter_mut().zip(&film.bands) {
-            let responded =
-                |i: usize| radiance.0[i] as f64 * band.response.eval(λ.nm[i]) as f64 / λ.pdf[i] as f64;
-            *value = weight * (0..LANES).map(responded).sum::<f64>() / LANES as f64;
+        if !film.bands.is_empty() {
+            respond(&film.bands, (λ, radiance), weight, bands);
         }
     }
 
@@ -223,5 +222,15 @@ impl<'a> Camera<'a> {
         let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.one(4))));
         let ray = self.scene.sensor.camera.ray(place, u.pair(1));
         (CameraPath { ray, λ, sampler, group, radiance: Spectrum::ZERO, covered: false }, weight)
+    }
+}
+
+/// What spectral responses make of light along a path. It stands apart, so that other films do not pay for it.
+#[inline(never)]
+fn respond(bands: &[Band], (λ, radiance): (&Wavelengths, Spectrum), weight: f64, values: &mut [f64]) {
+    for (value, band) in values.iter_mut().zip(bands) {
+        let responded =
+            |i: usize| radiance.0[i] as f64 * band.response.eval(λ.nm[i]) as f64 / λ.pdf[i] as f64;
+        *value = weight * (0..LANES).map(responded).sum::<f64>() / LANES as f64;
     }
 }

@@ -26,7 +26,8 @@ impl Wavelengths {
     /// 1 over the number of lanes and ∫ȳ: what turns a sum over lanes of response over density into a colour.
     pub const RESPONSE_SCALE: f32 = (1.0 / (LANES as f64 * observer::Y_INTEGRAL)) as f32;
 
-    /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum.
+    /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum. Others do not pay for it.
+    #[inline(never)]
     pub fn sample_uniform(u: f64, min: f32, max: f32) -> Self {
         let nm = std::array::from_fn(|i| {
             let v = u + i as f64 / LANES as f64;
