@@ -42,7 +42,8 @@ impl Material for Diffuse {
         Ok(Self { reflectance: params.texture("reflectance", 0.5, Usage::Reflectance, about)? })
     }
 
-    #[inline]
+    // Most vertices of most scenes are of this kind, and with many kernels the compiler thinks better of it.
+    #[inline(always)]
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Lambert {
         Lambert { reflectance: self.reflectance.eval(point.uv, λ) }
     }
@@ -62,7 +63,7 @@ impl Bsdf for Lambert {
         Evaluation { value: self.reflectance * pdf as f32, pdf }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, wo: DVec3, _lobe: f64, u: DVec2) -> Option<Sample> {
         let wi = warp::cosine_hemisphere(u);
         let pdf = warp::cosine_hemisphere_pdf(wi);

@@ -104,8 +104,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             };
             // What light paths make as well is weighed for this pixel alone.
             let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
-            let shares = state.shares && !alone;
-            let throughput = if shares { state.throughput } else { state.own_throughput(shared) };
+            let shares = F & Features::REUSE != 0 && state.shares && !alone;
+            let throughput = if shares { state.throughput } else { state.own_throughput::<F>(shared) };
             let owner = (index, shares);
             for which in 0..settings.emitter_samples {
                 let u = numbers(which);
@@ -132,7 +132,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 _ => 0.0,
             };
             // Like all that casters throw, this is for the pixel alone.
-            let throughput = state.own_throughput(shared);
+            let throughput = state.own_throughput::<F>(shared);
             for which in 0..settings.emitter_samples {
                 let u = numbers(which);
                 let (u, effort) = ((u.one(4), u.pair(0)), (settings.emitter_samples as f64, most));
@@ -181,7 +181,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if state.depth >= settings.rr_depth {
             // The largest lane: a red path between red walls must not be punished for its other lanes. What a lossless
             // path has lost to rounding is no loss: in a thousand reflections it would end one path in thousands.
-            let throughput = state.own_throughput(shared);
+            let throughput = state.own_throughput::<F>(shared);
             let survival = λ.peak(throughput) as f64 * state.eta2;
             let rounding = 4.0 * state.depth as f64 * f32::EPSILON as f64;
             if survival < 1.0 - rounding {

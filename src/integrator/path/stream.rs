@@ -53,8 +53,12 @@ impl State {
 
     /// What light from here on is multiplied with for the path's own pixel.
     #[inline(always)]
-    pub fn own_throughput(&self, shared: &Shared) -> Spectrum {
-        if self.shares { self.throughput * shared.albedo() } else { self.throughput }
+    pub fn own_throughput<const F: u32>(&self, shared: &Shared) -> Spectrum {
+        if F & Features::REUSE != 0 && self.shares {
+            self.throughput * shared.albedo()
+        } else {
+            self.throughput
+        }
     }
 }
 

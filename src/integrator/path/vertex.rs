@@ -83,7 +83,7 @@ impl Path {
                 };
                 let weight = power_heuristic_of_three(by_emitter, by_light_path) as f32;
                 let light = state.throughput * emitted * weight;
-                if !state.shares {
+                if F & Features::REUSE == 0 || !state.shares {
                     path.radiance += light;
                 } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
                     path.radiance += shared.albedo() * light;
