@@ -1,6 +1,6 @@
 //! `etalon explain`
 
-use super::{Outcome, SceneArguments};
+use super::{Outcome, SceneArguments, tax};
 use etalon::integrator::kernel_for;
 use etalon::scene::Features;
 use std::process::ExitCode;
@@ -26,7 +26,7 @@ impl Arguments {
         let mut emitters: Vec<&str> = scene.emitters.list.iter().map(|e| e.emitter.name()).collect();
         emitters.sort_unstable();
         emitters.dedup();
-        let document = serde_json::json!({
+        let mut document = serde_json::json!({
             "scene_hash": scene.hash,
             "color": scene.mode.name(),
             "integrator": scene.integrator.name(),
@@ -51,7 +51,10 @@ impl Arguments {
             "kernel": kernel.name,
             "left_out": left_out.names(),
         });
+        let tax = tax::of(&scene, left_out);
         if self.json {
+            let tax = tax.into_iter().map(|(feature, percent)| (feature.to_owned(), percent.into()));
+            document["tax_percent"] = serde_json::Value::Object(tax.collect());
             println!("{document}");
             return Ok(ExitCode::SUCCESS);
         }
@@ -67,6 +70,12 @@ impl Arguments {
             };
             println!("{:<15} {value}", key.replace('_', " "));
         }
+        let figure = |(feature, percent): &(&str, Option<f64>)| match percent {
+            Some(percent) => format!("{feature} {percent:+.2} %"),
+            None => format!("{feature} not measured"),
+        };
+        let tax: Vec<String> = tax.iter().map(figure).collect();
+        println!("{:<15} {}", "tax", tax.join(", "));
         Ok(ExitCode::SUCCESS)
     }
 }

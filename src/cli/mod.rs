@@ -7,6 +7,7 @@ mod render;
 mod replay;
 mod size;
 mod summary;
+mod tax;
 mod watch;
 
 use clap::Parser;
