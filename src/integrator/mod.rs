@@ -9,7 +9,7 @@ mod depth;
 mod direct;
 pub mod light;
 pub mod path;
-pub mod through_glass;
+pub mod links;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;
