@@ -28,6 +28,10 @@ const MUCH: f64 = 0.5;
 const FEWEST: f64 = 1.0 / 32.0;
 const MOST: f64 = 1.0;
 
+/// So many times more where pixels share what their paths find ([`reuse`](crate::integrator::path::reuse)): that takes variance from camera
+/// paths and leaves that of light paths.
+const MORE_WHERE_PIXELS_SHARE: f64 = 2.0;
+
 /// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may have to be kept of
 /// the four of a block.
 const AT_ONCE: f64 = (1 << 19) as f64;
@@ -46,7 +50,8 @@ pub fn settle(scene: &mut Scene) {
         part = brought(scene).unwrap_or(part);
     }
     if part > 0.0 {
-        let share = nearest_power_of_two(part.sqrt()).clamp(FEWEST, MOST);
+        let sharing = if scene.integrator.reuse() > 1 { MORE_WHERE_PIXELS_SHARE } else { 1.0 };
+        let share = (sharing * nearest_power_of_two(part.sqrt())).clamp(FEWEST, MOST);
         let pixels = scene.sensor.film.crop.pixels();
         let share = share.min(AT_ONCE / pixels as f64);
         scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));

@@ -61,9 +61,7 @@ impl Bent {
             let (shape, local) = specular(scene, hit.primitive)?;
             let (is_it, wanted, lobe) = match surface {
                 Surface::Glass(first) => (shape.first_primitive == *first, Turn::Through, NOT_REFLECTED),
-                Surface::Mirror(mirror) => {
-                    (mirror.primitives.contains(&hit.primitive), Turn::Back, REFLECTED)
-                }
+                Surface::Mirror(mirror) => (mirror.has(hit.primitive), Turn::Back, REFLECTED),
             };
             if !is_it {
                 return None;

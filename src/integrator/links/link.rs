@@ -83,7 +83,7 @@ impl<'a> Chain<'a> {
             let ray = Ray::leaving(p, straight, distance, primitive);
             counters.rays += 1;
             let Some(hit) = scene.accel.closest(&ray) else { return Some(()) };
-            if until.is_some_and(|mirror| mirror.primitives.contains(&hit.primitive)) {
+            if until.is_some_and(|mirror| mirror.has(hit.primitive)) {
                 return Some(());
             }
             let (shape, _) = specular(scene, hit.primitive).filter(|(shape, _)| shape.refracts())?;

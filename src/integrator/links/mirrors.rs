@@ -14,14 +14,14 @@ use crate::bsdf::{AnyMaterial, Bsdf, Material, Visitor};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, length};
 use crate::scene::Shape;
-use crate::shape::{Geometry, SurfacePoint};
+use crate::shape::{Geometry, Mesh, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
 
 /// More mirrors than these are not asked; the smallest are left out.
 const MOST_MIRRORS: usize = 16;
 
-/// Meshes of more triangles are not searched for flat pieces.
-const MOST_TRIANGLES: usize = 64;
+/// Meshes of more flat pieces than these are taken for curved.
+const MOST_PIECES: usize = 32;
 
 /// Corners belong to a plane that they miss by less than this part of the mesh's size: vertices are f32.
 const FLAT: f64 = 16.0 * f32::EPSILON as f64;
@@ -47,11 +47,15 @@ pub struct Mirror {
     around: (DVec3, f64),
     /// Which part of the light it reflects, about, on the side of the normal (of a ball: outside) and on the other.
     strength: [f64; 2],
-    /// Counted over the whole scene.
+    /// Counted over the whole scene, in order.
     pub primitives: Vec<u32>,
 }
 
 impl Mirror {
+    pub fn has(&self, primitive: u32) -> bool {
+        self.primitives.binary_search(&primitive).is_ok()
+    }
+
     /// Where x seems to be when one looks at the mirror; `None` from where there is no mirror.
     pub fn image(&self, x: DVec3) -> Option<DVec3> {
         match self.surface {
@@ -198,7 +202,7 @@ impl Mirrors {
 
     /// The mirror that a primitive belongs to, and the chance with which it is chosen for the light at x.
     pub fn chosen(&self, x: DVec3, primitive: u32) -> Option<(usize, f64)> {
-        let index = self.0.iter().position(|mirror| mirror.primitives.contains(&primitive))?;
+        let index = self.0.iter().position(|mirror| mirror.has(primitive))?;
         let all = self.0.iter().map(|mirror| mirror.weight(x)).sum::<f64>().max(1.0);
         Some((index, self.0[index].weight(x) / all)).filter(|chosen| chosen.1 > 0.0)
     }
@@ -230,18 +234,16 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<Mi
             let surface = Surface::Plane { n: patch.n, height: patch.n.dot(patch.centre) };
             vec![whole(surface, around(&patch.corners()), strength)]
         }
-        Geometry::Mesh(mesh) if mesh.triangles.len() <= MOST_TRIANGLES => {
-            flat_pieces(&shape.geometry, mesh.triangles.len() as u32)
-                .into_iter()
-                .map(|(surface, around, local)| Mirror {
-                    surface,
-                    around,
-                    strength,
-                    primitives: local.into_iter().map(|triangle| first + triangle).collect(),
-                })
-                .collect()
-        }
-        Geometry::Mesh(_) | Geometry::Cylinder(_) => vec![],
+        Geometry::Mesh(mesh) => flat_pieces(mesh)
+            .into_iter()
+            .map(|(surface, around, local)| Mirror {
+                surface,
+                around,
+                strength,
+                primitives: local.into_iter().map(|triangle| first + triangle).collect(),
+            })
+            .collect(),
+        Geometry::Cylinder(_) => vec![],
     }
 }
 
@@ -266,37 +268,46 @@ impl Visitor for Reflected {
     }
 }
 
-/// Planes of a mesh, with balls around what lies in them, and the triangles that do.
-fn flat_pieces(geometry: &Geometry, triangles: u32) -> Vec<(Surface, (DVec3, f64), Vec<u32>)> {
-    let Geometry::Mesh(mesh) = geometry else { return vec![] };
-    let corners = |triangle: u32| {
-        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(u, v)| mesh.point::<false>(triangle, u, v))
-    };
-    let size = around(&geometry.hull()).1;
-    let mut pieces: Vec<(DVec3, f64, Vec<DVec3>, Vec<u32>)> = vec![];
-    for triangle in 0..triangles {
-        let corners = corners(triangle);
+/// A flat piece in the making.
+struct Piece {
+    n: DVec3,
+    height: f64,
+    places: Vec<DVec3>,
+    triangles: Vec<u32>,
+}
+
+/// Planes of a mesh, with balls around what lies in them, and the triangles that do; none if it is curved.
+fn flat_pieces(mesh: &Mesh) -> Vec<(Surface, (DVec3, f64), Vec<u32>)> {
+    let (lo, hi) = mesh.bounds();
+    let size = length(hi - lo);
+    let mut pieces: Vec<Piece> = vec![];
+    for triangle in 0..mesh.triangles.len() as u32 {
+        let corner = |(u, v)| mesh.point::<false>(triangle, u, v);
+        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(corner);
         let n = corners[0].ng;
         if !n.is_finite() || corners.iter().any(|corner| length(corner.ns - n) > FLAT) {
             continue;
         }
         let places = corners.map(|corner| corner.p);
-        let in_plane = |(other, height, ..): &&mut (DVec3, f64, Vec<DVec3>, Vec<u32>)| {
-            length(*other - n) <= FLAT
-                && places.iter().all(|p| (other.dot(*p) - *height).abs() <= FLAT * size)
+        let holds = |piece: &&mut Piece| {
+            let beside = |p: &DVec3| (piece.n.dot(*p) - piece.height).abs() <= FLAT * size;
+            length(piece.n - n) <= FLAT && places.iter().all(beside)
         };
-        match pieces.iter_mut().find(in_plane) {
-            Some(piece) => {
-                piece.2.extend(places);
-                piece.3.push(triangle);
-            }
-            None => pieces.push((n, n.dot(places[0]), places.to_vec(), vec![triangle])),
+        if let Some(piece) = pieces.iter_mut().find(holds) {
+            piece.places.extend(places);
+            piece.triangles.push(triangle);
+        } else if pieces.len() < MOST_PIECES {
+            let height = n.dot(places[0]);
+            pieces.push(Piece { n, height, places: places.to_vec(), triangles: vec![triangle] });
+        } else {
+            return vec![];
         }
     }
-    let piece = |(n, height, places, triangles): (DVec3, f64, Vec<DVec3>, Vec<u32>)| {
-        (Surface::Plane { n, height }, around(&places), triangles)
+    let plane = |piece: Piece| {
+        let surface = Surface::Plane { n: piece.n, height: piece.height };
+        (surface, around(&piece.places), piece.triangles)
     };
-    pieces.into_iter().map(piece).collect()
+    pieces.into_iter().map(plane).collect()
 }
 
 /// A ball around points.

@@ -2,7 +2,6 @@
 
 use super::Relation;
 use super::caustics::{ball, block, glass, room, with_integrator};
-use super::still_life::*;
 use super::through_glass::{relation, up_to};
 use crate::stage::*;
 
