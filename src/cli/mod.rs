@@ -10,8 +10,8 @@ mod summary;
 mod watch;
 
 use clap::Parser;
-use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::integrator::links::Where;
+use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;

@@ -150,8 +150,7 @@ fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
-    mirror: Option<(usize, f64)>,
-    (choice, u): (f64, DVec2),
+    (mirror, choice, u): (Option<(usize, f64)>, f64, DVec2),
     (count, most): (f64, usize),
     λ: &Wavelengths,
     light_paths: impl Fn(&Link, f64, (usize, DVec3, DVec3)) -> f64,

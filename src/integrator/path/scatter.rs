@@ -136,9 +136,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             for which in 0..settings.emitter_samples {
                 let u = numbers(which);
                 for mirror in links.techniques(point.p, u.one(7)) {
-                    let u = (u.one(4), u.pair(0));
+                    let which = (mirror, u.one(4), u.pair(0));
                     let found =
-                        links::sample_emitter(scene, &vertex, mirror, u, effort, λ, light_paths, counters);
+                        links::sample_emitter(scene, &vertex, which, effort, λ, light_paths, counters);
                     if let Some(light) = found {
                         shadows.push((index, false), light.ray, throughput * light.radiance);
                     }
