@@ -8,8 +8,8 @@ pub mod caustics;
 mod depth;
 mod direct;
 pub mod light;
-pub mod path;
 pub mod links;
+pub mod path;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;
