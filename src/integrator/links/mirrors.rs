@@ -12,7 +12,7 @@
 
 use crate::bsdf::{AnyMaterial, Bsdf, Material, Visitor};
 use crate::math::frame::unit;
-use crate::math::{DVec2, DVec3, length};
+use crate::math::{DVec2, DVec3, bounds, length};
 use crate::scene::Shape;
 use crate::shape::{Geometry, Mesh, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -312,7 +312,7 @@ fn flat_pieces(mesh: &Mesh) -> Vec<(Surface, (DVec3, f64), Vec<u32>)> {
 
 /// A ball around points.
 fn around(points: &[DVec3]) -> (DVec3, f64) {
-    let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let (lo, hi) = bounds::around(points.iter().copied());
     (0.5 * (lo + hi), 0.5 * length(hi - lo))
 }
 

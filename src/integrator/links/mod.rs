@@ -27,6 +27,7 @@ use super::Counters;
 use super::light::{Proposal, Vertex, power_heuristic_of_three};
 use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::AnyEmitter;
+use crate::math::bounds::union;
 use crate::math::ray::{position_error, way_between};
 use crate::math::{DVec2, DVec3, Ray, length};
 use crate::scene::{Scene, Shape};
@@ -77,7 +78,7 @@ impl Links {
         let refracting = shapes.iter().filter(|shape| shape.refracts());
         let mut glass: Vec<_> = refracting.map(|shape| shape.geometry.bounds()).collect();
         if glass.len() > FEW {
-            let all = glass.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+            let all = glass.iter().copied().reduce(union);
             glass = all.into_iter().collect();
         }
         let mirrors = Mirrors::of(shapes, materials, mode);

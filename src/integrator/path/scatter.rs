@@ -148,7 +148,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
-        if F & Features::CAUSTICS != 0 && state.light_ratio > 0.0 {
+        if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.light_ratio > 0.0 {
             state.light_ratio *= match sample.delta {
                 true if side.traits.one_way || state.depth == 0 => 0.0,
                 true => 1.0 / (sample.eta * sample.eta),
