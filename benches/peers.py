@@ -23,7 +23,7 @@ def etalon(scene, spp, color, size):
     with tempfile.TemporaryDirectory() as folder:
         command = [ETALON, "render", scene, "-o", os.path.join(folder, "o.exr"), "--spp", str(spp), "--json"]
         # The same work on both sides: Mitsuba's path tracer has no light paths.
-        command += ["--light-paths", "0", "--through-glass", "never"]
+        command += ["--light-paths", "0", "--links", "never"]
         command += ["--color", color, "--size", f"{size[0]}x{size[1]}"]
         return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["seconds"]
 

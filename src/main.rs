@@ -6,6 +6,8 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // Who reads the output may have read enough: that is the end, and no error.
+    sigpipe::reset();
     let command = cli::Command::parse();
     match command.run() {
         Ok(code) => code,

@@ -86,6 +86,21 @@ fn killed(times: u64, samples: &str) {
 }
 
 #[test]
+fn who_has_read_enough_may_close_the_pipe() {
+    let folder = Folder::new(SCENE);
+    for arguments in
+        [&["plugins"][..], &["explain", "scene.xml"], &["render", "scene.xml", "--spp", "1", "-o", "a.exr"]]
+    {
+        let mut child = folder.command(arguments).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let complaint = text(&output.stderr);
+        assert!(!complaint.contains("panicked"), "{arguments:?}: {complaint}");
+    }
+    assert!(folder.path("a.exr").exists());
+}
+
+#[test]
 fn a_few_deaths_change_no_bit() {
     killed(5, "4000");
 }

@@ -43,7 +43,7 @@ impl Material for Conductor {
     }
 
     fn traits(&self) -> Traits {
-        Traits { textured: self.metal.varies(), ..Traits::default() }
+        Traits { textured: self.metal.varies(), mirrors: true, ..Traits::default() }
     }
 }
 

@@ -97,6 +97,7 @@ impl Material for Dielectric {
             textured: self.reflectance.varies() || self.transmittance.varies(),
             dispersive: matches!(self.index, Index::Dispersive(..)),
             refracts: matches!(self.index, Index::Constant(_)),
+            mirrors: true,
             transmits: true,
             ..Traits::default()
         }

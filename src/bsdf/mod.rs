@@ -85,6 +85,8 @@ pub struct Traits {
     pub glossy: bool,
     /// All that it does besides reflecting is to let light through in one direction, the same for all wavelengths.
     pub refracts: bool,
+    /// All that it does besides refracting is to reflect, as a mirror does.
+    pub mirrors: bool,
     /// Scatters about another normal than that of the frame it is given.
     pub relief: bool,
     /// Lobes without density are not the same from either end, so that only camera paths can follow them.
@@ -107,6 +109,7 @@ impl Traits {
             transmits: self.transmits || other.transmits,
             glossy: self.glossy || other.glossy,
             refracts: self.refracts && other.refracts,
+            mirrors: self.mirrors && other.mirrors,
             relief: self.relief || other.relief,
             one_way: self.one_way || other.one_way,
         }

@@ -58,7 +58,7 @@ impl Material for ThinDielectric {
 
     fn traits(&self) -> Traits {
         let textured = self.reflectance.varies() || self.transmittance.varies();
-        Traits { textured, transmits: true, refracts: true, ..Traits::default() }
+        Traits { textured, transmits: true, refracts: true, mirrors: true, ..Traits::default() }
     }
 }
 

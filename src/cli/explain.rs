@@ -41,9 +41,9 @@ impl Arguments {
             "materials": materials,
             "emitters": emitters,
             "light_paths": scene.caustics.as_ref().map_or(0, |caustics| caustics.paths),
-            "through_glass": match &scene.through_glass {
+            "links": match &scene.links {
                 None => "never",
-                Some(glass) if glass.everywhere => "everywhere",
+                Some(links) if links.everywhere => "everywhere",
                 Some(_) => "unaided",
             },
             "emitter_count": scene.emitters.list.len(),

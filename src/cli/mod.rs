@@ -11,8 +11,8 @@ mod tax;
 mod watch;
 
 use clap::Parser;
+use etalon::integrator::links::Where;
 use etalon::integrator::path::reuse::{AUTO, PIXELS};
-use etalon::integrator::through_glass::Where;
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
@@ -80,9 +80,9 @@ struct SceneArguments {
     /// longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
-    /// Where emitters are sampled through glass; `unaided`: where light paths cannot help
+    /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help
     #[arg(long, value_name = "WHERE", value_parser = Where::NAMES)]
-    through_glass: Option<String>,
+    links: Option<String>,
     /// Size of the film instead of the scene's, such as 640x480
     #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
     size: Option<(u32, u32)>,
@@ -104,7 +104,7 @@ impl SceneArguments {
             sampler: self.sampler.clone(),
             light_paths: self.light_paths,
             reuse: self.reuse,
-            through_glass: self.through_glass.clone(),
+            links: self.links.clone(),
         };
         Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
     }
@@ -124,7 +124,7 @@ impl SceneArguments {
             "--reuse",
             self.reuse.map(|pixels| if pixels == AUTO { "auto".into() } else { pixels.to_string() }),
         );
-        say("--through-glass", self.through_glass.clone());
+        say("--links", self.links.clone());
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));

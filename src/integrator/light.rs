@@ -36,13 +36,13 @@ impl<B> Vertex<'_, B> {
     /// World direction to the local frame of the side.
     #[inline]
     pub fn to_local(&self, w: DVec3) -> DVec3 {
-        self.turn(self.frame.to_local(w))
+        self.side.turn(self.frame.to_local(w))
     }
 
     /// Direction in the local frame of the side to world.
     #[inline]
     pub fn to_world(&self, w: DVec3) -> DVec3 {
-        self.frame.to_world(self.turn(w))
+        self.frame.to_world(self.side.turn(w))
     }
 
     /// The normal of the hemisphere from which light can be scattered, by the cosine or nearly; zero if it can be from
@@ -51,13 +51,7 @@ impl<B> Vertex<'_, B> {
     pub fn gathers_about(&self) -> DVec3 {
         let traits = self.side.traits;
         let normal = if traits.transmits || traits.relief { DVec3::ZERO } else { self.frame.n };
-        if self.turn(self.wo).z < 0.0 { -normal } else { normal }
-    }
-
-    /// A turned side sees the frame upside down.
-    #[inline]
-    fn turn(&self, w: DVec3) -> DVec3 {
-        if self.side.turned { DVec3::new(w.x, w.y, -w.z) } else { w }
+        if self.side.turn(self.wo).z < 0.0 { -normal } else { normal }
     }
 }
 

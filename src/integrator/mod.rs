@@ -8,8 +8,8 @@ pub mod caustics;
 mod depth;
 mod direct;
 pub mod light;
+pub mod links;
 pub mod path;
-pub mod through_glass;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;

@@ -3,6 +3,7 @@
 //! All of it is `f64` and uses only operations whose result IEEE 754 fixes, or functions of [`function`] that are
 //! built from those. The platform's mathematics library never decides a bit of an image.
 
+pub mod bounds;
 pub mod discrete;
 pub mod frame;
 pub mod function;
@@ -12,6 +13,7 @@ pub mod simd;
 pub mod transform;
 pub mod warp;
 
+pub use bounds::Bounds;
 pub use discrete::Discrete;
 pub use frame::{Frame, length};
 pub use glam::{DVec2, DVec3};

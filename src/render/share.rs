@@ -4,13 +4,13 @@
 //! that light paths leave against that of camera paths. A pilot too short to know variances knows energies well, since
 //! either kind of path finds its own part of the light easily. So s is the root of the share of the image's light that
 //! light paths bring, as a power of two; and where they bring none they are left out. Where they would bring most of it, sampling emitters
-//! through glass ([`through_glass`](crate::integrator::through_glass)) relieves them first. The pilot's samples are thrown away and
+//! through glass ([`links`](crate::integrator::links)) relieves them first. The pilot's samples are thrown away and
 //! are a function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
 
 use super::sample::Camera;
 use super::scattered;
 use crate::integrator::caustics::Caustics;
-use crate::integrator::through_glass::Where;
+use crate::integrator::links::Where;
 use crate::integrator::{Counters, kernel_for};
 use crate::scene::{Features, Scene};
 
@@ -28,6 +28,10 @@ const MUCH: f64 = 0.5;
 const FEWEST: f64 = 1.0 / 32.0;
 const MOST: f64 = 1.0;
 
+/// So many times more where pixels share what their paths find ([`reuse`](crate::integrator::path::reuse)): that takes variance from camera
+/// paths and leaves that of light paths.
+const MORE_WHERE_PIXELS_SHARE: f64 = 2.0;
+
 /// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may have to be kept of
 /// the four of a block.
 const AT_ONCE: f64 = (1 << 19) as f64;
@@ -40,19 +44,20 @@ pub fn settle(scene: &mut Scene) {
     let brought =
         |scene: &Scene| scene.caustics.as_ref().map(|caustics| part_of_light_paths(scene, caustics));
     let Some(mut part) = brought(scene) else { return };
-    let auto = scene.integrator.path().is_some_and(|path| path.through_glass == Where::Auto);
-    if let Some(glass) = scene.through_glass.as_mut().filter(|_| auto && part > MUCH) {
-        glass.everywhere = true;
+    let auto = scene.integrator.path().is_some_and(|path| path.links == Where::Auto);
+    if let Some(links) = scene.links.as_mut().filter(|_| auto && part > MUCH) {
+        links.everywhere = true;
         part = brought(scene).unwrap_or(part);
     }
     if part > 0.0 {
-        let share = nearest_power_of_two(part.sqrt()).clamp(FEWEST, MOST);
+        let sharing = if scene.integrator.reuse() > 1 { MORE_WHERE_PIXELS_SHARE } else { 1.0 };
+        let share = (sharing * nearest_power_of_two(part.sqrt())).clamp(FEWEST, MOST);
         let pixels = scene.sensor.film.crop.pixels();
         let share = share.min(AT_ONCE / pixels as f64);
         scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
     } else {
         scene.caustics = None;
-        if scene.through_glass.is_none() {
+        if scene.links.is_none() {
             scene.features.0 &= !Features::CAUSTICS;
         }
     }

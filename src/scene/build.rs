@@ -11,7 +11,7 @@ use super::xml::{self, Document};
 use super::{Features, Overrides, Scene, overrides};
 use crate::emitter::Emitters;
 use crate::integrator::caustics::Caustics;
-use crate::integrator::through_glass::{Glass, Where};
+use crate::integrator::links::{Links, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::length;
 use crate::render::{reuse, share};
@@ -103,10 +103,10 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
     let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
-    let wanted = integrator.path().map_or(Where::Never, |path| path.through_glass);
-    let mut through_glass = Glass::of(&shapes).filter(|_| wanted != Where::Never);
-    through_glass.iter_mut().for_each(|glass| glass.everywhere = wanted == Where::Everywhere);
-    features.0 |= if caustics.is_some() || through_glass.is_some() { Features::CAUSTICS } else { 0 };
+    let wanted = integrator.path().map_or(Where::Never, |path| path.links);
+    let mut links = Links::of(&shapes, &materials, mode).filter(|_| wanted != Where::Never);
+    links.iter_mut().for_each(|links| links.everywhere = wanted == Where::Everywhere);
+    features.0 |= if caustics.is_some() || links.is_some() { Features::CAUSTICS } else { 0 };
     let mut scene = Scene {
         shapes,
         owners,
@@ -117,7 +117,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         sensor,
         integrator,
         caustics,
-        through_glass,
+        links,
         mode,
         features,
         hash,

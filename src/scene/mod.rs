@@ -22,7 +22,7 @@ use crate::bsdf::{AnyMaterial, Traits};
 use crate::emitter::Emitters;
 use crate::integrator::AnyIntegrator;
 use crate::integrator::caustics::Caustics;
-use crate::integrator::through_glass::Glass;
+use crate::integrator::links::Links;
 use crate::math::{DVec3, Ray};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
@@ -49,6 +49,11 @@ impl Shape {
     pub fn refracts(&self) -> bool {
         self.sides.iter().all(|side| side.traits.refracts)
     }
+
+    /// Whether a side of it is a mirror.
+    pub fn mirrors(&self) -> bool {
+        self.sides.iter().any(|side| side.traits.mirrors)
+    }
 }
 
 /// What one side of a surface wears.
@@ -59,6 +64,14 @@ pub struct Side {
     /// The material is seen as if from its front: the local frame is turned around.
     pub turned: bool,
     pub traits: Traits,
+}
+
+impl Side {
+    /// Between the frame about the shading normal and that of the material: a turned side sees the frame upside down.
+    #[inline]
+    pub fn turn(self, w: DVec3) -> DVec3 {
+        if self.turned { DVec3::new(w.x, w.y, -w.z) } else { w }
+    }
 }
 
 /// What a command line may say instead of the scene file.
@@ -77,8 +90,8 @@ pub struct Overrides {
     pub light_paths: Option<f64>,
     /// Pixels that share what their paths find.
     pub reuse: Option<u32>,
-    /// Where emitters are sampled through glass.
-    pub through_glass: Option<String>,
+    /// Where emitters are sampled through glass and by mirrors.
+    pub links: Option<String>,
 }
 
 /// Everything that a render needs.
@@ -94,8 +107,8 @@ pub struct Scene {
     pub integrator: AnyIntegrator,
     /// How caustics are found, where light paths help.
     pub caustics: Option<Caustics>,
-    /// Where emitters are sampled through glass, if they are.
-    pub through_glass: Option<Glass>,
+    /// Where emitters are sampled through glass and by mirrors, if they are.
+    pub links: Option<Links>,
     pub mode: ColorMode,
     /// What the scene uses; decides which kernel runs.
     pub features: Features,

@@ -23,8 +23,8 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     if let Some(pixels) = overrides.reuse {
         set(child(root, "integrator", "path")?, "reuse", &pixels.to_string());
     }
-    if let Some(place) = &overrides.through_glass {
-        set_as("string", child(root, "integrator", "path")?, "through_glass", place);
+    if let Some(place) = &overrides.links {
+        set_as("string", child(root, "integrator", "path")?, "links", place);
     }
     if let Some((width, height)) = overrides.size {
         let film = child(child(root, "sensor", "")?, "film", "hdrfilm")?;

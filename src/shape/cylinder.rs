@@ -4,7 +4,7 @@ use super::patch::on_circle;
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::atan2;
-use crate::math::{DVec2, DVec3, Frame, INV_PI, Ray, Transform};
+use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Ray, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use std::f64::consts::PI;
@@ -131,7 +131,7 @@ impl Cylinder {
         AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0 }
     }
 
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> Bounds {
         let half = self.axis.map(|a| ((1.0 - a) * (1.0 + a)).max(0.0).sqrt()) * self.radius;
         let end = self.start + self.axis * self.length;
         (self.start.min(end) - half, self.start.max(end) + half)

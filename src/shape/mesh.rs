@@ -2,10 +2,11 @@
 
 use super::mesh_data::MeshData;
 use super::{AreaSample, SurfacePoint};
+use crate::math::bounds::around;
 use crate::math::frame::{length, unit};
 use crate::math::function::acos;
 use crate::math::simd::prefetch;
-use crate::math::{DVec2, DVec3, Discrete, Frame, Transform, warp};
+use crate::math::{Bounds, DVec2, DVec3, Discrete, Frame, Transform, warp};
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
 #[derive(Debug)]
@@ -172,9 +173,8 @@ impl Mesh {
             + self.uvs.as_deref().map_or(0, size_of_val)
     }
 
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let start = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
-        self.positions.iter().map(|&p| double(p)).fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)))
+    pub fn bounds(&self) -> Bounds {
+        around(self.positions.iter().map(|&p| double(p)))
     }
 }
 

@@ -19,7 +19,7 @@ mod serialized;
 mod shapegroup;
 mod sphere;
 
-use crate::math::{DVec2, DVec3, Frame, Ray, Transform, length};
+use crate::math::{Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
@@ -199,7 +199,7 @@ impl Geometry {
     }
 
     /// The corners of the world-space bounding box.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> Bounds {
         match self {
             Self::Mesh(mesh) => mesh.bounds(),
             Self::Patch(patch) => patch.bounds(),

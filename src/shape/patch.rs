@@ -3,7 +3,7 @@
 use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
 use crate::math::function::{atan2, sin_cos_turn};
-use crate::math::{DVec2, DVec3, INV_PI, Transform, warp};
+use crate::math::{Bounds, DVec2, DVec3, INV_PI, Transform, warp};
 use std::f64::consts::PI;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +94,7 @@ impl Patch {
             .map(|(x, y)| self.centre + self.e1 * x + self.e2 * y)
     }
 
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> Bounds {
         let half = match self.outline {
             Outline::Square => self.e1.abs() + self.e2.abs(),
             Outline::Circle => (self.e1 * self.e1 + self.e2 * self.e2).map(f64::sqrt),

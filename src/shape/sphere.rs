@@ -3,7 +3,7 @@
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::{acos, atan2};
-use crate::math::{DVec2, DVec3, Frame, INV_PI, Transform, warp};
+use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Transform, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use std::f64::consts::PI;
@@ -105,7 +105,7 @@ impl Sphere {
         (point, warp::cone_pdf(one_minus_cos))
     }
 
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> Bounds {
         (self.centre - self.radius, self.centre + self.radius)
     }
 }

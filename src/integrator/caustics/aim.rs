@@ -1,5 +1,6 @@
 //! Directions from an emitter towards what is specular.
 
+use crate::math::bounds::{NOTHING, union};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, length, warp};
 
 /// How many balls stand for all casters: their densities are summed at every light path's beginning and end.
@@ -127,8 +128,7 @@ impl Aim {
 }
 
 fn around(group: &[(DVec3, DVec3)]) -> (DVec3, DVec3) {
-    let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
-    group.iter().fold(nothing, |(lo, hi), (a, b)| (lo.min(*a), hi.max(*b)))
+    group.iter().copied().fold(NOTHING, union)
 }
 
 fn size((lo, hi): (DVec3, DVec3)) -> DVec3 {

@@ -4,8 +4,8 @@ use super::Caustics;
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, power_heuristic_of_three};
+use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::{MAX_VERTICES, side_towards};
-use crate::integrator::through_glass::{density_of, goes_through};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Numbers, Sampler};
 use crate::scene::Scene;
@@ -40,8 +40,8 @@ struct LightPath {
     end: (usize, DVec3, DVec3),
     /// How much likelier emitter sampling makes the path's beginning than the first lobe with a density on the way does, from its end.
     by_emitter: f64,
-    /// Interfaces that it has gone through since it left, with which chance; `None` once it has met anything else.
-    through: Option<(u32, f64)>,
+    /// Surfaces that a link might lead by since it left, with the chance of its turns there; `None` once it has done anything else.
+    passage: Option<(Passage, f64)>,
 }
 
 impl Caustics {
@@ -69,7 +69,7 @@ impl Caustics {
             ratio: self.paths as f64 / scale,
             end: start.end,
             by_emitter: 0.0,
-            through: Some((0, 1.0)),
+            passage: Some((Passage::default(), 1.0)),
         };
         for edges in 1..=MAX_VERTICES {
             let u = sampler.block(FIRST_VERTEX - 1 + edges);
@@ -105,15 +105,16 @@ impl Caustics {
         let (primitive, wo) = (hit.primitive, DVec3::ZERO);
         let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
         vertex.wo = vertex.to_local(to_light);
-        // The density of emitter samples through glass from here, over the chance that what scatters goes the same way.
-        let asked = side.traits.smooth && scene.through_glass.as_ref().is_some_and(|glass| glass.everywhere);
-        let linked = path.through.filter(|through| asked && through.0 > 0).map(|(interfaces, chance)| {
-            let (index, p, n) = path.end;
-            let end = (index, &SurfacePoint::plain(p, n, n));
-            let way = (to_light, interfaces);
-            let found = density_of(scene, (point.p, hit.primitive), way, end, &λ, counters);
-            found.unwrap_or(0.0) * f64::from(self.settings.emitter_samples) / chance
-        });
+        // The density of emitter samples by the same surfaces from here, over the chance that what scatters takes the same turns.
+        let asked = side.traits.smooth && scene.links.as_ref().is_some_and(|links| links.everywhere);
+        let linked =
+            path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
+                let (index, p, n) = path.end;
+                let end = (index, &SurfacePoint::plain(p, n, n));
+                let way = (to_light, passage);
+                let found = density_of(scene, (point.p, hit.primitive), way, end, &λ, counters);
+                found.unwrap_or(0.0) * f64::from(self.settings.emitter_samples) / chance
+            });
         if edges > 1
             && side.traits.smooth
             && let Some((ray, found)) = self.connect(scene, path, &vertex, linked, u)
@@ -133,10 +134,10 @@ impl Caustics {
         if sample.delta && side.traits.one_way {
             return None;
         }
-        path.through = path
-            .through
-            .filter(|_| goes_through(side, vertex.wo, &sample))
-            .map(|(interfaces, chance)| (interfaces + 1, chance * sample.pdf));
+        path.passage = path.passage.and_then(|(passage, chance)| {
+            let passage = passage.on(side, primitive, vertex.wo, &sample)?;
+            Some((passage, chance * sample.pdf))
+        });
         if sample.delta {
             let η2 = sample.eta * sample.eta;
             let shading = super::refraction(vertex.wo, sample.wi, sample.eta);

@@ -8,7 +8,7 @@ mod stream;
 mod vertex;
 
 use super::AnyIntegrator;
-use super::through_glass::Where;
+use super::links::Where;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 pub use vertex::{Arrival, environment, side_towards};
@@ -40,8 +40,8 @@ pub struct Path {
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
-    /// Where emitters are sampled through glass; see [`through_glass`](super::through_glass).
-    pub through_glass: Where,
+    /// Where emitters are sampled through glass and by mirrors and by mirrors; see [`links`](super::links).
+    pub links: Where,
 }
 
 /// How many light paths to a camera path there can be.
@@ -56,7 +56,7 @@ impl Default for Path {
             emitter_samples: 1,
             light_paths: None,
             reuse: 1,
-            through_glass: Where::Auto,
+            links: Where::Auto,
         }
     }
 }
@@ -86,10 +86,9 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
             "expected a power of two up to 64, or 0",
         ));
     }
-    let about =
-        "where emitters are sampled through glass; `unaided`: where light paths cannot help (an extension)";
-    let through_glass = params.choice("through_glass", &Where::NAMES, about)?;
-    let through_glass = Where::named(through_glass).unwrap_or(Where::Auto);
+    let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help (an extension)";
+    let links = params.choice("links", &Where::NAMES, about)?;
+    let links = Where::named(links).unwrap_or(Where::Auto);
     Ok(AnyIntegrator::Path(Path {
         max_depth,
         rr_depth,
@@ -97,7 +96,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         emitter_samples,
         light_paths,
         reuse,
-        through_glass,
+        links,
     }))
 }
 

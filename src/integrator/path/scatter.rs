@@ -9,7 +9,7 @@ use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::DirectSample;
 use crate::integrator::caustics;
 use crate::integrator::light::{self, Vertex};
-use crate::integrator::through_glass::{self, Link, Way};
+use crate::integrator::links::{self, Link, Way};
 use crate::integrator::{CameraPath, Counters};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FURTHER_EMITTER_SAMPLES, Numbers};
@@ -116,13 +116,12 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
             }
         }
-        let through_glass = F & Features::CAUSTICS != 0
-            && side.traits.smooth
-            && scene.through_glass.as_ref().is_some_and(|glass| {
-                glass.everywhere || scene.caustics.is_none() || state.light_ratio == 0.0
-            });
+        let links = scene.links.as_ref().filter(|links| {
+            let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
+            F & Features::CAUSTICS != 0 && side.traits.smooth && (links.everywhere || unaided)
+        });
         let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
-        if through_glass && most > 0 {
+        if let Some(links) = links.filter(|_| most > 0) {
             let light_paths = |link: &Link, pdf: f64, end: (usize, DVec3, DVec3)| match &scene.caustics {
                 Some(caustics) if state.light_ratio > 0.0 => {
                     let to_light = vertex.to_local(link.direction);
@@ -133,20 +132,23 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             };
             // Like all that casters throw, this is for the pixel alone.
             let throughput = state.own_throughput::<F>(shared);
+            let effort = (settings.emitter_samples as f64, most);
             for which in 0..settings.emitter_samples {
                 let u = numbers(which);
-                let (u, effort) = ((u.one(4), u.pair(0)), (settings.emitter_samples as f64, most));
-                let found =
-                    through_glass::sample_emitter(scene, &vertex, u, effort, λ, light_paths, counters);
-                if let Some(light) = found {
-                    shadows.push((index, false), light.ray, throughput * light.radiance);
+                for mirror in links.techniques(point.p, u.one(7)) {
+                    let which = (mirror, u.one(4), u.pair(0));
+                    let found =
+                        links::sample_emitter(scene, &vertex, which, effort, λ, light_paths, counters);
+                    if let Some(light) = found {
+                        shadows.push((index, false), light.ray, throughput * light.radiance);
+                    }
                 }
             }
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
-        if F & Features::CAUSTICS != 0 && state.light_ratio > 0.0 {
+        if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.light_ratio > 0.0 {
             state.light_ratio *= match sample.delta {
                 true if side.traits.one_way || state.depth == 0 => 0.0,
                 true => 1.0 / (sample.eta * sample.eta),
@@ -156,12 +158,12 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if F & Features::CAUSTICS != 0 {
             // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
-            if through_glass {
+            if links.is_some() {
                 *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample);
             } else if side.traits.smooth {
                 *way = Way::NONE;
             } else {
-                way.follow(vertex.wo, side, &sample);
+                way.follow(vertex.wo, side, primitive, &sample);
             }
         }
         state.throughput *= sample.weight;

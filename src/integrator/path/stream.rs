@@ -4,7 +4,7 @@ use super::Path;
 use super::reuse::{Exchange, Shared};
 use super::shadows::Shadows;
 use super::vertex::Arrival;
-use crate::integrator::through_glass::Way;
+use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FIRST_VERTEX, ManyNumbers};

@@ -6,7 +6,7 @@ use super::shadows::Shadows;
 use super::stream::State;
 use super::{MAX_VERTICES, Path};
 use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
-use crate::integrator::through_glass::Way;
+use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;

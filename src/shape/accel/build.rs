@@ -15,6 +15,7 @@ use super::splits::pieces;
 use super::triangles::Triangles;
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed};
+use crate::math::bounds::{NOTHING, union};
 use crate::math::ray::position_error;
 use crate::math::{DVec3, length};
 use crate::shape::{Geometry, Patch};
@@ -56,18 +57,16 @@ impl Accel {
         let count =
             shapes.iter().map(|geometry| geometry.primitives() as usize).sum::<usize>() + instances.len();
         let mut items = Vec::with_capacity(count);
-        let mut bounds = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+        let mut bounds = NOTHING;
         for (shape, geometry) in shapes.iter().enumerate() {
-            let (lo, hi) = geometry.bounds();
-            bounds = (bounds.0.min(lo), bounds.1.max(hi));
+            bounds = union(bounds, geometry.bounds());
             for local in 0..geometry.primitives() {
                 items.push(Item { shape: shape as u32, local, primitive: items.len() as u32 });
             }
         }
         let mut primitives = items.len() as u32;
         for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
-            let (lo, hi) = instance.bounds();
-            bounds = (bounds.0.min(lo), bounds.1.max(hi));
+            bounds = union(bounds, instance.bounds());
             items.push(Item { shape: (shapes.len() + i) as u32, local: 0, primitive: primitives });
             primitives = instance.number(primitives);
         }

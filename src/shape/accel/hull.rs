@@ -2,8 +2,8 @@
 
 use super::node::{Node, NodeRef};
 use super::space::Space;
-use crate::math::DVec3;
 use crate::math::simd::F32x8;
+use crate::math::{Bounds, DVec3};
 
 /// The hull of a box and a point, in unit coordinates, by planes: those of the box around both, and in each projection along an axis the two
 /// lines from the point that touch the box.
@@ -21,7 +21,7 @@ const LOST: f32 = 1.0 / (1 << 20) as f32;
 
 impl Hull {
     /// Of the box between two corners, and a point.
-    pub fn new(space: &Space, bounds: (DVec3, DVec3), to: DVec3) -> Self {
+    pub fn new(space: &Space, bounds: Bounds, to: DVec3) -> Self {
         let (lo, hi) = space.enclose(bounds.0, bounds.1);
         let (near, far) = space.enclose(to, to);
         let at = space.local(to).to_array();

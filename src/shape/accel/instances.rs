@@ -5,8 +5,9 @@
 //! primitive) nothing depends on the order in which instances are tried.
 
 use super::{Accel, Search};
+use crate::math::bounds::around;
 use crate::math::ray::{Ends, position_error};
-use crate::math::{DVec3, Ray, Transform, length};
+use crate::math::{Bounds, DVec3, Ray, Transform, length};
 use crate::shape::Hit;
 use std::sync::Arc;
 
@@ -41,14 +42,13 @@ impl Instance {
     }
 
     /// The corners of a box around the placed box of the group.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> Bounds {
         let (lo, hi) = self.group.bounds;
         let corners = (0..8u32).map(|i| {
             let upper = glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
             self.to_world.point(DVec3::select(upper, hi, lo))
         });
-        let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
-        corners.fold(nothing, |(lo, hi), p| (lo.min(p), hi.max(p)))
+        around(corners)
     }
 
     /// The ray in the group's coordinates, and by how much distances are longer there.

@@ -29,7 +29,7 @@ mod walk;
 use super::{Cylinder, Hit};
 use crate::math::ray::Ends;
 use crate::math::simd::F64x4;
-use crate::math::{DVec3, Ray};
+use crate::math::{Bounds, Ray};
 pub use instances::Instance;
 use node::Node;
 use packet::Packet;
@@ -71,7 +71,7 @@ pub struct Accel {
     instances: Vec<Instance>,
     primitives: u32,
     /// The corners of a box around all.
-    bounds: (DVec3, DVec3),
+    bounds: Bounds,
 }
 
 /// The best hit so far, and the primitive that cannot be met again.
@@ -196,7 +196,7 @@ impl Accel {
     }
 
     /// The corners of a box around all primitives; of nothing where there are none.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 

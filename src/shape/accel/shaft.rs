@@ -7,8 +7,9 @@
 use super::hull::Hull;
 use super::node::{Node, NodeRef, Target};
 use super::{Accel, Mixed};
+use crate::math::bounds::around;
 use crate::math::ray::position_error;
-use crate::math::{DVec3, frame};
+use crate::math::{Bounds, DVec3, frame};
 
 /// So many nodes are looked at before rays are thought cheaper.
 const PATIENCE: usize = 48;
@@ -41,7 +42,7 @@ impl Plane {
 pub struct Shaft {
     points: Vec<DVec3>,
     /// The corners of a box around them.
-    bounds: (DVec3, DVec3),
+    bounds: Bounds,
     /// How far they lie before the plane of a primitive: least and most.
     heights: Vec<(u32, [f64; 2])>,
     waiting: Vec<NodeRef>,
@@ -53,8 +54,7 @@ impl Shaft {
         self.points.clear();
         self.points.extend(points);
         self.heights.clear();
-        let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
-        self.bounds = self.points.iter().fold(nothing, |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        self.bounds = around(self.points.iter().copied());
     }
 
     /// How many points there are.

@@ -5,7 +5,8 @@
 //! (in the spirit of Karras & Aila 2013, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies",
 //! section 4). Every piece leads to the whole triangle, so what is found does not change.
 
-use crate::math::DVec3;
+use crate::math::bounds::around;
+use crate::math::{Bounds, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -24,9 +25,8 @@ pub struct Piece {
 
 impl Piece {
     /// The corners of the box.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
-        self.outline.iter().fold(nothing, |(lo, hi), p| (lo.min(*p), hi.max(*p)))
+    pub fn bounds(&self) -> Bounds {
+        around(self.outline.iter().copied())
     }
 
     /// Half the area of the box.

@@ -11,7 +11,7 @@ pub(super) fn with_light_paths(share: f64, longest: i64) -> String {
 
 /// The integrator that finds whatever it finds from the camera, and by no other way than scattering if that is through glass.
 pub(super) fn plain(longest: i64) -> String {
-    let never = "<string name=\"through_glass\" value=\"never\"/></integrator>";
+    let never = "<string name=\"links\" value=\"never\"/></integrator>";
     with_light_paths(0.0, longest).replace("</integrator>", never)
 }
 

@@ -7,6 +7,7 @@
 //! *How to add one*: an entry in the `relations` of the file it belongs to; for a new family, a file and its line in
 //! [`FAMILIES`].
 
+mod by_mirrors;
 mod caustics;
 mod exact;
 mod invisible;
@@ -146,6 +147,7 @@ pub struct Relation {
 /// All families, by name.
 pub const FAMILIES: &[Family<Relation>] = &[
     ("exact", exact::relations),
+    ("by_mirrors", by_mirrors::relations),
     ("caustics", caustics::relations),
     ("lights", lights::relations),
     ("motion", motion::relations),

@@ -7,16 +7,16 @@ use crate::stage::*;
 
 /// At all vertices, without light paths or with as many as camera paths.
 fn through_glass(share: f64, longest: i64) -> String {
-    let everywhere = "<string name=\"through_glass\" value=\"everywhere\"/></integrator>";
+    let everywhere = "<string name=\"links\" value=\"everywhere\"/></integrator>";
     with_light_paths(share, longest).replace("</integrator>", everywhere)
 }
 
 /// In a scene that is given by what is in the room.
-fn relation(name: &str, share: f64, things: &str) -> Relation {
+pub(super) fn relation(name: &str, share: f64, things: &str) -> Relation {
     up_to(6, name, share, &room(things))
 }
 
-fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relation {
+pub(super) fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relation {
     let side = |integrator: String| vec![Term::new(scene(&[&integrator, &camera(), world]))];
     Relation::expectation(name, side(plain(longest)), side(through_glass(share, longest))).samples(4096)
 }

@@ -1,3 +1,4 @@
+use super::mirrors::Mirror;
 use super::*;
 use crate::math::Frame;
 use crate::math::frame::unit;
@@ -9,7 +10,7 @@ use crate::spectrum::ColorMode;
 fn scene(between: &str) -> Scene {
     let text = format!(
         r#"<scene version="3.0.0"><sensor type="perspective"/>
-            <integrator type="path"><string name="through_glass" value="everywhere"/></integrator>
+            <integrator type="path"><string name="links" value="everywhere"/></integrator>
             <shape type="rectangle"><transform name="to_world"><scale value="9"/></transform></shape>
             <shape type="sphere"><point name="center" x="0.2" y="0.1" z="5"/><float name="radius" value="0.3"/>
                 <emitter type="area"/></shape>{between}</scene>"#
@@ -81,9 +82,11 @@ fn curved() -> Vec<(&'static str, Scene)> {
 }
 
 fn link(scene: &Scene, x: DVec3, y: DVec3) -> Option<Link> {
-    let distance = length(y - x);
-    let from = (x, 0);
-    Link::find(scene, from, ((y - x) / distance, distance), 8, &Wavelengths::rgb(), &mut Counters::default())
+    by(scene, x, y, None)
+}
+
+fn by(scene: &Scene, x: DVec3, y: DVec3, mirror: Option<&Mirror>) -> Option<Link> {
+    Link::find(scene, (x, 0), y, mirror, 8, &Wavelengths::rgb(), &mut Counters::default())
 }
 
 /// Floor points and points near the lamp.
@@ -109,7 +112,7 @@ fn a_slab_moves_rays_as_snell_says() {
         let change = 3.7 / (cos * cos) + cos / (1.5 * cos_inside * cos_inside * cos_inside);
         let spread = along * change * cos / sin;
         assert!((found.spread / spread - 1.0).abs() < 1e-6, "{} {spread}", found.spread);
-        assert_eq!((found.interfaces, found.eta2), (2, 1.0));
+        assert_eq!((found.surfaces, found.eta2), (2, 1.0));
     }
 }
 
@@ -141,6 +144,117 @@ fn spreads_are_quotients_of_differences() {
     }
 }
 
+const MIRROR: &str = r#"<bsdf type="twosided"><bsdf type="conductor"><string name="material" value="none"/>
+    <rgb name="specular_reflectance" value="0.9, 0.8, 0.7"/></bsdf></bsdf>"#;
+
+/// A mirroring ball or wall beside the way to the lamp; alone, or seen through glass.
+fn mirrors() -> Vec<(&'static str, Scene)> {
+    let ball = format!(
+        r#"<shape type="sphere"><point name="center" x="1.6" y="0.3" z="2"/><float name="radius" value="0.7"/>{MIRROR}</shape>"#
+    );
+    let wall = format!(
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="4"/><rotate y="1" angle="80"/><translate x="2"/></transform>{MIRROR}</shape>"#
+    );
+    let block = format!(
+        r#"<shape type="cube"><transform name="to_world"><scale value="0.5"/><translate x="-1.5" z="2"/></transform>{MIRROR}</shape>"#
+    );
+    let sheet = format!(
+        r#"<shape type="cube"><transform name="to_world"><scale x="9" y="9" z="0.1"/><translate z="0.5"/></transform>{GLASS}</shape>"#
+    );
+    vec![
+        ("ball", scene(&ball)),
+        ("wall", scene(&wall)),
+        ("block", scene(&block)),
+        ("ball behind glass", scene(&(ball + &sheet))),
+    ]
+}
+
+/// The mirror of metal that shows the lamp.
+fn metal(scene: &Scene) -> &Mirror {
+    let mirrors = &scene.links.as_ref().expect("there is a mirror").mirrors;
+    let links = |mirror: &&Mirror| pairs().filter(|(x, y)| by(scene, *x, *y, Some(mirror)).is_some()).count();
+    let of_metal = |mirror: &&Mirror| !scene.shape_of(mirror.primitives[0]).0.refracts();
+    (0..mirrors.len()).map(|i| mirrors.get(i)).filter(of_metal).max_by_key(links).expect("it is of metal")
+}
+
+#[test]
+fn a_mirror_shows_its_image() {
+    for (name, scene) in mirrors() {
+        let mirror = metal(&scene);
+        let mut tried = 0;
+        for (x, y) in pairs() {
+            let Some(found) = by(&scene, x, y, Some(mirror)) else { continue };
+            tried += 1;
+            let expected = [0.9f32, 0.8, 0.7];
+            if name == "ball behind glass" {
+                assert_eq!((found.surfaces, found.eta2), (3, 1.0));
+                continue;
+            }
+            assert_eq!((found.surfaces, found.chance), (1, 1.0));
+            assert!((0..3).all(|i| (found.transmittance.0[i] - expected[i]).abs() < 1e-6), "{name}");
+            let z = found.last.origin;
+            let (before, behind) = (length(z - x), length(y - z));
+            // Both ways make the same angle with the normal, which halves the angle between them.
+            let half = unit(x - z) / 2.0 + unit(y - z) / 2.0;
+            let cos = unit(x - z).dot(unit(half));
+            let together = before + behind;
+            // Of a ball, across and along the plane of the two (Coddington's equations for a mirror).
+            let curved = match name {
+                "ball" => 2.0 * before * behind / 0.7,
+                _ => 0.0,
+            };
+            let spread = (together + curved / cos) * (together + curved * cos);
+            assert!((found.spread / spread - 1.0).abs() < 1e-6, "{name} {x} {y}: {} {spread}", found.spread);
+            if name == "ball" {
+                assert!(length(unit(half) - (z - DVec3::new(1.6, 0.3, 2.0)) / 0.7) < 1e-6, "{x} {y}");
+            }
+            let image = mirror.image(x).expect("x is before it");
+            if name == "wall" {
+                assert!(
+                    length(unit(y - image) - unit(y - z)) < 1e-9
+                        && (length(y - image) - together).abs() < 1e-9
+                );
+            }
+        }
+        assert!(tried > 100, "{name}: {tried}");
+    }
+}
+
+#[test]
+fn both_sides_agree_on_the_density_by_mirrors() {
+    let λ = Wavelengths::rgb();
+    for (name, scene) in mirrors() {
+        let mirror = metal(&scene);
+        let primitive = mirror.primitives[0];
+        let index = scene.emitters.list.iter().position(|e| e.shape.is_some()).expect("there is a lamp");
+        let entry = &scene.emitters.list[index];
+        let geometry = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
+        let mirrors = &scene.links.as_ref().expect("there is a mirror").mirrors;
+        let mut tried = 0;
+        for (x, _) in pairs() {
+            let Some(image) = mirror.image(x) else { continue };
+            let u = DVec2::new((x.x * 37.0).rem_euclid(1.0), (x.y * 41.0).rem_euclid(1.0));
+            let Some(light) = entry.emitter.sample(geometry, (image, DVec3::ZERO), u, &λ) else { continue };
+            let y = image + light.wi * light.distance;
+            let Some(found) = by(&scene, x, y, Some(mirror)) else { continue };
+            let (_, chance) = mirrors.chosen(x, primitive).expect("it may be chosen");
+            let expected = chance * density(light.pdf, (light.wi, light.distance), &found, light.n);
+            let passage = |surfaces, mirror| (found.direction, Passage { surfaces, mirror });
+            let end = (index, &SurfacePoint::plain(y, light.n, light.n));
+            let of = |way| density_of(&scene, (x, 0), way, end, &λ, &mut Counters::default());
+            match of(passage(found.surfaces, Some(primitive))) {
+                Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
+                None => assert!(found.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
+            }
+            // Not by another mirror, and not without one.
+            assert!(of(passage(found.surfaces, Some(0))).is_none());
+            assert!(of(passage(found.surfaces, None)).is_none());
+            tried += 1;
+        }
+        assert!(tried > 50, "{name}: {tried}");
+    }
+}
+
 #[test]
 fn both_sides_agree_on_the_density() {
     let λ = Wavelengths::rgb();
@@ -155,7 +269,8 @@ fn both_sides_agree_on_the_density() {
             let y = x + light.wi * light.distance;
             let Some(found) = link(&scene, x, y) else { continue };
             let expected = density(light.pdf, (light.wi, light.distance), &found, light.n);
-            let way = (found.direction, found.interfaces);
+            let through = |surfaces| Passage { surfaces, mirror: None };
+            let way = (found.direction, through(found.surfaces));
             let end = (index, &SurfacePoint::plain(y, light.n, light.n));
             let counters = &mut Counters::default();
             match density_of(&scene, (x, 0), way, end, &λ, counters) {
@@ -164,8 +279,10 @@ fn both_sides_agree_on_the_density() {
             }
             // Another direction is another way, and another number of interfaces too.
             let aside = unit(found.direction + DVec3::X * 1e-3);
-            assert!(density_of(&scene, (x, 0), (aside, found.interfaces), end, &λ, counters).is_none());
-            assert!(density_of(&scene, (x, 0), (way.0, way.1 - 1), end, &λ, counters).is_none());
+            assert!(density_of(&scene, (x, 0), (aside, way.1), end, &λ, counters).is_none());
+            assert!(
+                density_of(&scene, (x, 0), (way.0, through(found.surfaces - 1)), end, &λ, counters).is_none()
+            );
             tried += 1;
         }
         assert!(tried > 50, "{name}: {tried}");
@@ -194,7 +311,7 @@ fn what_is_not_refracted_is_not_linked() {
     let twice = scene(&format!(
         r#"<shape type="sphere"><point name="center" z="2"/>{GLASS}</shape><shape type="sphere"><point name="center" z="2"/><float name="radius" value="0.5"/>{GLASS}</shape>"#
     ));
-    let (from, way) = ((x, 0), (unit(y - x), length(y - x)));
-    let find = |most| Link::find(&twice, from, way, most, &Wavelengths::rgb(), &mut Counters::default());
+    let find =
+        |most| Link::find(&twice, (x, 0), y, None, most, &Wavelengths::rgb(), &mut Counters::default());
     assert!(find(8).is_some() && find(4).is_some() && find(3).is_none());
 }

@@ -1,0 +1,197 @@
+//! Emitter samples through glass and by mirrors.
+//!
+//! A shadow ray ends at glass, and knows nothing of light that a mirror throws, so these are left to paths that happen to hit the emitter, and to
+//! light paths; but where the surface is itself seen through glass or in a mirror, light paths cannot be connected with the
+//! camera. There is a bent way from the surface to the sampled point of the emitter, and [`Link`] finds it: manifold next-event
+//! estimation (Hanika, Droske & Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
+//! ([`mirrors`]). Ways through glass alone and those by mirrors are two techniques that have no path in common.
+//!
+//! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which the way to it leaves the vertex, with
+//! the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the way tell the area |∂y⊥/∂ω| across the ray,
+//! and the emitter is hit at an angle, so p(ω) = pₐ(y) |∂y⊥/∂ω| / cos θ_y. Points are sampled as if for the vertex, or for its image in
+//! the mirror: the straight line's density of directions p′ gives pₐ = p′ cos θ′_y / d². The mirror is chosen with a chance that the vertex's place decides.
+//!
+//! **The weights.** There may be other ways to y, with other interfaces or other bends; they are left to paths that scatter into them. So
+//! when such a path has left a vertex by a lobe with a density, gone by specular surfaces and met the emitter, the link between
+//! vertex and emitter is found again: only if it is this very way could an emitter sample have made the path, and the
+//! power heuristic shares it, of p(ω) and the density of the scattering times the chance of the turn at each surface.
+//! What is found depends on the two points and the mirror alone, so both sides agree; and so do light paths, the third technique (see
+//! [`caustics`](super::caustics)), which look for the link as soon as they meet a rough surface.
+
+mod bent;
+mod link;
+mod mirrors;
+mod passage;
+
+use super::Counters;
+use super::light::{Proposal, Vertex, power_heuristic_of_three};
+use crate::bsdf::{AnyMaterial, Bsdf};
+use crate::emitter::AnyEmitter;
+use crate::math::bounds::union;
+use crate::math::ray::{position_error, way_between};
+use crate::math::{DVec2, DVec3, Ray, length};
+use crate::scene::{Scene, Shape};
+use crate::shape::SurfacePoint;
+use crate::spectrum::{ColorMode, Wavelengths};
+pub use link::{Link, Surface};
+use mirrors::Mirrors;
+pub use passage::{Passage, Way};
+
+/// Directions closer than this are the same: those that Newton's method finds are far closer, other ways are farther.
+const SAME: f64 = 1e-6;
+
+/// At which vertices emitters are sampled through glass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Where {
+    /// A pilot of the scene decides between the last two.
+    Auto,
+    Never,
+    /// Where no light path can be connected with the camera.
+    Unaided,
+    Everywhere,
+}
+
+impl Where {
+    /// Their names in scene files, in order.
+    pub const NAMES: [&str; 4] = ["auto", "never", "unaided", "everywhere"];
+
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Self::Auto, Self::Never, Self::Unaided, Self::Everywhere];
+        all.into_iter().zip(Self::NAMES).find(|(_, known)| *known == name).map(|(one, _)| one)
+    }
+}
+
+/// What links may lead by.
+#[derive(Debug)]
+pub struct Links {
+    /// Boxes around shapes that refract; where there are many, one around all.
+    glass: Vec<(DVec3, DVec3)>,
+    mirrors: Mirrors,
+    /// All vertices ask for them, not only those that light paths cannot help.
+    pub everywhere: bool,
+}
+
+impl Links {
+    /// `None` if there is nothing, or no shape that shines.
+    pub fn of(shapes: &[Shape], materials: &[AnyMaterial], mode: ColorMode) -> Option<Self> {
+        const FEW: usize = 8;
+        let refracting = shapes.iter().filter(|shape| shape.refracts());
+        let mut glass: Vec<_> = refracting.map(|shape| shape.geometry.bounds()).collect();
+        if glass.len() > FEW {
+            let all = glass.iter().copied().reduce(union);
+            glass = all.into_iter().collect();
+        }
+        let mirrors = Mirrors::of(shapes, materials, mode);
+        let shining = shapes.iter().any(|shape| shape.emitter.is_some());
+        let something = !glass.is_empty() || !mirrors.is_empty();
+        (something && shining).then_some(Self { glass, mirrors, everywhere: false })
+    }
+
+    /// The techniques for the light at a point, by a number in [0, 1): through glass alone, and by a mirror that is chosen with a chance.
+    pub fn techniques(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Option<(usize, f64)>> {
+        let through = (!self.glass.is_empty()).then_some(None);
+        through.into_iter().chain(self.mirrors.choose(p, choice).map(Some))
+    }
+
+    /// Whether glass may lie on the way from a point to `distance` in unit direction `w`.
+    pub fn may_be_between(&self, p: DVec3, w: DVec3, distance: f64) -> bool {
+        // Of a direction along a side 0 · ∞ must not arise.
+        let inverse = w.map(|w| 1.0 / if w == 0.0 { f64::MIN_POSITIVE } else { w });
+        self.glass.iter().any(|(lo, hi)| {
+            let (a, b) = ((*lo - p) * inverse, (*hi - p) * inverse);
+            let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+            enter <= leave && enter <= distance && leave >= 0.0
+        })
+    }
+}
+
+/// The density with which one emitter sample at a vertex makes a direction that leads by specular surfaces to a point of an
+/// emitter; `None` if there is another way that it would take, or none.
+pub fn density_of(
+    scene: &Scene,
+    from: (DVec3, u32),
+    (direction, passage): (DVec3, Passage),
+    (emitter, point): (usize, &SurfacePoint),
+    λ: &Wavelengths,
+    counters: &mut Counters,
+) -> Option<f64> {
+    let mirrors = &scene.links.as_ref()?.mirrors;
+    let entry = &scene.emitters.list[emitter];
+    let geometry = &scene.shapes[entry.shape? as usize].geometry;
+    let (mirror, chance) = match passage.mirror {
+        None => (None, 1.0),
+        Some(primitive) => {
+            let (index, chance) = mirrors.chosen(from.0, primitive)?;
+            (Some(mirrors.get(index)), chance)
+        }
+    };
+    let seen_from = mirror.map_or(Some(from.0), |mirror| mirror.image(from.0))?;
+    let towards = point.p - seen_from;
+    let distance = length(towards);
+    let straight = Ray::leaving(seen_from, towards / distance, distance, from.1);
+    if straight.direction.dot(point.ng) >= 0.0 {
+        return None;
+    }
+    let to = straight.at(way_between(distance, point.p, seen_from));
+    let link = Link::find(scene, from, to, mirror, passage.surfaces as usize, λ, counters)?;
+    let same = length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
+    let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
+    let chosen = scene.emitters.probability(emitter) * chance;
+    same.then(|| chosen * density(pdf, (straight.direction, distance), &link, point.ng))
+}
+
+/// p(ω) from p′, the straight way, the bent one, and the emitter's normal.
+fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n: DVec3) -> f64 {
+    straight_pdf * (n.dot(straight) / (n.dot(link.last.direction) * distance * distance)).abs() * link.spread
+}
+
+/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: an estimate of the light that this
+/// technique has to contribute, up to visibility behind the last surface. `mirror` is what [`Links::techniques`] says. `light_paths` says of a link, of the density of its
+/// direction when scattering, and of an emitter with a point and a normal there, how much likelier light paths make the whole path than scattering does.
+pub fn sample_emitter<B: Bsdf>(
+    scene: &Scene,
+    vertex: &Vertex<B>,
+    (mirror, choice, u): (Option<(usize, f64)>, f64, DVec2),
+    (count, most): (f64, usize),
+    λ: &Wavelengths,
+    light_paths: impl Fn(&Link, f64, (usize, DVec3, DVec3)) -> f64,
+    counters: &mut Counters,
+) -> Option<Proposal> {
+    let (index, probability, _) = scene.emitters.sample(choice)?;
+    let entry = &scene.emitters.list[index];
+    if !matches!(entry.emitter, AnyEmitter::Area(_)) {
+        return None;
+    }
+    let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
+    let from = (vertex.point.p, vertex.primitive);
+    let mirrors = &scene.links.as_ref()?.mirrors;
+    let (mirror, chance) = mirror.map_or((None, 1.0), |(index, chance)| (Some(mirrors.get(index)), chance));
+    let seen_from = mirror.map_or(Some(from.0), |mirror| mirror.image(from.0))?;
+    let light = entry.emitter.sample(shape, (seen_from, DVec3::ZERO), u, λ)?;
+    if light.radiance.is_zero() {
+        return None;
+    }
+    let to = seen_from + light.wi * light.distance;
+    let link = Link::find(scene, from, to, mirror, most, λ, counters)?;
+    let cos = -link.last.direction.dot(light.n);
+    if cos <= 0.0 {
+        return None;
+    }
+    // Beside the point the emitter's surface may come earlier by this.
+    let early = 2.0 * link.miss / cos + 4.0 * position_error(link.last.origin);
+    let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));
+    let pdf = density(light.pdf, (light.wi, light.distance), &link, light.n) * probability * chance * count;
+    if scattered.value.is_zero() || pdf.is_nan() || pdf <= 0.0 {
+        return None;
+    }
+    let scattering = scattered.pdf * link.chance;
+    let by_light_path = scattering * light_paths(&link, scattered.pdf, (index, to, light.n));
+    let weight = power_heuristic_of_three(scattering / pdf, by_light_path / pdf);
+    Some(Proposal {
+        ray: Ray { end: link.last.end - early, ..link.last },
+        radiance: scattered.value * link.transmittance * light.radiance * (weight / pdf) as f32,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,87 @@
+//! What paths do between two rough surfaces that a link might do too.
+
+use super::density_of;
+use crate::bsdf::Sample;
+use crate::integrator::Counters;
+use crate::math::DVec3;
+use crate::scene::{Scene, Side};
+use crate::shape::SurfacePoint;
+use crate::spectrum::Wavelengths;
+
+/// How a lobe without density turns light, all wavelengths alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    Through,
+    Back,
+}
+
+/// How a side has turned ωo, if a link can.
+pub fn turn(side: Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
+    let turn = if wo.z * sample.wi.z < 0.0 { Turn::Through } else { Turn::Back };
+    let can = match turn {
+        Turn::Through => side.traits.refracts,
+        Turn::Back => side.traits.mirrors,
+    };
+    (can && sample.delta && !sample.dispersed).then_some(turn)
+}
+
+/// The surfaces between two vertices that scatter with a density.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passage {
+    pub surfaces: u32,
+    /// The primitive that has reflected; all others let it through.
+    pub mirror: Option<u32>,
+}
+
+impl Passage {
+    /// What it is after another surface; `None` if no link is like that.
+    pub fn on(self, side: Side, primitive: u32, wo: DVec3, sample: &Sample) -> Option<Self> {
+        let mirror = match (turn(side, wo, sample)?, self.mirror) {
+            (Turn::Through, mirror) => mirror,
+            (Turn::Back, None) => Some(primitive),
+            (Turn::Back, Some(_)) => return None,
+        };
+        Some(Self { surfaces: self.surfaces + 1, mirror })
+    }
+}
+
+/// What a path has been through since it left a vertex that asked for links.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    from: (DVec3, u32),
+    direction: DVec3,
+    /// The density of the direction, times the chance of the turns since.
+    pdf: f64,
+    /// `None` if there is no such vertex, or the path has done what no link does.
+    passage: Option<Passage>,
+}
+
+impl Way {
+    pub const NONE: Self = Self { from: (DVec3::ZERO, 0), direction: DVec3::ZERO, pdf: 0.0, passage: None };
+
+    /// Leaves a vertex in a sampled direction (world).
+    pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample) -> Self {
+        let passage = (!sample.delta).then_some(Passage::default());
+        Self { from, direction, pdf: sample.pdf, passage }
+    }
+
+    /// Goes on from a vertex without emitter samples.
+    pub fn follow(&mut self, wo: DVec3, side: Side, primitive: u32, sample: &Sample) {
+        self.passage = self.passage.and_then(|passage| passage.on(side, primitive, wo, sample));
+        self.pdf *= sample.pdf;
+    }
+
+    /// How much likelier `count` emitter samples make the path that has met a point of an emitter.
+    pub fn rival(
+        &self,
+        scene: &Scene,
+        end: (usize, &SurfacePoint),
+        count: f64,
+        λ: &Wavelengths,
+        counters: &mut Counters,
+    ) -> f64 {
+        let Some(passage) = self.passage.filter(|passage| passage.surfaces > 0) else { return 0.0 };
+        let way = (self.direction, passage);
+        density_of(scene, self.from, way, end, λ, counters).map_or(0.0, |pdf| pdf * count / self.pdf)
+    }
+}

@@ -1,0 +1,36 @@
+//! Boxes along the axes, by their corners.
+
+use super::DVec3;
+
+/// The corner with the least and that with the greatest coordinates.
+pub type Bounds = (DVec3, DVec3);
+
+/// The box around nothing: any other makes it its own.
+pub const NOTHING: Bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+
+/// The box around points.
+#[inline]
+pub fn around(points: impl IntoIterator<Item = DVec3>) -> Bounds {
+    points.into_iter().fold(NOTHING, |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
+/// The box around two.
+#[inline]
+pub fn union(a: Bounds, b: Bounds) -> Bounds {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_hold_their_points_and_no_more() {
+        let points = [DVec3::new(1.0, -2.0, 3.0), DVec3::new(-1.0, 5.0, 0.5), DVec3::ZERO];
+        let (first, rest) = (around(points[..1].iter().copied()), around(points[1..].iter().copied()));
+        assert_eq!(first, (points[0], points[0]));
+        assert_eq!(around(points), (DVec3::new(-1.0, -2.0, 0.0), DVec3::new(1.0, 5.0, 3.0)));
+        assert_eq!(union(first, rest), around(points));
+        assert_eq!(union(NOTHING, rest), rest);
+    }
+}
