@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Another number, other mutants
     #[arg(long, default_value_t = 0)]
     number: u64,
-    /// Only tests that bear the name of the bug's file or module; what these do not notice stays open
+    /// Only tests that bear the name of the bug's file, chapter or module; what these do not notice stays open
     #[arg(long)]
     near: bool,
     /// Threads of a test program

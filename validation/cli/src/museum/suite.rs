@@ -2,7 +2,7 @@
 
 use super::cargo::Program;
 use super::findings::Fate;
-use super::plant::VARIABLE;
+use super::plant::{Change, VARIABLE};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -76,16 +76,19 @@ impl Suite {
         Self { stages: programs.into_iter().rev().map(stage).collect(), jobs, unfit: vec![] }
     }
 
-    /// Lets bug number `bug`, which is in `file`, out on the suite. First come all tests that bear the name of the
-    /// file or of its module, then all, in the order of what a find in this module has cost so far.
+    /// Lets bug number `bug` out on the suite. First come all tests that bear the name of its file, of its
+    /// chapter of the catalogue or of its module, then all, in the order of what a find in this module has cost so far.
     /// With `near`, only the former; `None` if these do not notice.
-    pub fn judge(&mut self, bug: usize, file: &str, near: bool) -> Result<Option<Fate>, String> {
+    pub fn judge(&mut self, bug: usize, change: &Change, near: bool) -> Result<Option<Fate>, String> {
         let start = Instant::now();
-        let [module, name] = names(file);
+        let [module, name] = names(&change.file);
         self.stages.sort_by_key(|stage| stage.cost(&module));
-        let filters = [Some(name), Some(format!("{module}::")), None];
-        for filter in filters.into_iter().take(if near { 2 } else { 3 }) {
-            let filter: Vec<String> = filter.into_iter().collect();
+        let mut filters: Vec<Vec<String>> = vec![vec![name]];
+        filters.extend(change.chapter.iter().map(|chapter| vec![format!("{chapter}::")]));
+        filters.push(vec![format!("{module}::")]);
+        filters.dedup();
+        filters.extend((!near).then(Vec::new));
+        for filter in filters {
             let mut open: Vec<usize> = (0..self.stages.len()).collect();
             for time in ROUNDS {
                 let mut unfinished = vec![];
