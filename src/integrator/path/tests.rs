@@ -1,8 +1,11 @@
 //! What no expectation shows: settings that change the noise alone.
 
+use super::receivers::Receivers;
+use super::reuse::{Receiver, Shared, Source};
+use crate::math::DVec3;
 use crate::render::{Progress, Settings, render};
 use crate::scene::load_text;
-use crate::spectrum::ColorMode;
+use crate::spectrum::{ColorMode, Spectrum};
 
 /// The variance of the direct light on a floor under two lamps, one of which it does not see.
 fn variance(emitter_samples: u32) -> f64 {
@@ -37,4 +40,66 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
     // What sampling the surface adds is a hundredth; each variance is known to one in fifty.
     let ratio = variance(8) / variance(1);
     assert!((ratio - 0.125).abs() < 0.02, "{ratio}");
+}
+
+/// The variance of light that has met two walls of a closed room, if so many pixels share.
+fn variance_shared(pixels: u32) -> f64 {
+    let text = format!(
+        r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="4"/>
+                <integer name="reuse" value="{pixels}"/></integrator>
+            <sensor type="perspective"><float name="fov" value="50"/>
+                <transform name="to_world"><lookat origin="0.1, -2.3, 1.2" target="0.3, 0.9, 0.4" up="0, 0, 1"/></transform>
+                <sampler type="independent"/>
+                <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>
+                    <rfilter type="box"/></film></sensor>
+            <shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale x="3" y="3" z="1.5"/>
+                <rotate x="0.3" y="0.5" z="0.8" angle="17"/></transform>
+                <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>
+            <shape type="sphere"><point name="center" x="0.4" y="-2.4" z="0.2"/><float name="radius" value="0.1"/>
+                <emitter type="area"/></shape></scene>"#
+    );
+    let scene = load_text("room.xml", &text, ColorMode::Rgb).unwrap();
+    let window = scene.sensor.film.crop;
+    let settings = Settings { samples: 0..256, seed: 0, window, threads: 1, shard: false, kernel: None };
+    let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+    let green = image.channel("G").unwrap();
+    green.variance.iter().flatten().map(|&v| f64::from(v)).sum()
+}
+
+#[test]
+fn what_sixteen_pixels_share_in_an_empty_room_is_known_far_better() {
+    // Each sees what all others have found. Where a surface hides itself every other time, much of that is lost, and no
+    // expectation tells.
+    let ratio = variance_shared(16) / variance_shared(1);
+    assert!(ratio < 0.2, "{ratio}");
+}
+
+#[test]
+fn receivers_share_with_their_like_on_the_side_that_is_matte() {
+    let receiver = |x: f64, edges: u32| {
+        let (p, n) = (DVec3::new(x, 0.0, 0.0), DVec3::Z);
+        Shared {
+            receiver: Some(Receiver { p, n, primitive: 0, albedo: Spectrum::ONE, edges }),
+            ..Shared::NOTHING
+        }
+    };
+    let group = [(-1.0, 0), (-0.5, 1), (0.5, 0), (1.0, 1)].map(|(x, edges)| receiver(x, edges));
+    let mut receivers = Receivers::default();
+    receivers.begin(&group);
+    let mut weights = [0.0; 64];
+    let mut facing = |path: usize, n: DVec3| {
+        let source = Source { p: DVec3::new(0.0, 0.0, 2.0), n, ng: n, primitive: 1 };
+        let facing = receivers.weights(path, &source, &mut weights);
+        // The cosine at the floor, that at the source, and the distance.
+        for (i, x) in [-1.0, -0.5, 0.5, 1.0f64].into_iter().enumerate() {
+            let way = DVec3::new(-x, 0.0, 2.0);
+            let geometry = (way.z * n.dot(way)).abs() / way.dot(way).powi(2);
+            assert!((weights[i] / geometry - 1.0).abs() < 1e-12, "{i}");
+        }
+        facing
+    };
+    let ceiling = -DVec3::Z;
+    let to_the_left = DVec3::new(-1.0, 0.0, -0.1).normalize();
+    assert_eq!([0, 1].map(|path| facing(path, ceiling)), [0b0101, 0b1010]);
+    assert_eq!([0, 1].map(|path| facing(path, to_the_left)), [0b0001, 0b0010]);
 }
