@@ -42,38 +42,6 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
     assert!((ratio - 0.125).abs() < 0.02, "{ratio}");
 }
 
-/// The variance of light that has met two walls of a closed room, if so many pixels share.
-fn variance_shared(pixels: u32) -> f64 {
-    let text = format!(
-        r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="4"/>
-                <integer name="reuse" value="{pixels}"/></integrator>
-            <sensor type="perspective"><float name="fov" value="50"/>
-                <transform name="to_world"><lookat origin="0.1, -2.3, 1.2" target="0.3, 0.9, 0.4" up="0, 0, 1"/></transform>
-                <sampler type="independent"/>
-                <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>
-                    <rfilter type="box"/></film></sensor>
-            <shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale x="3" y="3" z="1.5"/>
-                <rotate x="0.3" y="0.5" z="0.8" angle="17"/></transform>
-                <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>
-            <shape type="sphere"><point name="center" x="0.4" y="-2.4" z="0.2"/><float name="radius" value="0.1"/>
-                <emitter type="area"/></shape></scene>"#
-    );
-    let scene = load_text("room.xml", &text, ColorMode::Rgb).unwrap();
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..256, seed: 0, window, threads: 1, shard: false, kernel: None };
-    let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
-    let green = image.channel("G").unwrap();
-    green.variance.iter().flatten().map(|&v| f64::from(v)).sum()
-}
-
-#[test]
-fn what_sixteen_pixels_share_in_an_empty_room_is_known_far_better() {
-    // Each sees what all others have found. Where a surface hides itself every other time, much of that is lost, and no
-    // expectation tells.
-    let ratio = variance_shared(16) / variance_shared(1);
-    assert!(ratio < 0.2, "{ratio}");
-}
-
 #[test]
 fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     let receiver = |x: f64, edges: u32| {
