@@ -1,8 +1,11 @@
 //! What no expectation shows: settings that change the noise alone.
 
+use super::receivers::Receivers;
+use super::reuse::{Receiver, Shared, Source};
+use crate::math::DVec3;
 use crate::render::{Progress, Settings, render};
 use crate::scene::load_text;
-use crate::spectrum::ColorMode;
+use crate::spectrum::{ColorMode, Spectrum};
 
 /// The variance of the direct light on a floor under two lamps, one of which it does not see.
 fn variance(emitter_samples: u32) -> f64 {
@@ -37,4 +40,34 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
     // What sampling the surface adds is a hundredth; each variance is known to one in fifty.
     let ratio = variance(8) / variance(1);
     assert!((ratio - 0.125).abs() < 0.02, "{ratio}");
+}
+
+#[test]
+fn receivers_share_with_their_like_on_the_side_that_is_matte() {
+    let receiver = |x: f64, edges: u32| {
+        let (p, n) = (DVec3::new(x, 0.0, 0.0), DVec3::Z);
+        Shared {
+            receiver: Some(Receiver { p, n, primitive: 0, albedo: Spectrum::ONE, edges }),
+            ..Shared::NOTHING
+        }
+    };
+    let group = [(-1.0, 0), (-0.5, 1), (0.5, 0), (1.0, 1)].map(|(x, edges)| receiver(x, edges));
+    let mut receivers = Receivers::default();
+    receivers.begin(&group);
+    let mut weights = [0.0; 64];
+    let mut facing = |path: usize, n: DVec3| {
+        let source = Source { p: DVec3::new(0.0, 0.0, 2.0), n, ng: n, primitive: 1 };
+        let facing = receivers.weights(path, &source, &mut weights);
+        // The cosine at the floor, that at the source, and the distance.
+        for (i, x) in [-1.0, -0.5, 0.5, 1.0f64].into_iter().enumerate() {
+            let way = DVec3::new(-x, 0.0, 2.0);
+            let geometry = (way.z * n.dot(way)).abs() / way.dot(way).powi(2);
+            assert!((weights[i] / geometry - 1.0).abs() < 1e-12, "{i}");
+        }
+        facing
+    };
+    let ceiling = -DVec3::Z;
+    let to_the_left = DVec3::new(-1.0, 0.0, -0.1).normalize();
+    assert_eq!([0, 1].map(|path| facing(path, ceiling)), [0b0101, 0b1010]);
+    assert_eq!([0, 1].map(|path| facing(path, to_the_left)), [0b0001, 0b0010]);
 }

@@ -138,3 +138,42 @@ fn errors_of_pixels_that_share_paths_may_add_up() {
     assert!((together.relative_standard_error_of_mean / expected - 1.0).abs() < 1e-12);
     assert!(together.relative_standard_error_of_mean > 1.7 * alone.relative_standard_error_of_mean);
 }
+
+#[test]
+fn the_count_is_that_of_the_last_look_with_its_margin() {
+    let scene = scene(LIT);
+    for (seed, target) in [(0, 0.0003), (1, 0.0002), (2, 0.0001), (3, 0.0001)] {
+        let pilot =
+            for_error(&scene, &settings(&scene, seed), target, &Progress::default()).expect("a count");
+        let relative = pilot.quality.relative_standard_error_of_mean;
+        let n = pilot.samples as f64;
+        let plain = n * (relative / target).powi(2);
+        let r2 = 1.0 / pilot.quality.effective_pixels;
+        let margin = 2.0 * (r2 * (1.0 + (n / plain).min(1.0)) + 4.0 * relative * relative).sqrt();
+        // Rounding must not hide a margin that is left out, nor a look that is luckier than the last.
+        assert!(plain * margin > 5.0 * BLOCK as f64, "{plain} {margin}");
+        let beyond = pilot.count as f64 - plain * (1.0 + margin);
+        assert!((-1e-6..BLOCK as f64 + 1e-6).contains(&beyond), "{pilot:?}: {beyond}");
+    }
+}
+
+#[test]
+fn an_image_whose_pixels_share_paths_knows_that_their_errors_are_correlated() {
+    let mut scene = scene(LIT);
+    scene.integrator.set_reuse(16);
+    crate::render::reuse::settle(&mut scene);
+    let settings = Settings { samples: 0..16, ..settings(&scene, 0) };
+    let (image, _) = render(&scene, &settings, &Progress::default()).expect("it renders");
+    let double = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<_>>();
+    let quality = |edge| {
+        let channels = image.channels.iter().map(|channel| {
+            let variance = channel.variance.as_deref().expect("variances");
+            double(&channel.mean).into_iter().zip(double(variance))
+        });
+        Quality::new(settings.window, edge, channels)
+    };
+    assert_eq!(Quality::of_image(&image), quality(correlated_edge(16)));
+    let ratio =
+        |edge| quality(edge).relative_standard_error_of_mean / quality(1).relative_standard_error_of_mean;
+    assert!(ratio(4) > 1.5, "{}", ratio(4));
+}

@@ -9,6 +9,9 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 pub struct Bug {
     pub name: String,
+    /// The name of the file of the catalogue.
+    #[serde(skip)]
+    pub chapter: String,
     /// What is wrong, in a sentence.
     pub about: String,
     /// Who has made it before, with a number and an address; or why one might.
@@ -38,7 +41,9 @@ pub fn catalogue(folder: &Path) -> Result<Vec<Bug>, String> {
     let mut bugs = vec![];
     for path in paths {
         let text = std::fs::read_to_string(&path).map_err(|e| told(&path, &e))?;
-        bugs.extend(serde_json::from_str::<Vec<Bug>>(&text).map_err(|e| told(&path, &e))?);
+        let list: Vec<Bug> = serde_json::from_str(&text).map_err(|e| told(&path, &e))?;
+        let chapter = path.file_stem().unwrap_or_default().to_string_lossy();
+        bugs.extend(list.into_iter().map(|bug| Bug { chapter: chapter.to_string(), ..bug }));
     }
     Ok(bugs)
 }
@@ -56,6 +61,7 @@ impl Bug {
             about: self.about.clone(),
             source: self.source.clone(),
             file: self.file.clone(),
+            chapter: Some(self.chapter.clone()),
             range: start + offset..start + offset + self.find.len(),
             replace: self.replace.clone(),
         })

@@ -1,6 +1,7 @@
 //! `validate museum`.
 
 use super::findings::{Findings, results};
+use super::suite::Asked;
 use super::{bugs, document, mutants, root};
 use crate::console::say;
 use std::collections::BTreeSet;
@@ -26,9 +27,12 @@ pub struct Arguments {
     /// Another number, other mutants
     #[arg(long, default_value_t = 0)]
     number: u64,
-    /// Only tests that bear the name of the bug's file or module; what these do not notice stays open
+    /// Only tests that bear the name of the bug's file, chapter or module; what these do not notice stays open
     #[arg(long)]
     near: bool,
+    /// Only tests whose names contain this; what these do not notice stays open
+    #[arg(long, value_name = "NAME", conflicts_with = "near")]
+    test: Option<String>,
     /// Threads of a test program
     #[arg(long, default_value_t = 1)]
     jobs: usize,
@@ -72,7 +76,12 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     }
     let known: BTreeSet<String> = findings.bugs.iter().map(|bug| bug.name.clone()).collect();
     let wanted = |name: &str| named(name) && !(arguments.resume && known.contains(name));
-    super::examine(changes, wanted, &scratch, (arguments.jobs, arguments.near), |finding| {
+    let asked = match arguments.test {
+        Some(name) => Asked::Named(name),
+        None if arguments.near => Asked::Near,
+        None => Asked::All,
+    };
+    super::examine(changes, wanted, &scratch, (arguments.jobs, &asked), |finding| {
         say(format_args!("{finding}"));
         findings.add(finding);
         arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))

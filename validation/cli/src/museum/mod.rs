@@ -18,7 +18,7 @@ use cargo::{Compiled, Program};
 use findings::{Fate, Finding};
 use plant::Change;
 use std::path::{Path, PathBuf};
-use suite::Suite;
+use suite::{Asked, Suite};
 
 /// The root of the repository.
 pub fn root() -> PathBuf {
@@ -33,7 +33,7 @@ pub fn keep(scratch: &Path) -> Result<PathBuf, String> {
 }
 
 /// Plants all changes, which were found in what [`keep`] has kept in `scratch`, and lets out those that are `wanted`,
-/// one after another; `tell` hears of every finding. `near` asks only the tests that bear the name of a bug's file or module.
+/// one after another; `tell` hears of every finding.
 ///
 /// `scratch` is kept between runs, so that a second one compiles only what has changed. Errors are a tree that cannot
 /// be copied or built, and a test that fails without any bug.
@@ -41,7 +41,7 @@ pub fn examine(
     changes: Vec<Change>,
     wanted: impl Fn(&str) -> bool,
     scratch: &Path,
-    (jobs, near): (usize, bool),
+    (jobs, asked): (usize, &Asked),
     mut tell: impl FnMut(Finding) -> Result<(), String>,
 ) -> Result<(), String> {
     let mut rest = changes;
@@ -55,7 +55,7 @@ pub fn examine(
         refused.iter().try_for_each(|change| tell(Finding::new(change, Fate::DoesNotCompile)))?;
         let mut suite = Suite::new(programs, jobs);
         for (index, change) in planted.iter().enumerate().filter(|(_, change)| wanted(&change.name)) {
-            let fate = suite.judge(index + 1, &change.file, near)?;
+            let fate = suite.judge(index + 1, change, asked)?;
             fate.map_or(Ok(()), |fate| tell(Finding::new(change, fate)))?;
         }
     }

@@ -70,6 +70,7 @@ impl Finder<'_> {
             about: format!("`{right}` → `{wrong}` in `{}`", short(&text[whole.clone()])),
             source: String::new(),
             file: self.file.to_owned(),
+            chapter: None,
             range: whole,
             replace,
         });

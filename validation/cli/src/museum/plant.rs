@@ -13,6 +13,8 @@ pub struct Change {
     pub source: String,
     /// From the root of the repository.
     pub file: String,
+    /// The chapter of the catalogue, whose name tests may bear; none of what nobody chose.
+    pub chapter: Option<String>,
     /// The expression's bytes.
     pub range: Range<usize>,
     pub replace: String,
@@ -174,7 +176,8 @@ mod tests {
 
     fn change(name: &str, range: Range<usize>) -> Change {
         let (about, source) = (String::new(), String::new());
-        Change { name: name.into(), about, source, file: "a.rs".into(), range, replace: "2".into() }
+        let (file, replace) = ("a.rs".into(), "2".into());
+        Change { name: name.into(), about, source, file, chapter: None, range, replace }
     }
 
     #[test]

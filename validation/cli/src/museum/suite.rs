@@ -2,7 +2,7 @@
 
 use super::cargo::Program;
 use super::findings::Fate;
-use super::plant::VARIABLE;
+use super::plant::{Change, VARIABLE};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -27,6 +27,33 @@ enum End {
     Broken(&'static str),
     /// Its time was over.
     Unfinished,
+}
+
+/// Which tests are asked of a bug.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Asked {
+    /// Those that bear the name of its file, of its chapter of the catalogue or of its module.
+    Near,
+    /// Those whose names contain this.
+    Named(String),
+    /// Those that are near, then all others.
+    All,
+}
+
+impl Asked {
+    /// What the names of tests must contain, in turn; nothing is in all of them.
+    fn filters(&self, change: &Change) -> Vec<Vec<String>> {
+        if let Self::Named(name) = self {
+            return vec![vec![name.clone()]];
+        }
+        let [module, name] = names(&change.file);
+        let mut near = vec![name];
+        near.extend(change.chapter.clone());
+        near.push(format!("{module}::"));
+        near.dedup();
+        let all = (*self == Self::All).then(Vec::new);
+        near.into_iter().map(|name| vec![name]).chain(all).collect()
+    }
 }
 
 /// What a program has to say of a bug.
@@ -76,16 +103,15 @@ impl Suite {
         Self { stages: programs.into_iter().rev().map(stage).collect(), jobs, unfit: vec![] }
     }
 
-    /// Lets bug number `bug`, which is in `file`, out on the suite. First come all tests that bear the name of the
-    /// file or of its module, then all, in the order of what a find in this module has cost so far.
-    /// With `near`, only the former; `None` if these do not notice.
-    pub fn judge(&mut self, bug: usize, file: &str, near: bool) -> Result<Option<Fate>, String> {
+    /// Lets bug number `bug` out on the suite. First come all tests that bear the name of its file, of its
+    /// chapter of the catalogue or of its module, then all, in the order of what a find in this module has cost so far.
+    /// `None` if not all tests were asked, and these do not notice.
+    pub fn judge(&mut self, bug: usize, change: &Change, asked: &Asked) -> Result<Option<Fate>, String> {
         let start = Instant::now();
-        let [module, name] = names(file);
+        let [module, _] = names(&change.file);
         self.stages.sort_by_key(|stage| stage.cost(&module));
-        let filters = [Some(name), Some(format!("{module}::")), None];
-        for filter in filters.into_iter().take(if near { 2 } else { 3 }) {
-            let filter: Vec<String> = filter.into_iter().collect();
+        let filters = asked.filters(change);
+        for filter in filters {
             let mut open: Vec<usize> = (0..self.stages.len()).collect();
             for time in ROUNDS {
                 let mut unfinished = vec![];
@@ -107,7 +133,7 @@ impl Suite {
                 open = unfinished;
             }
         }
-        Ok((!near).then_some(Fate::Survived))
+        Ok((*asked == Asked::All).then_some(Fate::Survived))
     }
 }
 
@@ -227,6 +253,23 @@ mod tests {
         assert_eq!(failed("test bsdf::contract::finite ... ok"), None);
         assert_eq!(failed("test result: FAILED. 3 passed; 1 failed"), None);
         assert_eq!(failed("FAILED"), None);
+    }
+
+    #[test]
+    fn what_is_near_comes_before_all_else() {
+        let change = Change {
+            name: String::new(),
+            about: String::new(),
+            source: String::new(),
+            file: "src/bsdf/plastic.rs".into(),
+            chapter: Some("texture".into()),
+            range: 0..0,
+            replace: String::new(),
+        };
+        let near: [Vec<String>; 3] = ["plastic", "texture", "bsdf::"].map(|name| vec![name.into()]);
+        assert_eq!(Asked::Near.filters(&change), near);
+        assert_eq!(Asked::All.filters(&change), [&near[..], &[vec![]]].concat());
+        assert_eq!(Asked::Named("a".into()).filters(&change), [["a"]]);
     }
 
     #[test]
