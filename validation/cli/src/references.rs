@@ -90,10 +90,9 @@ impl Reference {
 
 /// What is asked of a reference.
 pub fn settings(margin: f64) -> image::Settings {
-    // Tiles must lie within their noise; their own margin is not asked for at these sample counts.
     // Mitsuba adds its samples up in f32, so that its noiseless pixels are off by some ulp.
     let rounding = 64.0 * f64::from(f32::EPSILON);
-    image::Settings { tile_margin: f64::INFINITY, rounding, ..image::Settings::with_margin(margin) }
+    image::Settings { rounding, ..image::Settings::with_margin(margin).with_tiles_within_noise() }
 }
 
 fn channel(channel: &etalon::image::Channel) -> image::Channel {

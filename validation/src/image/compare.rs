@@ -21,8 +21,10 @@ pub struct Settings {
     pub level: f64,
     /// The ratio of the means must lie within 1 ± this.
     pub margin: f64,
-    /// Each tile's mean must agree within this, relative to the larger of its and the image's mean. Infinity asks nothing.
+    /// A tile that agrees within this, relative to the larger of its and the image's mean, is the same, however sure the difference.
     pub tile_margin: f64,
+    /// Whether a tile too noisy to tell leaves the whole undecided. If not, it is enough that no tile is beyond its noise.
+    pub tiles_settled: bool,
     /// Pixels along a tile's side.
     pub tile_size: usize,
     /// Noiseless pixels may differ by this, relatively.
@@ -35,7 +37,14 @@ impl Settings {
     pub fn with_margin(margin: f64) -> Self {
         // Four units in the last place of an f32.
         let rounding = 4.0 * 0.5 * f64::from(f32::EPSILON);
-        Self { level: 0.01, margin, tile_margin: 8.0 * margin, tile_size: 16, rounding }
+        Self { level: 0.01, margin, tile_margin: 8.0 * margin, tiles_settled: true, tile_size: 16, rounding }
+    }
+}
+
+impl Settings {
+    /// The same, but of tiles it is asked only that none is beyond its noise and this margin.
+    pub fn with_tiles_within_noise(self) -> Self {
+        Self { tile_margin: self.margin, tiles_settled: false, ..self }
     }
 }
 
@@ -93,7 +102,7 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
         errors: errors::errors(pair),
     };
     let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
-    let tiles = tiles::compare(&pairs, settings.tile_size.max(1), settings.level, half, settings.tile_margin);
+    let tiles = tiles::compare(&pairs, settings, half);
     let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, f64::min);
     let p_values = [smallest_of(means, channels.len()), smallest_of(tiles.smallest_p_value, tiles.tested)];
     let identical = pairs.iter().all(|pair| pair.pixels().all(|(_, _, pixel)| pixel.a == pixel.b));
@@ -155,6 +164,9 @@ impl Comparison {
         let open = self.channels.iter().find(|channel| channel.mean.verdict != Verdict::Equivalent);
         let message = match (open, self.tiles.verdict) {
             (Some(channel), _) => describe_mean(channel),
+            (None, Verdict::Equivalent) if !self.settings.tiles_settled => {
+                format!("means within {}%, no tile beyond its noise", percent(self.settings.margin))
+            }
             (None, Verdict::Equivalent) => {
                 format!(
                     "means within {}%, all tiles within {}%",

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{
+    Settings,
     mean::{Side, Sums},
     pair::Pair,
 };
@@ -116,15 +117,11 @@ fn informed(side: Side, other: Side, ratio: f64) -> Side {
     Side { mean: side.mean, variance: other.variance * ratio, squared_variance }
 }
 
-/// Tests every tile at the Šidák level of all; equivalent if each tile's `level` interval lies within ± `margin`.
+/// Tests every tile at the Šidák level of all, which together are to keep the level `corrected`; equivalent if each tile's interval at the level
+/// of the settings lies within ± their margin for tiles.
 /// Equivalence of all needs no correction: it is claimed only if every single test accepts (intersection–union).
-pub(super) fn compare(
-    pairs: &[Pair],
-    size: usize,
-    level: f64,
-    corrected: f64,
-    margin: f64,
-) -> TileComparison {
+pub(super) fn compare(pairs: &[Pair], settings: &Settings, corrected: f64) -> TileComparison {
+    let size = settings.tile_size.max(1);
     let cuts: Vec<Vec<Raw>> = pairs.iter().map(|pair| cut(pair, size)).collect();
     let tested = cuts.iter().flatten().filter(|tile| tile.sums.count > 0.0).count();
     let each = sidak(corrected, tested);
@@ -134,10 +131,10 @@ pub(super) fn compare(
         let image_mean = (total.a.mean + total.b.mean).abs() / (2.0 * total.count);
         let ratio = noise_ratio(cut);
         for raw in cut.iter().filter(|raw| raw.sums.count > 0.0) {
-            tiles.push(test(raw, pair.name, size, image_mean, ratio, [level, each], margin));
+            tiles.push(test(raw, pair.name, size, image_mean, ratio, each, settings));
         }
     }
-    summarise(tiles, pairs, size, level, each, margin)
+    summarise(tiles, pairs, size, each, settings)
 }
 
 fn test(
@@ -146,8 +143,8 @@ fn test(
     size: usize,
     image: f64,
     ratio: Option<f64>,
-    levels: [f64; 2],
-    margin: f64,
+    each: f64,
+    settings: &Settings,
 ) -> Tile {
     let Sums { count, a, b } = raw.sums;
     let (a_informed, b_informed) =
@@ -155,13 +152,15 @@ fn test(
     let welch = Welch::new(a_informed.estimate(count), b_informed.estimate(count));
     let scale = image.max((a.mean + b.mean).abs() / (2.0 * count));
     let p_value = welch.p_value();
-    let room = Interval::around(welch.difference, welch.half_width(levels[0]));
-    let verdict = if room.within(0.0, margin * scale) {
+    let room = Interval::around(welch.difference, welch.half_width(settings.level));
+    let verdict = if room.within(0.0, settings.tile_margin * scale) {
         Verdict::Equivalent
-    } else if p_value <= levels[1] {
+    } else if p_value <= each {
         Verdict::Different
-    } else {
+    } else if settings.tiles_settled {
         Verdict::Inconclusive
+    } else {
+        Verdict::Equivalent
     };
     let relative = |value: f64| if value == 0.0 { 0.0 } else { value / scale };
     Tile {
@@ -184,9 +183,8 @@ fn summarise(
     tiles: Vec<Tile>,
     pairs: &[Pair],
     size: usize,
-    level: f64,
     each: f64,
-    margin: f64,
+    settings: &Settings,
 ) -> TileComparison {
     let smaller =
         |a: &&Tile, b: &&Tile| a.p_value.total_cmp(&b.p_value).then(b.z.abs().total_cmp(&a.z.abs()));
@@ -207,7 +205,7 @@ fn summarise(
         verdict,
         worst,
         different,
-        more_samples: open.then(|| more_samples(noisiest, level, margin, tested)),
+        more_samples: open.then(|| more_samples(noisiest, settings.level, settings.tile_margin, tested)),
     }
 }
 
@@ -215,7 +213,7 @@ fn summarise(
 pub(super) fn scores(pair: &Pair, size: usize) -> Vec<f64> {
     let cut = cut(pair, size);
     let ratio = noise_ratio(&cut);
-    cut.iter().map(|raw| test(raw, pair.name, size, 0.0, ratio, [0.01; 2], 0.0).z).collect()
+    cut.iter().map(|raw| test(raw, pair.name, size, 0.0, ratio, 0.01, &Settings::default()).z).collect()
 }
 
 #[cfg(test)]
@@ -232,7 +230,7 @@ mod tests {
             b.channels[0].mean[y * width + x] = 1.1;
         }
         let (pairs, _) = Pair::all(&a, &b);
-        let found = compare(&pairs, 16, 0.01, 0.005, 0.02);
+        let found = compare(&pairs, &Settings::default(), 0.005);
         assert_eq!((found.columns, found.rows, found.tested), (3, 2, 6));
         assert_eq!(found.different.len(), 1);
         let tile = &found.different[0];
@@ -256,6 +254,24 @@ mod tests {
             a.channels[0].mean[64 * 15 + x] = 1.0;
         }
         let (pairs, _) = Pair::all(&a, &b);
-        assert!(compare(&pairs, 16, 0.01, 0.005, 0.02).different.is_empty());
+        assert!(compare(&pairs, &Settings::default(), 0.005).different.is_empty());
+    }
+
+    #[test]
+    fn a_picture_the_wrong_way_round_is_different_however_noisy_tiles_may_be() {
+        // Bright above, dark below; the mean over all is the same the other way round.
+        let picture = |first: f64, second: f64, variance: f64| {
+            grey(32, &[vec![first; 32 * 16], vec![second; 32 * 16]].concat(), variance)
+        };
+        let settings = Settings::default().with_tiles_within_noise();
+        let verdict = |a, b| {
+            let (pairs, _) = Pair::all(a, b);
+            compare(&pairs, &settings, 0.005).verdict
+        };
+        let (upright, turned) = (picture(1.5, 0.5, 0.1), picture(0.5, 1.5, 0.1));
+        assert_eq!(verdict(&upright, &turned), Verdict::Different);
+        // Too noisy for the margin, and one standard error apart.
+        let error = (2.0 * 0.1 / 256.0f64).sqrt();
+        assert_eq!(verdict(&upright, &picture(1.5 + error, 0.5, 0.1)), Verdict::Equivalent);
     }
 }

@@ -218,9 +218,8 @@ impl Relation {
             return Ok(identical(&left, &right).of(&self.name));
         };
         let settings = image::Settings {
-            tile_margin: f64::INFINITY,
             tile_size: 8,
-            ..image::Settings::with_margin(margin)
+            ..image::Settings::with_margin(margin).with_tiles_within_noise()
         };
         let comparison = image::compare(&left, &right, &settings).map_err(|e| e.to_string())?;
         Ok(comparison.outcome().of(&self.name))
