@@ -87,16 +87,15 @@ pub struct Traits {
     pub refracts: bool,
     /// All that it does besides refracting is to reflect, as a mirror does.
     pub mirrors: bool,
-    /// Scatters about another normal than that of the frame it is given.
+    /// Scatters about another normal than that of the frame it is given. What such a surface hides is decided by the direction to the light alone, so lobes
+    /// without density are not the same from either end, and only camera paths can follow them.
     pub relief: bool,
-    /// Lobes without density are not the same from either end, so that only camera paths can follow them.
-    pub one_way: bool,
 }
 
 impl Traits {
     /// Whether it throws light that it gets from an emitter into few directions.
     pub fn focuses(&self) -> bool {
-        self.glossy || !self.smooth && !self.one_way
+        self.glossy || !self.smooth && !self.relief
     }
 
     /// What is true of either.
@@ -111,7 +110,6 @@ impl Traits {
             refracts: self.refracts && other.refracts,
             mirrors: self.mirrors && other.mirrors,
             relief: self.relief || other.relief,
-            one_way: self.one_way || other.one_way,
         }
     }
 }

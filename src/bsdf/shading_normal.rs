@@ -55,14 +55,7 @@ impl Adapter {
 
     /// The nested material's, with what `own` adds: the tangent is always needed.
     pub fn traits(&self, textured: bool) -> Traits {
-        let one_way = self.flip_invalid || self.shadowing;
-        self.nested.traits().or(Traits {
-            anisotropic: true,
-            textured,
-            relief: true,
-            one_way,
-            ..Traits::default()
-        })
+        self.nested.traits().or(Traits { anisotropic: true, textured, relief: true, ..Traits::default() })
     }
 }
 

@@ -131,7 +131,7 @@ impl Caustics {
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
         let to_camera = vertex.to_world(sample.wi);
         let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(to_camera).abs());
-        if sample.delta && side.traits.one_way {
+        if sample.delta && side.traits.relief {
             return None;
         }
         path.passage = path.passage.and_then(|(passage, chance)| {
@@ -140,7 +140,9 @@ impl Caustics {
         });
         if sample.delta {
             let η2 = sample.eta * sample.eta;
-            let shading = super::refraction(vertex.wo, sample.wi, sample.eta);
+            // A camera path's weight T/(P η²) is a density of ωl, this one's of ωc, and dωl/dωc is the ratio of the cosines times that of
+            // the squared indices: this is the shading cosine's place in the estimate.
+            let shading = (vertex.wo.z / sample.wi.z).abs();
             path.throughput *= sample.weight * (η2 * shading * cos_camera / cos_light) as f32;
             path.ratio *= η2;
         } else {

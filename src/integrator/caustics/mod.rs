@@ -8,7 +8,7 @@
 //! **Which paths.** Let x₁ … xₙ be the vertices from the one that the camera sees to the one on the emitter. Light paths make those with
 //! n ≥ 3 whose xₙ₋₁ is of a material with narrow lobes (a *caster*), whose xₙ lies on an area emitter, and whose x₁ scatters
 //! into more than single directions; no relief with a mirror's or a glass's lobes is among them, whose weights are
-//! not the same from either end (`Traits::one_way`). All others are left to camera paths alone. Where xₙ₋₁ has a lobe
+//! not the same from either end (`Traits::relief`). All others are left to camera paths alone. Where xₙ₋₁ has a lobe
 //! with a density, emitter sampling makes these paths too; the three techniques share them by the power heuristic.
 //!
 //! **The ratio of the densities.** Per sample number there is one camera path to each pixel, and there are M light paths for the
@@ -95,19 +95,6 @@ pub fn is_caster(shape: &Shape) -> bool {
 /// The factor of r from x₁, where a lobe with a density went on: no light path can be connected with another. `seen` is J.
 pub fn first(pdf: f64, cos_light: f64, seen: f64) -> f64 {
     cos_light / (pdf * seen)
-}
-
-/// The ratio of the cosines of ωo and ωi to the normal at which a delta lobe sent one to the other: 1 for reflection. `eta` is that of the
-/// sample. A relief has a normal of its own, so it is found from the directions: along ωo + η ωi by Snell's law.
-///
-/// A camera path's weight T/(P η²) is a density of ωl, a light path's of ωc, and dωl/dωc is the ratio of the cosines
-/// times that of the squared indices: this is the shading cosine's place in the estimate.
-pub fn refraction(wo: DVec3, wi: DVec3, eta: f64) -> f64 {
-    if eta == 1.0 {
-        return 1.0;
-    }
-    let normal = wo + wi * eta;
-    (wo.dot(normal) / wi.dot(normal)).abs()
 }
 
 /// ρ of a vertex whose lobe has a density; `to_camera` and `to_light` are the densities with which either is sampled from the other, and

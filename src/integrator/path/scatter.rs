@@ -150,7 +150,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let sample = sample?;
         if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.light_ratio > 0.0 {
             state.light_ratio *= match sample.delta {
-                true if side.traits.one_way || state.depth == 0 => 0.0,
+                true if side.traits.relief || state.depth == 0 => 0.0,
                 true => 1.0 / (sample.eta * sample.eta),
                 false => ratio_at(scene, &vertex, (wo, first), sample.wi, sample.pdf),
             };
