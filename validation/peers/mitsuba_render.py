@@ -17,6 +17,8 @@ def main():
     import mitsuba as mi
 
     mi.set_variant(variant)
+    # A warning's colour code would otherwise stand before the last line, and its figures be lost.
+    mi.set_log_level(mi.LogLevel.Error)
     if int(threads) > 0:
         dr.set_thread_count(int(threads))
     scene = mi.load_file(path, **({"sampler": sampler[0]} if sampler else {}))
