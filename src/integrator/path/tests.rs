@@ -3,6 +3,7 @@
 use super::receivers::Receivers;
 use super::reuse::{Receiver, Shared, Source};
 use crate::math::DVec3;
+use crate::math::frame::unit;
 use crate::render::{Progress, Settings, render};
 use crate::scene::load_text;
 use crate::spectrum::{ColorMode, Spectrum};
@@ -67,7 +68,7 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
         facing
     };
     let ceiling = -DVec3::Z;
-    let to_the_left = DVec3::new(-1.0, 0.0, -0.1).normalize();
+    let to_the_left = unit(DVec3::new(-1.0, 0.0, -0.1));
     assert_eq!([0, 1].map(|path| facing(path, ceiling)), [0b0101, 0b1010]);
     assert_eq!([0, 1].map(|path| facing(path, to_the_left)), [0b0001, 0b0010]);
 }
