@@ -5,7 +5,7 @@
 //! unknowns, whose derivatives the ray carries along ([`bent`](super::bent)).
 
 use super::bent::{Bent, specular};
-use super::mirrors::Mirror;
+use super::mirror::Mirror;
 use crate::integrator::Counters;
 use crate::math::frame::unit;
 use crate::math::{DVec3, Frame, Ray, length};

@@ -4,7 +4,7 @@
 //! light paths; but where the surface is itself seen through glass or in a mirror, light paths cannot be connected with the
 //! camera. There is a bent way from the surface to the sampled point of the emitter, and [`Link`] finds it: manifold next-event
 //! estimation (Hanika, Droske & Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
-//! (`mirrors.rs`). Ways through glass alone and those by mirrors are two techniques that have no path in common.
+//! (`mirror.rs`). Ways through glass alone and those by mirrors are two techniques that have no path in common.
 //!
 //! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which the way to it leaves the vertex, with
 //! the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the way tell the area |∂y⊥/∂ω| across the ray,
@@ -20,6 +20,7 @@
 
 mod bent;
 mod link;
+mod mirror;
 mod mirrors;
 mod passage;
 

@@ -1,4 +1,4 @@
-use super::mirrors::Mirror;
+use super::mirror::Mirror;
 use super::*;
 use crate::math::Frame;
 use crate::math::frame::unit;

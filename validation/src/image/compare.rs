@@ -39,9 +39,7 @@ impl Settings {
         let rounding = 4.0 * 0.5 * f64::from(f32::EPSILON);
         Self { level: 0.01, margin, tile_margin: 8.0 * margin, tiles_settled: true, tile_size: 16, rounding }
     }
-}
 
-impl Settings {
     /// The same, but of tiles it is asked only that none is beyond its noise and this margin.
     pub fn with_tiles_within_noise(self) -> Self {
         Self { tile_margin: self.margin, tiles_settled: false, ..self }

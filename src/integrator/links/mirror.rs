@@ -1,0 +1,189 @@
+//! A flat mirror or a convex ball: where a point is seen in it is known.
+//!
+//! **Flat.** The image x′ of a point x lies as far behind the plane as x before it; x sees y where the segment x′y
+//! crosses the plane.
+//!
+//! **A ball,** seen from outside: x, y, the centre and the place z of the reflection lie in one plane. On the arc from the
+//! direction to x to that to y, the angle to the normal grows at x and shrinks at y as z moves on, so as long as both see z there is one place
+//! where the two are equal (Alhazen's problem); it is found by false position. Light for x comes from about the image of x: with the distance s
+//! from the surface, rays near the axis meet s r/(2s + r) below it.
+
+use crate::math::{DVec2, DVec3, length};
+
+/// What a mirror looks like.
+#[derive(Clone, Copy, Debug)]
+pub enum Form {
+    /// All points p with n·p = height.
+    Plane {
+        n: DVec3,
+        height: f64,
+    },
+    Ball {
+        centre: DVec3,
+        radius: f64,
+    },
+}
+
+/// A surface that reflects all light from a point as if there were one other point, or nearly so.
+#[derive(Clone, Debug)]
+pub struct Mirror {
+    pub form: Form,
+    /// The ball around it.
+    pub around: (DVec3, f64),
+    /// Which part of the light it reflects, about, on the side of the normal (of a ball: outside) and on the other.
+    pub strength: [f64; 2],
+    /// Counted over the whole scene, in order.
+    pub primitives: Vec<u32>,
+}
+
+impl Mirror {
+    pub fn has(&self, primitive: u32) -> bool {
+        self.primitives.binary_search(&primitive).is_ok()
+    }
+
+    /// Where x seems to be when one looks at the mirror; `None` from where there is no mirror.
+    pub fn image(&self, x: DVec3) -> Option<DVec3> {
+        match self.form {
+            Form::Plane { n, height } => Some(x - n * (2.0 * (n.dot(x) - height))),
+            Form::Ball { centre, radius } => {
+                let from_centre = x - centre;
+                let distance = length(from_centre);
+                let s = distance - radius;
+                let below = s * radius / (2.0 * s + radius);
+                (s > 0.0).then(|| centre + from_centre * ((radius - below) / distance))
+            }
+        }
+    }
+
+    /// Where x sees y in it.
+    pub fn reflection(&self, x: DVec3, y: DVec3) -> Option<DVec3> {
+        match self.form {
+            Form::Plane { n, height } => {
+                let (a, b) = (n.dot(x) - height, n.dot(y) - height);
+                // The weights of y's foot and x's.
+                (a * b > 0.0).then(|| {
+                    let part = a / (a + b);
+                    (x - n * a) * (1.0 - part) + (y - n * b) * part
+                })
+            }
+            Form::Ball { centre, radius } => {
+                on_unit_ball((x - centre) / radius, (y - centre) / radius).map(|n| centre + n * radius)
+            }
+        }
+    }
+
+    /// How much of the light at x it may bring, about: what it reflects, times the part of the surroundings that it fills.
+    pub fn weight(&self, x: DVec3) -> f64 {
+        let behind = match self.form {
+            Form::Plane { n, height } => n.dot(x) < height,
+            Form::Ball { centre, radius } => length(x - centre) <= radius,
+        };
+        let (centre, radius) = self.around;
+        self.strength[usize::from(behind)] * (radius * radius / (x - centre).length_squared()).min(1.0)
+    }
+}
+
+/// The place on a ball of radius 1 about the origin where x sees y.
+fn on_unit_ball(x: DVec3, y: DVec3) -> Option<DVec3> {
+    /// False position needs six or seven steps; halving alone would need as many as there are bits.
+    const STEPS: usize = 64;
+    let (a, b) = (length(x), length(y));
+    if !(a > 1.0 && b > 1.0) {
+        return None;
+    }
+    let e1 = x / a;
+    let along = y.dot(e1);
+    let across = length(y - e1 * along);
+    if across == 0.0 {
+        return (along > 0.0).then_some(e1);
+    }
+    let e2 = (y - e1 * along) / across;
+    // In the plane of the two: x = (a, 0), y = (along, across), and the normal leads from (1, 0) to y/|y| as t from 0 to 1.
+    let normal = |t: f64| {
+        let n = DVec2::new(1.0 - t + t * along / b, t * across / b);
+        n / n.length()
+    };
+    // The sine of the angle to the normal; of a direction below the horizon, beyond that of the horizon.
+    let sine = |n: DVec2, p: DVec2| {
+        let way = p - n;
+        let sine = n.perp_dot(way) / way.length();
+        let above = n.dot(way) > 0.0;
+        (if above { sine } else { sine.signum() * 2.0 - sine }, above)
+    };
+    // Angles to the two sides are equal where their sines, of opposite signs, add to nothing.
+    let at = |t: f64| {
+        let n = normal(t);
+        let ((of_x, above_x), (of_y, above_y)) =
+            (sine(n, DVec2::new(a, 0.0)), sine(n, DVec2::new(along, across)));
+        (of_x + of_y, above_x && above_y, n)
+    };
+    let (mut low, mut high) = ((0.0, at(0.0).0), (1.0, at(1.0).0));
+    if !(low.1 > 0.0 && high.1 < 0.0) {
+        return None;
+    }
+    let mut last = 0;
+    for _ in 0..STEPS {
+        let t = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let (sum, seen, n) = at(t);
+        if sum.abs() <= 4.0 * f64::EPSILON || t <= low.0 || t >= high.0 {
+            return seen.then(|| e1 * n.x + e2 * n.y);
+        }
+        // The end that stays is believed less each time (the Illinois method).
+        let side = if sum > 0.0 { 1 } else { -1 };
+        if sum > 0.0 {
+            low = (t, sum);
+            high.1 *= if last == side { 0.5 } else { 1.0 };
+        } else {
+            high = (t, sum);
+            low.1 *= if last == side { 0.5 } else { 1.0 };
+        }
+        last = side;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::frame::unit;
+
+    /// Angles to the normal, signed, and whether both are above the horizon.
+    fn angles(n: DVec3, x: DVec3, y: DVec3) -> (f64, bool) {
+        let (to_x, to_y) = (unit(x - n), unit(y - n));
+        (to_x.dot(n) - to_y.dot(n), to_x.dot(n) > 0.0 && to_y.dot(n) > 0.0)
+    }
+
+    #[test]
+    fn on_a_ball_both_angles_are_equal() {
+        let (mut found, mut none) = (0, 0);
+        for i in 0..4000 {
+            let part = |step: f64| (f64::from(i) * step).fract();
+            // Distances from close above the ball to far from it, on all sides.
+            let away = |u: f64| 1.0 + 1e-9 * 1e12f64.powf(u);
+            let turn = std::f64::consts::TAU * part(0.618_033_989);
+            let x = DVec3::new(0.6, 0.0, 0.8) * away(part(0.754_877_666));
+            let y = DVec3::new(turn.cos(), 0.6 * turn.sin(), 0.8 * turn.sin()) * away(part(0.569_840_291));
+            match on_unit_ball(x, y) {
+                Some(n) => {
+                    let (difference, above) = angles(n, x, y);
+                    assert!(above && (length(n) - 1.0).abs() < 1e-12, "{x} {y}");
+                    // The way from a point close to the ball is known as well as the point.
+                    let known = 1e-13 / (length(x) - 1.0).min(length(y) - 1.0).min(1.0);
+                    assert!(difference.abs() < 1e-9 + 100.0 * known, "{x} {y}: {difference}");
+                    found += 1;
+                }
+                None => {
+                    // No place on the arc between sees both.
+                    let (a, b) = (unit(x), unit(y));
+                    let sees = |i: i32| {
+                        let n = unit(a * (1.0 - f64::from(i) / 1e3) + b * (f64::from(i) / 1e3));
+                        x.dot(n) > 1.0 + 1e-6 && y.dot(n) > 1.0 + 1e-6
+                    };
+                    assert!(!(0..=1000).any(sees), "{x} {y}");
+                    none += 1;
+                }
+            }
+        }
+        assert!(found > 500 && none > 500, "{found} {none}");
+    }
+}
