@@ -49,13 +49,12 @@ impl Arguments {
         let rgb = λ.to_rgb(radiance);
         println!("filter weight {weight:?}, linear sRGB {:?}", rgb.map(|v| v * weight));
         let paths = camera.light_paths();
-        for number in self.sample * paths..(self.sample + 1) * paths {
-            camera.light_path(number, &mut Counters::default(), |pixel, values| {
-                if pixel == self.pixel {
-                    println!("light path {number} adds {values:?}");
-                }
-            });
-        }
+        let numbers = self.sample * paths..(self.sample + 1) * paths;
+        camera.trace_light(numbers, &mut Counters::default(), |number, pixel, values| {
+            if pixel == self.pixel {
+                println!("light path {number} adds {values:?}");
+            }
+        });
         Ok(ExitCode::SUCCESS)
     }
 }

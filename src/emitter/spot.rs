@@ -33,15 +33,10 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let expected = "degrees above 0 and below 90";
     let in_range = |v: f64| v > 0.0 && v < 90.0;
     let cutoff = params.float_where("cutoff_angle", 20.0, "no light beyond, degrees", expected, in_range)?;
-    let narrower = |v: f64| v >= 0.0 && v <= cutoff;
-    let beam = params.float_where(
-        "beam_width",
-        0.75 * cutoff,
-        "full light within, degrees",
-        "0 to `cutoff_angle`",
-        narrower,
-    )?;
-    let (cutoff, beam) = (cutoff.to_radians(), beam.to_radians());
+    let about = "full light within, degrees; what is beyond `cutoff_angle` is cut off";
+    let beam = params
+        .float_where("beam_width", 0.75 * cutoff, about, "0 to 90 degrees", |v| (0.0..=90.0).contains(&v))?;
+    let (cutoff, beam) = (cutoff.to_radians(), beam.min(cutoff).to_radians());
     Ok(AnyEmitter::Spot(Box::new(Spot { intensity, texture, to_world, cutoff, beam })))
 }
 
@@ -66,5 +61,44 @@ impl Spot {
         let texture = self.texture.as_ref().map_or(1.0, AnyTexture::mean);
         let half_way = 0.5 * (self.cutoff + self.beam);
         self.intensity.mean() * texture * 2.0 * std::f64::consts::PI * (1.0 - cos(half_way))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    /// What arrives at places one away from a spot at the origin that shines along z, by the angle from the axis.
+    fn arriving(beam_width: f64, degrees: f64) -> Option<f32> {
+        let text = format!(
+            r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="spot"><rgb name="intensity" value="3"/>
+                <float name="cutoff_angle" value="20"/><float name="beam_width" value="{beam_width}"/></emitter></scene>"#
+        );
+        let scene = load_text("spot.xml", &text, ColorMode::Rgb).unwrap();
+        let AnyEmitter::Spot(spot) = &scene.emitters.list[0].emitter else { panic!("no spot") };
+        let angle = degrees.to_radians();
+        let found = spot.sample(DVec3::new(angle.sin(), 0.0, angle.cos()), &Wavelengths::rgb());
+        found.map(|light| light.radiance.0[0])
+    }
+
+    #[test]
+    fn light_fades_from_the_beam_to_the_cutoff_and_a_wider_beam_is_cut_off() {
+        for (beam_width, degrees, expected) in [
+            (10.0, 9.0, Some(3.0)),
+            (10.0, 15.0, Some(1.5)),
+            (10.0, 21.0, None),
+            (20.0, 19.0, Some(3.0)),
+            (30.0, 19.0, Some(3.0)),
+            (30.0, 21.0, None),
+        ] {
+            let found = arriving(beam_width, degrees);
+            let alike = match (found, expected) {
+                (Some(found), Some(expected)) => (found - expected).abs() < 1e-6 * expected,
+                (found, expected) => found == expected,
+            };
+            assert!(alike, "beam {beam_width}, {degrees} degrees: {found:?}");
+        }
     }
 }

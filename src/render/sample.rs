@@ -8,6 +8,7 @@ use crate::sampler::{CAMERA, ManyNumbers, Numbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
+use std::ops::Range;
 
 /// Everything that makes samples of a scene.
 pub struct Camera<'a> {
@@ -87,12 +88,13 @@ impl<'a> Camera<'a> {
         self.scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths))
     }
 
-    /// Traces one light path, counted over all samples, and hands on to which pixels it brings what in the colour channels.
-    pub fn light_path(
+    /// Traces light paths by their numbers, counted over all samples, and hands on which of them brings what to the
+    /// colour channels of which pixel.
+    pub fn trace_light(
         &self,
-        number: u64,
+        numbers: Range<u64>,
         counters: &mut Counters,
-        mut splat: impl FnMut((u32, u32), &[f64]),
+        mut splat: impl FnMut(u64, (u32, u32), &[f64]),
     ) {
         let Some(caustics) = &self.scene.caustics else { return };
         let mut values = vec![0.0; self.color_channels()];
@@ -100,12 +102,12 @@ impl<'a> Camera<'a> {
         caustics.trace(
             self.scene,
             drawn,
-            number,
+            numbers,
             |u| self.wavelengths(u),
             counters,
-            |found| {
+            |number, found| {
                 self.colors((&found.λ, found.radiance, 0.0), found.weight, &mut values);
-                splat(found.pixel, &values);
+                splat(number, found.pixel, &values);
             },
         );
     }

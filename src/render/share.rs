@@ -99,9 +99,9 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
         seen[tile(*pixel)] += values[1];
     }
     let scale = f64::from(caustics.paths) * f64::from(CAMERA_SAMPLES) / (LIGHT_PATHS as f64 * pixels as f64);
-    for number in 0..LIGHT_PATHS {
-        camera.light_path(number, &mut counters, |pixel, values| brought[tile(pixel)] += values[1] * scale);
-    }
+    camera.trace_light(0..LIGHT_PATHS, &mut counters, |_, pixel, values| {
+        brought[tile(pixel)] += values[1] * scale;
+    });
     let parts = seen.iter().zip(&brought).map(|(seen, brought)| brought / (seen + brought));
     let lit: Vec<f64> = parts.filter(|part| part.is_finite()).map(|part| part.clamp(0.0, 1.0)).collect();
     if lit.is_empty() { 0.0 } else { lit.iter().sum::<f64>() / lit.len() as f64 }

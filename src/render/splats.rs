@@ -53,17 +53,16 @@ impl Splats {
             if progress.stop.load(Ordering::Relaxed) {
                 return None;
             }
-            for number in first..numbers.end.min(first + CHUNK) {
-                let Part { pixels, samples: offsets, values, counters } = &mut part;
-                camera.light_path(number, counters, |(x, y), channels| {
-                    let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
-                    if x < window.width && y < window.height {
-                        pixels.push(y * window.width + x);
-                        offsets.push((number / per_sample - samples.start) as u32);
-                        values.extend_from_slice(channels);
-                    }
-                });
-            }
+            let Part { pixels, samples: offsets, values, counters } = &mut part;
+            let chunk = first..numbers.end.min(first + CHUNK);
+            camera.trace_light(chunk, counters, |number, (x, y), channels| {
+                let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
+                if x < window.width && y < window.height {
+                    pixels.push(y * window.width + x);
+                    offsets.push((number / per_sample - samples.start) as u32);
+                    values.extend_from_slice(channels);
+                }
+            });
             Some(part)
         };
         let parts = chunks.par_iter().map(part).collect::<Option<Vec<Part>>>()?;

@@ -120,11 +120,10 @@ impl Bitmap {
         let offset = if self.nearest { 0.0 } else { 0.5 };
         let (x, y) = (p.x * self.width as f64 - offset, p.y * self.height as f64 - offset);
         let (x0, y0) = (x.floor(), y.floor());
-        let at = |dx: i64, dy: i64| {
-            let column = self.wrapped(x0 as i64 + dx, self.width);
-            self.wrapped(y0 as i64 + dy, self.height) * self.width + column
-        };
-        ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], x - x0, y - y0)
+        let columns = [0, 1].map(|next| self.wrapped(x0 as i64 + next, self.width));
+        let rows = [0, 1].map(|next| self.wrapped(y0 as i64 + next, self.height) * self.width);
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y): (usize, usize)| rows[y] + columns[x]);
+        (corners, x - x0, y - y0)
     }
 
     /// The texels about a place and their weights.
@@ -135,8 +134,13 @@ impl Bitmap {
         [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
     }
 
+    #[inline]
     fn wrapped(&self, i: i64, size: usize) -> usize {
         let n = size as i64;
+        if (0..n).contains(&i) {
+            // Most are, and a division takes longer than all else here.
+            return i as usize;
+        }
         match self.wrap {
             Wrap::Repeat => i.rem_euclid(n) as usize,
             Wrap::Clamp => i.clamp(0, n - 1) as usize,

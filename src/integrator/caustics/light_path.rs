@@ -1,15 +1,15 @@
-//! Light paths.
+//! What happens along a light path.
 
 use super::Caustics;
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
-use crate::integrator::path::{MAX_VERTICES, side_towards};
+use crate::integrator::path::side_towards;
 use crate::math::{DVec2, DVec3, Ray};
-use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Numbers, Sampler};
+use crate::sampler::Numbers;
 use crate::scene::Scene;
-use crate::shape::SurfacePoint;
+use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// What a light path brings to a pixel.
@@ -22,12 +22,9 @@ pub struct Splat {
     pub weight: f64,
 }
 
-/// The column that stands for light paths where samplers are given a pixel: no film is as wide.
-const LIGHT: u32 = u32::MAX;
-
 /// A light path on its way.
-struct LightPath {
-    ray: Ray,
+pub struct LightPath {
+    pub ray: Ray,
     λ: Wavelengths,
     emitted: Spectrum,
     /// What has become of the light since it left.
@@ -44,55 +41,35 @@ struct LightPath {
     passage: Option<(Passage, f64)>,
 }
 
-impl Caustics {
-    /// Traces light path `number`, counted over all samples, and hands on what it brings to the film.
-    pub fn trace(
-        &self,
-        scene: &Scene,
-        (kind, seed): (Kind, u32),
-        number: u64,
-        wavelengths: impl Fn(f64) -> Wavelengths,
-        counters: &mut Counters,
-        mut splat: impl FnMut(Splat),
-    ) {
-        let sampler = Sampler::new(kind, seed, (LIGHT, (number >> 32) as u32), number as u32);
-        let u = sampler.block(CAMERA);
-        let λ = wavelengths(u.one(4));
-        let Some(start) = self.emission.sample(&scene.emitters, &scene.shapes, u, &λ) else { return };
+impl LightPath {
+    /// `None` where no light leaves. `u` is the block of the camera.
+    pub fn begin(caustics: &Caustics, scene: &Scene, u: Numbers, λ: Wavelengths) -> Option<Self> {
+        let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
         let scale = start.cos / start.density;
-        let mut path = LightPath {
+        Some(Self {
             ray: start.ray,
             λ,
             emitted: start.radiance,
             throughput: Spectrum::ONE,
             scale,
-            ratio: self.paths as f64 / scale,
+            ratio: f64::from(caustics.paths) / scale,
             end: start.end,
             by_emitter: 0.0,
             passage: Some((Passage::default(), 1.0)),
-        };
-        for edges in 1..=MAX_VERTICES {
-            let u = sampler.block(FIRST_VERTEX - 1 + edges);
-            match self.step(scene, &mut path, edges, u, counters, &mut splat) {
-                Some(ray) => path.ray = ray,
-                None => return,
-            }
-        }
-        counters.cut += 1;
+        })
     }
+}
 
-    /// Goes along the ray, connects what it meets with the camera, and scatters.
-    fn step(
+impl Caustics {
+    /// Connects what the path's ray has met after so many edges with the camera, and scatters: the ray with which it goes on.
+    pub fn step(
         &self,
         scene: &Scene,
         path: &mut LightPath,
-        edges: u32,
-        u: Numbers,
+        (edges, hit, u): (u32, Hit, Numbers),
         counters: &mut Counters,
-        splat: &mut impl FnMut(Splat),
+        splat: impl FnOnce(Splat),
     ) -> Option<Ray> {
-        counters.rays += 1;
-        let hit = scene.accel.closest(&path.ray)?;
         let (shape, point) = scene.surface::<true>(&path.ray, &hit);
         let to_light = -path.ray.direction;
         let side = side_towards(shape, point.ns.dot(to_light));

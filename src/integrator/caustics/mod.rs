@@ -29,6 +29,7 @@
 mod aim;
 mod emission;
 mod light_path;
+mod stream;
 
 use super::AnyIntegrator;
 use super::path::Path;

@@ -132,6 +132,9 @@ impl Path {
         alive.extend(0..paths.len());
         rays.clear();
         rays.extend(paths.iter().map(|path| path.ray));
+        // Surroundings in view cover everything.
+        let surrounded = !self.hide_emitters && scene.emitters.environment.is_some();
+        paths.iter_mut().for_each(|path| path.covered = surrounded);
         hits.resize(paths.len(), None);
         while !alive.is_empty() {
             let count = alive.len();

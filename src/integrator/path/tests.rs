@@ -72,3 +72,38 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     assert_eq!([0, 1].map(|path| facing(path, ceiling)), [0b0101, 0b1010]);
     assert_eq!([0, 1].map(|path| facing(path, to_the_left)), [0b0001, 0b0010]);
 }
+
+/// Alpha of a picture through three surfaces that let all light pass, at every depth of paths.
+fn alpha(hide_emitters: bool, surroundings: &str) -> Vec<f32> {
+    let pane = |z: f64| {
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world"><translate z="{z}"/></transform><bsdf type="null"/></shape>"#
+        )
+    };
+    let panes: String = [1.0, 2.0, 3.0].map(pane).concat();
+    let of_depth = |max_depth: u32| {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="{max_depth}"/>
+                    <boolean name="hide_emitters" value="{hide_emitters}"/></integrator>
+                <sensor type="perspective"><float name="fov" value="1"/><film type="hdrfilm"><string name="pixel_format" value="rgba"/>
+                    <integer name="width" value="2"/><integer name="height" value="2"/><rfilter type="box"/></film></sensor>
+                {panes}{surroundings}</scene>"#
+        );
+        let scene = load_text("panes.xml", &text, ColorMode::Rgb).unwrap();
+        let window = scene.sensor.film.crop;
+        let settings = Settings { samples: 0..4, seed: 0, window, threads: 1, shard: false, kernel: None };
+        let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+        image.channel("A").unwrap().mean.clone()
+    };
+    (0..=5).flat_map(of_depth).collect()
+}
+
+#[test]
+fn surroundings_in_view_cover_every_pixel_wherever_the_path_ends() {
+    let sky = r#"<emitter type="constant"/>"#;
+    let seen = alpha(false, sky);
+    // Nothing is looked at with `max_depth` 0, as in Mitsuba.
+    assert!(seen[..4].iter().all(|&a| a == 0.0) && seen[4..].iter().all(|&a| a == 1.0), "{seen:?}");
+    assert!(alpha(true, sky).iter().all(|&a| a == 0.0));
+    assert!(alpha(false, "").iter().all(|&a| a == 0.0));
+}

@@ -43,7 +43,6 @@ impl Path {
                 let light = environment(scene, ray, state.arrival, self.emitter_samples, λ);
                 let found = if state.shares { &mut shared.radiance } else { &mut path.radiance };
                 *found += state.throughput * light;
-                path.covered |= scene.emitters.environment.is_some();
             }
             return None;
         };
@@ -97,8 +96,6 @@ impl Path {
             log.push(Event { hit, p: point.p, throughput, radiance, nm: λ.nm[0] });
         }
         if state.depth + 1 >= self.max_depth {
-            // The surroundings would have been seen at last, and they cover everything.
-            path.covered |= !self.hide_emitters && scene.emitters.environment.is_some();
             return None;
         }
         let side = side_towards(shape, point.ns.dot(-ray.direction));
