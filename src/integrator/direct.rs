@@ -90,7 +90,7 @@ impl Direct {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
                 let u = (u.one(4), u.pair(0));
-                let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _| 0.0);
+                let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _, _| 0.0);
                 let Some(light) = light else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {

@@ -68,8 +68,8 @@ pub struct Proposal {
 /// this technique has to contribute, up to visibility.
 ///
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
-/// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of an emitter and a sample with which density, as
-/// one of directions, light paths make the whole path too; see [`super::caustics`]. `n` is what the vertex gathers light about.
+/// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of an emitter, a sample and its density np how many
+/// times likelier, as a density of directions, light paths make the whole path; see [`super::caustics`]. `n` is what the vertex gathers light about.
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
@@ -78,7 +78,7 @@ pub fn sample_emitter<B: Bsdf>(
     (choice, u): (f64, DVec2),
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
-    light_paths: impl Fn(usize, &DirectSample) -> f64,
+    light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
 ) -> Option<Proposal> {
     let (index, probability, _) = scene.emitters.sample(choice)?;
     let entry = &scene.emitters.list[index];
@@ -93,7 +93,7 @@ pub fn sample_emitter<B: Bsdf>(
         1.0
     } else {
         let own = count * pdf;
-        power_heuristic_of_three(rivals * scattered.pdf / own, light_paths(index, &light) / own)
+        power_heuristic_of_three(rivals * scattered.pdf / own, light_paths(index, &light, own))
     };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     Some(Proposal {

@@ -97,8 +97,14 @@ impl Splats {
     }
 
     /// Adds to a sample of a pixel, whose colour channels come first, what light paths bring to it.
-    pub fn add_to(&self, (x, y): (u32, u32), sample: u64, values: &mut [f64]) {
-        let Some(window) = self.window else { return };
+    #[inline(always)]
+    pub fn add_to(&self, pixel: (u32, u32), sample: u64, values: &mut [f64]) {
+        if let Some(window) = self.window {
+            self.add_in(window, pixel, sample, values);
+        }
+    }
+
+    fn add_in(&self, window: Window, (x, y): (u32, u32), sample: u64, values: &mut [f64]) {
         let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
         let sample = (sample - self.begin) as u32;
         let mine = self.first[at]..self.first[at + 1];

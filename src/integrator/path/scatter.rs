@@ -94,11 +94,11 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             let counts = (settings.emitter_samples as f64, 1.0);
             let focuses = state.depth > 0 && side.traits.focuses();
             let ratio = if focuses { state.light_ratio } else { 0.0 };
-            let light_paths = |emitter: usize, light: &DirectSample| match &scene.caustics {
+            let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.caustics {
                 Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
                     let end = (emitter, point.p + light.wi * light.distance, light.n);
                     let here = ratio_at(scene, &vertex, (wo, None), vertex.to_local(light.wi), 1.0);
-                    ratio * here * caustics.last(scene, end, -light.wi)
+                    ratio * here * caustics.last(scene, end, -light.wi) / own
                 }
                 _ => 0.0,
             };
