@@ -5,10 +5,12 @@
 //! intrinsic that the `cfg` above it guarantees.
 
 mod floats;
+mod lanewise;
 mod prefetch;
 mod words;
 
 pub use floats::F32x8;
+use lanewise::lanewise;
 pub use prefetch::prefetch;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 pub use words::U32x8;
@@ -235,46 +237,15 @@ impl F64x4 {
     }
 }
 
-macro_rules! operators {
-    ($($Trait:ident $method:ident $intrinsic:ident $operator:tt;)*) => {$(
-        impl $Trait for F64x4 {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                #[cfg(target_feature = "avx")]
-                return Self(unsafe { $intrinsic(self.0, other.0) });
-                #[cfg(not(target_feature = "avx"))]
-                return self.zip(other, |a, b| a $operator b);
-            }
-        }
-    )*};
+lanewise! { F64x4, "avx":
+    Add add _mm256_add_pd f64::add;
+    Sub sub _mm256_sub_pd f64::sub;
+    Mul mul _mm256_mul_pd f64::mul;
+    Div div _mm256_div_pd f64::div;
 }
-operators! {
-    Add add _mm256_add_pd +;
-    Sub sub _mm256_sub_pd -;
-    Mul mul _mm256_mul_pd *;
-    Div div _mm256_div_pd /;
-}
-
-macro_rules! mask_operators {
-    ($($Trait:ident $method:ident $intrinsic:ident $operator:tt;)*) => {$(
-        impl $Trait for Mask {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                #[cfg(target_feature = "avx")]
-                return Self(unsafe { $intrinsic(self.0, other.0) });
-                #[cfg(not(target_feature = "avx"))]
-                return Self(std::array::from_fn(|i| self.0[i] $operator other.0[i]));
-            }
-        }
-    )*};
-}
-mask_operators! {
-    BitAnd bitand _mm256_and_pd &;
-    BitOr bitor _mm256_or_pd |;
+lanewise! { Mask, "avx":
+    BitAnd bitand _mm256_and_pd bool::bitand;
+    BitOr bitor _mm256_or_pd bool::bitor;
 }
 
 impl Neg for F64x4 {

@@ -1,5 +1,6 @@
 //! Eight `f32` at once: an AVX register where the build has them, an array where it has not.
 
+use super::lanewise::lanewise;
 use std::ops::{Mul, Sub};
 
 #[cfg(target_feature = "avx")]
@@ -89,24 +90,9 @@ impl F32x8 {
     }
 }
 
-macro_rules! operators {
-    ($($Trait:ident $method:ident $intrinsic:ident $operator:tt;)*) => {$(
-        impl $Trait for F32x8 {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                #[cfg(target_feature = "avx")]
-                return Self(unsafe { $intrinsic(self.0, other.0) });
-                #[cfg(not(target_feature = "avx"))]
-                return Self(std::array::from_fn(|i| self.0[i] $operator other.0[i]));
-            }
-        }
-    )*};
-}
-operators! {
-    Sub sub _mm256_sub_ps -;
-    Mul mul _mm256_mul_ps *;
+lanewise! { F32x8, "avx":
+    Sub sub _mm256_sub_ps f32::sub;
+    Mul mul _mm256_mul_ps f32::mul;
 }
 
 #[cfg(test)]

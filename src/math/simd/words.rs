@@ -1,5 +1,6 @@
 //! Eight `u32` at once: an AVX2 register where the build has them, an array where it has not.
 
+use super::lanewise::lanewise;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul};
 
 #[cfg(target_feature = "avx2")]
@@ -97,27 +98,12 @@ impl U32x8 {
     }
 }
 
-macro_rules! word_operators {
-    ($($Trait:ident $method:ident $intrinsic:ident $scalar:expr;)*) => {$(
-        impl $Trait for U32x8 {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                #[cfg(target_feature = "avx2")]
-                return Self(unsafe { $intrinsic(self.0, other.0) });
-                #[cfg(not(target_feature = "avx2"))]
-                return Self(std::array::from_fn(|i| $scalar(self.0[i], other.0[i])));
-            }
-        }
-    )*};
-}
-word_operators! {
+lanewise! { U32x8, "avx2":
     Add add _mm256_add_epi32 u32::wrapping_add;
     Mul mul _mm256_mullo_epi32 u32::wrapping_mul;
-    BitAnd bitand _mm256_and_si256 |a: u32, b: u32| a & b;
-    BitOr bitor _mm256_or_si256 |a: u32, b: u32| a | b;
-    BitXor bitxor _mm256_xor_si256 |a: u32, b: u32| a ^ b;
+    BitAnd bitand _mm256_and_si256 u32::bitand;
+    BitOr bitor _mm256_or_si256 u32::bitor;
+    BitXor bitxor _mm256_xor_si256 u32::bitxor;
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod browser;
 mod charts;
+pub mod command;
 mod evidence;
 mod histogram;
 pub(crate) mod machine;

@@ -10,6 +10,7 @@
 
 mod accumulation;
 mod cameras;
+pub mod command;
 mod fresnel;
 mod light;
 mod optics;

@@ -1,0 +1,131 @@
+//! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
+
+use crate::console::{finish, print};
+use crate::trial::{Trial, effort, effort_of_sampling};
+use crate::{furnace, ledger, limits, materials, peers, sampling};
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::Duration;
+use validation::checks::Effort;
+use validation::{Report, Verdict};
+
+/// How closely the checks look, and what is written down of them.
+#[derive(clap::Args)]
+struct Settings {
+    /// Samples a check
+    #[arg(long, default_value_t = 1 << 18)]
+    samples: usize,
+    /// 10 000 states for `jacobian`, harmonics to degree 8 for `moments`
+    #[arg(long)]
+    thorough: bool,
+    /// Another number, other seeds
+    #[arg(long, alias = "seed", default_value_t = 0)]
+    number: u64,
+    /// Write a JSON document
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Append every p-value to a file of JSON lines
+    #[arg(long, value_name = "FILE")]
+    ledger: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+pub struct BsdfArguments {
+    /// Only this material; of a peer, configurations whose name contains this
+    name: Option<String>,
+    /// Judge another program's BSDFs, over the protocol of docs/peer-protocol.md
+    #[arg(long, value_name = "COMMAND")]
+    peer: Option<String>,
+    /// Seconds a peer may take for one answer
+    #[arg(long, default_value_t = 60)]
+    timeout: u64,
+    #[command(flatten)]
+    settings: Settings,
+}
+
+#[derive(clap::Args)]
+pub struct SamplingArguments {
+    /// Only what this is in the name of
+    name: Option<String>,
+    #[command(flatten)]
+    settings: Settings,
+}
+
+#[derive(clap::Args)]
+pub struct FurnaceArguments {
+    /// Only what this is in the name of
+    name: Option<String>,
+    /// Samples an albedo
+    #[arg(long, default_value_t = 1 << 18)]
+    samples: usize,
+    /// Another number, other seeds
+    #[arg(long, alias = "seed", default_value_t = 0)]
+    number: u64,
+    /// Write a JSON document
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write what single scattering loses, and check nothing
+    #[arg(long, value_name = "CSV")]
+    losses: Option<PathBuf>,
+}
+
+/// All checks on materials, or on those of another program.
+pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
+    let BsdfArguments { name, peer, timeout, settings } = arguments;
+    let name = name.as_deref();
+    if let Some(command) = peer {
+        let limit = Duration::from_secs(timeout);
+        let Settings { samples, number, json, .. } = settings;
+        return finish(peers::run(&command, &peers::Settings { name, samples, number, limit }, print)?, json);
+    }
+    let trials = [materials::trials(name), limits::trials(name)].concat();
+    if trials.is_empty() {
+        return Err("there is no such material; see `etalon plugins`".into());
+    }
+    let effort = effort(settings.samples, trials.len(), settings.thorough);
+    judge("materials", trials, &effort, settings)
+}
+
+/// All checks on all else that is drawn.
+pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>> {
+    let SamplingArguments { name, settings } = arguments;
+    let trials = sampling::trials(name.as_deref());
+    let effort = effort_of_sampling(settings.samples, trials.len(), settings.thorough);
+    judge("sampling", trials, &effort, settings)
+}
+
+/// Energy over roughness, index and angle.
+pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
+    let FurnaceArguments { name, samples, number, json, losses } = arguments;
+    if let Some(path) = losses {
+        std::fs::write(path, furnace::losses())?;
+        return Ok(Verdict::Equivalent);
+    }
+    let cells = furnace::cells(name.as_deref());
+    let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), true) };
+    let mut outcomes = vec![];
+    for cell in cells {
+        outcomes.push(cell.run(&effort, number)?);
+        outcomes.last().map(print);
+    }
+    finish(Report::new("furnace", outcomes), json)
+}
+
+fn judge(
+    title: &str,
+    trials: Vec<Trial>,
+    effort: &Effort,
+    Settings { number, json, ledger, .. }: Settings,
+) -> Result<Verdict, Box<dyn Error>> {
+    let mut outcomes = vec![];
+    for trial in trials {
+        if let Some(outcome) = trial.run(effort, number)? {
+            print(&outcome);
+            outcomes.push(outcome);
+        }
+    }
+    if let Some(path) = ledger {
+        ledger::append(&path, &outcomes, number)?;
+    }
+    finish(Report::new(title, outcomes), json)
+}

@@ -1,0 +1,64 @@
+//! The command that judges whole renders: `validate scenes`.
+
+use crate::console::{finish, percentage, print};
+use crate::{closed_forms, metamorphic, references};
+use std::error::Error;
+use std::path::PathBuf;
+use validation::{Report, Verdict};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Only scenes whose name contains this
+    name: Option<String>,
+    /// Samples a pixel
+    #[arg(long, default_value_t = 1024)]
+    spp: u32,
+    /// Largest relative difference of a channel's mean that is none
+    #[arg(long, default_value = "0.5%", value_parser = percentage)]
+    margin: f64,
+    /// Another number, other seeds
+    #[arg(long, default_value_t = 0)]
+    number: u64,
+    /// 64 times the samples of closed forms; relations four times as fine
+    #[arg(long)]
+    thorough: bool,
+    /// Write the tables of closed forms and relations
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+    /// Write a JSON document
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Etalon against the stored references, closed forms and metamorphic relations.
+pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
+    let Arguments { name, spp, margin, number, thorough, markdown, json } = arguments;
+    let mut outcomes = vec![];
+    for reference in references::references(&references::folder())? {
+        if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
+            let outcome = reference.check(spp, margin, number)?;
+            print(&outcome);
+            outcomes.push(outcome);
+        }
+    }
+    let chosen = |other: &str| name.as_ref().is_none_or(|n| other.contains(n));
+    let effort = if thorough { 64 } else { 1 };
+    let (mut table, mut related) = (vec![], vec![]);
+    for case in closed_forms::cases().into_iter().filter(|c| chosen(&c.name)) {
+        let outcome = case.check(effort, number)?;
+        print(&outcome);
+        outcomes.push(outcome.clone());
+        table.push((case, outcome));
+    }
+    for relation in metamorphic::relations().into_iter().filter(|r| chosen(&r.name)) {
+        let relation = if thorough { relation.thorough() } else { relation };
+        let outcome = relation.check(1, number)?;
+        print(&outcome);
+        outcomes.push(outcome.clone());
+        related.push(outcome);
+    }
+    if let Some(path) = markdown {
+        std::fs::write(path, closed_forms::markdown(&table, &related))?;
+    }
+    finish(Report::new("scenes", outcomes), json)
+}

@@ -1,0 +1,48 @@
+//! The command line of `validate stability`.
+
+use super::{THOROUGH, cases, updated, verdict};
+use crate::console::say;
+use std::error::Error;
+use std::path::PathBuf;
+use validation::Verdict;
+use validation::report::to_json;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Only cases whose name contains this
+    name: Option<String>,
+    /// Ten times the samples, and 10⁸ spawned rays
+    #[arg(long)]
+    thorough: bool,
+    /// Another number, other seeds
+    #[arg(long, default_value_t = 0)]
+    number: u64,
+    /// Write a JSON document
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the table
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+}
+
+/// Holds if every case does, or misses by no more than its stated limit.
+pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
+    let Arguments { name, thorough, number, json, markdown } = arguments;
+    let effort = if thorough { THOROUGH } else { 1 };
+    let mut rows = vec![];
+    for case in cases() {
+        if name.as_ref().is_none_or(|n| case.name.contains(n)) {
+            let row = case.check(effort, number);
+            say(format_args!("{:<13} {}: {}", row.verdict, row.case, row.found));
+            rows.push(row);
+        }
+    }
+    if let Some(path) = markdown {
+        let old = std::fs::read_to_string(&path).unwrap_or_default();
+        std::fs::write(path, updated(&old, &rows))?;
+    }
+    if let Some(path) = json {
+        std::fs::write(path, to_json(&rows)?)?;
+    }
+    Ok(verdict(&rows))
+}
