@@ -97,7 +97,8 @@ impl Material for Dielectric {
             textured: self.reflectance.varies() || self.transmittance.varies(),
             dispersive: matches!(self.index, Index::Dispersive(..)),
             refracts: matches!(self.index, Index::Constant(_)),
-            mirrors: true,
+            // From which end a path loses its other wavelengths changes the chance of its turns.
+            mirrors: !matches!(self.index, Index::Dispersive(..)),
             transmits: true,
             ..Traits::default()
         }

@@ -1,6 +1,7 @@
 //! Indices of refraction as scene files give them: a number, the name of a material, or a dispersion law.
 
 use crate::scene::error::SceneError;
+use crate::scene::loader::Loader;
 use crate::scene::params::{Params, number};
 use crate::scene::transform::numbers;
 use crate::scene::xml::{Attribute, Element};
@@ -45,10 +46,11 @@ fn scalar(element: &Element) -> Result<f64, SceneError> {
     let value = element.require("value")?;
     let wrong = |message: String, expected: &str| Err(SceneError::at(&value.value_span, message, expected));
     match element.tag.as_str() {
-        "float" | "integer" => match number(&value.value).filter(|n| *n > 0.0) {
+        "float" | "integer" => match number(&value.value).filter(|n| (1e-20..=1e20).contains(n)) {
             Some(eta) => Ok(eta),
             None => {
-                wrong(format!("`{}` is no index of refraction", value.value), "expected a number above 0")
+                let message = format!("`{}` is no index of refraction", value.value);
+                wrong(message, "expected a number above 0, from 1e-20 to 1e20")
             }
         },
         "string" => materials::dielectric(&value.value)
@@ -82,7 +84,7 @@ pub fn dispersive(params: &mut Params, interior: &'static str) -> Result<Index, 
     let element = params.raw("int_ior", "float | string | spectrum", interior, INTERIOR)?;
     let law = match (law, element) {
         (Some(law), _) => law,
-        (None, Some(element)) if element.tag == "spectrum" => match table(element)? {
+        (None, Some(element)) if element.tag == "spectrum" => match table(element, params.loader)? {
             Spread::Even(eta) => return Ok(Index::Constant(eta / outside)),
             Spread::Table(table) => Dispersion::Table(table),
         },
@@ -146,7 +148,7 @@ enum Spread {
 }
 
 /// A measured index: `<spectrum>` with one number, `nm:value` pairs or a file.
-fn table(element: &Element) -> Result<Spread, SceneError> {
+fn table(element: &Element, loader: &Loader) -> Result<Spread, SceneError> {
     element.only(&["name", "value", "filename"])?;
     let bad = |place: &Attribute, why: String| {
         SceneError::at(&place.value_span, why, "expected nm and index, increasing")
@@ -167,6 +169,7 @@ fn table(element: &Element) -> Result<Spread, SceneError> {
         (None, Some(name)) => {
             let path = crate::scene::xml::find(&element.search, &name.value);
             let path = path.ok_or_else(|| bad(name, format!("there is no file `{}`", name.value)))?;
+            loader.depends_on(&path);
             let text = std::fs::read_to_string(&path).map_err(|why| bad(name, why.to_string()))?;
             Tabulated::parse_spd(&text).map(Spread::Table).map_err(|why| bad(name, why))
         }

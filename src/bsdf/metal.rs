@@ -5,7 +5,7 @@ use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::shape::SurfacePoint;
 use crate::spectrum::table::Tabulated;
-use crate::spectrum::{ColorMode, SpectralFunction, Spectrum, Wavelengths, materials, observer};
+use crate::spectrum::{ColorMode, SpectralFunction, Spectrum, Wavelengths, materials};
 use crate::texture::AnyTexture;
 use std::sync::Arc;
 
@@ -71,9 +71,7 @@ impl Metal {
 fn measured(table: Tabulated, mode: ColorMode) -> AnyTexture {
     AnyTexture::Constant(match mode {
         ColorMode::Spectral => SpectralFunction::Table(Arc::new(table)),
-        ColorMode::Rgb => {
-            SpectralFunction::Rgb(observer::table_to_rgb(&table, false).map(|v| v.max(0.0) as f32))
-        }
+        ColorMode::Rgb => SpectralFunction::Rgb(materials::in_rgb(&table)),
     })
 }
 

@@ -90,12 +90,15 @@ pub struct Traits {
     /// Scatters about another normal than that of the frame it is given. What such a surface hides is decided by the direction to the light alone, so lobes
     /// without density are not the same from either end, and only camera paths can follow them.
     pub relief: bool,
+    /// Its sides are materials of their own, and light goes from one to the other: a path is scattered by another material from its other end,
+    /// so only camera paths can follow it.
+    pub one_way: bool,
 }
 
 impl Traits {
     /// Whether it throws light that it gets from an emitter into few directions.
     pub fn focuses(&self) -> bool {
-        self.glossy || !self.smooth && !self.relief
+        !self.one_way && (self.glossy || !self.smooth && !self.relief)
     }
 
     /// What is true of either.
@@ -110,6 +113,7 @@ impl Traits {
             refracts: self.refracts && other.refracts,
             mirrors: self.mirrors && other.mirrors,
             relief: self.relief || other.relief,
+            one_way: self.one_way || other.one_way,
         }
     }
 }
@@ -292,12 +296,6 @@ impl AnyMaterial {
 #[inline]
 fn rescale(lobe: f64, low: f64, high: f64) -> f64 {
     ((lobe - low) / (high - low)).min(1.0 - f64::EPSILON / 2.0)
-}
-
-/// Whether two local directions are on the same side of the surface.
-#[inline]
-pub fn same_side(a: DVec3, b: DVec3) -> bool {
-    a.z * b.z > 0.0
 }
 
 /// ω mirrored at the normal.

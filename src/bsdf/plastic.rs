@@ -41,6 +41,10 @@ impl Material for Plastic {
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let coat = Coat::parse(params)?;
         let internal = fitted_diffuse_reflectance(1.0 / coat.eta);
+        if internal >= 1.0 {
+            let message = format!("the fit of what the coat reflects inwards exceeds 1 at η = {}", coat.eta);
+            return Err(params.error("int_ior", message, "expected a ratio of indices up to 3.8"));
+        }
         Ok(Self { coat, internal })
     }
 

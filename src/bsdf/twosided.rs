@@ -68,7 +68,8 @@ impl Material for TwoSided {
     }
 
     fn traits(&self) -> Traits {
-        self.back.iter().fold(self.front.traits(), |traits, back| traits.or(back.traits()))
+        let both = self.back.iter().fold(self.front.traits(), |traits, back| traits.or(back.traits()));
+        Traits { one_way: both.transmits, ..both }
     }
 }
 

@@ -44,6 +44,8 @@ impl Arguments {
             "links": match &scene.links {
                 None => "never",
                 Some(links) if links.everywhere => "everywhere",
+                // Without light paths no vertex is aided.
+                Some(_) if scene.caustics.is_none() => "everywhere",
                 Some(_) => "unaided",
             },
             "emitter_count": scene.emitters.list.len(),

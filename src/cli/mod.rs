@@ -16,7 +16,7 @@ use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Exit code for input or usage that cannot be used.
@@ -95,6 +95,32 @@ struct SceneArguments {
 }
 
 impl SceneArguments {
+    /// Refuses to write two files to one place, or one over the scene.
+    fn refuse_as_outputs(&self, outputs: &[&PathBuf]) -> Result<(), Box<dyn Error>> {
+        let place = |path: &Path| -> Option<PathBuf> {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+            path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
+        };
+        let mut known = vec![place(&self.scene)];
+        for path in outputs {
+            let here = place(path);
+            // Streams and devices take everything that is written to them.
+            if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+                continue;
+            }
+            if here.is_some() && known.contains(&here) {
+                return Err(format!(
+                    "{}: would be written over by another file of this render",
+                    path.display()
+                )
+                .into());
+            }
+            known.push(here);
+        }
+        Ok(())
+    }
+
     fn load(&self) -> Result<Scene, Box<dyn Error>> {
         let overrides = scene::Overrides {
             integrator: self.integrator.clone(),

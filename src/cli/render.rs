@@ -72,7 +72,9 @@ impl Arguments {
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
         let files = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
-        files.into_iter().flatten().try_for_each(|path| image::check_writable(path))?;
+        let files: Vec<&PathBuf> = files.into_iter().flatten().collect();
+        files.iter().try_for_each(|path| image::check_writable(path))?;
+        self.scene.refuse_as_outputs(&files)?;
         let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
         let chosen = self.time.is_some() || self.target_error.is_some();
         let passes = self.in_passes() || chosen || scene.caustics.is_some();

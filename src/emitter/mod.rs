@@ -41,7 +41,10 @@ macro_rules! emitters {
             name: $module::NAME,
             about: $module::ABOUT,
             examples: $module::EXAMPLES,
-            parse: $module::parse,
+            parse: |params| {
+                params.float("sampling_weight", 1.0, "Mitsuba's; ignored, for emitters are chosen by their power")?;
+                $module::parse(params)
+            },
         }),*];
     };
 }

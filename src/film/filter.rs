@@ -41,12 +41,13 @@ macro_rules! filters {
 }
 filters! {
     "box", "The pixel's own square.", |_| Ok(Profile::Box);
-    "tent", "Linear interpolation.", |p| Ok(Profile::Tent { radius: positive(p, "radius", 1.0)? });
+    "tent", "Linear interpolation.", |p| Ok(Profile::Tent { radius: width(p, "radius", 1.0, NARROWEST)? });
     "gaussian", "A Gaussian cut at four deviations; Mitsuba's default.",
-        |p| Ok(Profile::Gaussian { deviation: positive(p, "stddev", 0.5)? });
+        |p| Ok(Profile::Gaussian { deviation: width(p, "stddev", 0.5, NARROWEST / 4.0)? });
     "mitchell", "Mitchell & Netravali 1988, a compromise of blur and ringing.", |p| {
-        let b = p.float("B", 1.0 / 3.0, "blur")?;
-        Ok(Profile::Mitchell { b, c: p.float("C", 1.0 / 3.0, "ringing")? })
+        let in_range = |v: f64| (-10.0..=10.0).contains(&v);
+        let b = p.float_where("B", 1.0 / 3.0, "blur", "-10 to 10", in_range)?;
+        Ok(Profile::Mitchell { b, c: p.float_where("C", 1.0 / 3.0, "ringing", "-10 to 10", in_range)? })
     };
     "catmullrom", "The cubic of Catmull & Rom 1974: sharp, rings.", |_| Ok(Profile::CatmullRom);
     "lanczos", "A windowed sinc: sharpest, rings most.", |p| {
@@ -54,8 +55,12 @@ filters! {
     };
 }
 
-fn positive(params: &mut Params, name: &'static str, default: f64) -> Result<f64, SceneError> {
-    params.float_where(name, default, "in pixels", "a positive number up to 16", |v| v > 0.0 && v <= 16.0)
+/// A radius of one bin: what is narrower is no more than the middle of its pixel.
+const NARROWEST: f64 = 1.0 / BINS as f64;
+
+fn width(params: &mut Params, name: &'static str, default: f64, least: f64) -> Result<f64, SceneError> {
+    let expected = format!("{least} to 16");
+    params.float_where(name, default, "in pixels", &expected, |v| (least..=16.0).contains(&v))
 }
 
 impl Profile {

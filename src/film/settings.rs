@@ -75,8 +75,12 @@ impl Film {
     #[inline]
     pub fn place(&self, (x, y): (u32, u32), u: DVec2) -> (DVec2, f64) {
         let (c, all) = (self.crop, u32::MAX);
-        let (left, right) = if self.border { (all, all) } else { (x - c.x, c.x + c.width - 1 - x) };
-        let (above, below) = if self.border { (all, all) } else { (y - c.y, c.y + c.height - 1 - y) };
+        // Pixels that share with those of the crop may lie beyond it.
+        let sides = |pixel: u32, begin: u32, size: u32| {
+            (pixel.saturating_sub(begin), (begin + size - 1).saturating_sub(pixel))
+        };
+        let (left, right) = if self.border { (all, all) } else { sides(x, c.x, c.width) };
+        let (above, below) = if self.border { (all, all) } else { sides(y, c.y, c.height) };
         let (dx, wx) = self.filter.sample(u.x, left, right);
         let (dy, wy) = self.filter.sample(u.y, above, below);
         (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)

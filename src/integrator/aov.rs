@@ -65,7 +65,13 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         None => None,
         Some(element) => Some(construct(INTEGRATORS, element, params.loader, Usage::Unbounded)?),
     };
-    Ok(AnyIntegrator::Aov(Box::new(Aov { nested, outputs })))
+    let aov = Aov { nested, outputs };
+    let names = aov.nested.as_ref().map(AnyIntegrator::extra_channels).unwrap_or_default();
+    if let Some(name) = aov.channels().iter().find(|name| names.contains(name)) {
+        let message = format!("the nested integrator has a channel `{name}` as well");
+        return Err(SceneError::at(&list.value_span, message, "expected another name"));
+    }
+    Ok(AnyIntegrator::Aov(Box::new(aov)))
 }
 
 impl Aov {

@@ -199,7 +199,10 @@ impl AnyIntegrator {
         match self {
             Self::Path(_) | Self::Direct(_) => vec![],
             Self::Depth(_) => ["R", "G", "B"].map(String::from).to_vec(),
-            Self::Aov(aov) => aov.channels(),
+            Self::Aov(aov) => {
+                let nested = aov.nested.as_ref().map(Self::extra_channels);
+                [nested.unwrap_or_default(), aov.channels()].concat()
+            }
         }
     }
 
@@ -208,7 +211,13 @@ impl AnyIntegrator {
         match self {
             Self::Path(_) | Self::Direct(_) => {}
             Self::Depth(depth) => depth.values(scene, ray, counters, values),
-            Self::Aov(aov) => aov.values(scene, ray, counters, values),
+            Self::Aov(aov) => {
+                let (nested, own) = values.split_at_mut(values.len() - aov.channels().len());
+                if let Some(integrator) = &aov.nested {
+                    integrator.extra_values(scene, ray, counters, nested);
+                }
+                aov.values(scene, ray, counters, own);
+            }
         }
     }
 }

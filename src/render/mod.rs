@@ -155,13 +155,13 @@ fn pixel(window: Window, i: usize) -> (u32, u32) {
     (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
 }
 
-/// Places the tiles; each pixel comes from exactly one.
 /// The i-th of numbers below `count` that lie all over: multiples of the golden ratio leave no gaps.
 fn scattered(i: u64, count: u64) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
 }
 
+/// Places the tiles; each pixel comes from exactly one.
 fn assemble(
     scene: &Scene,
     settings: &Settings,

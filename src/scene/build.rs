@@ -10,11 +10,14 @@ use super::registry::construct;
 use super::xml::{self, Document};
 use super::{Features, Overrides, Scene, overrides};
 use crate::emitter::Emitters;
+use crate::film::FILMS;
+use crate::film::filter::FILTERS;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{Links, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::length;
 use crate::render::{reuse, share};
+use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
 use crate::shape::accel::Accel;
@@ -62,12 +65,26 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
             "texture" | "spectrum" => {
                 AnyTexture::parse(element, &loader, Usage::Unbounded)?;
             }
+            "film" => construct(FILMS, element, &loader, Usage::Unbounded).map(drop)?,
+            "rfilter" => construct(FILTERS, element, &loader, Usage::Unbounded).map(drop)?,
+            "sampler" => construct(SAMPLERS, element, &loader, Usage::Unbounded).map(drop)?,
             "medium" => {
                 let help = "known at the top level: shape, emitter, sensor, integrator, bsdf, texture";
                 return Err(SceneError::at(&element.span, "participating media are not available", help));
             }
             other => {
-                let names = ["shape", "emitter", "sensor", "integrator", "bsdf", "texture"];
+                let names = [
+                    "shape",
+                    "emitter",
+                    "sensor",
+                    "integrator",
+                    "bsdf",
+                    "texture",
+                    "spectrum",
+                    "film",
+                    "rfilter",
+                    "sampler",
+                ];
                 return Err(SceneError::at(
                     &element.span,
                     format!("<{other}> has no place here"),

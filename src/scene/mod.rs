@@ -5,6 +5,7 @@
 
 mod build;
 pub mod catalogue;
+mod encoding;
 pub mod error;
 mod hash;
 pub mod instances;

@@ -7,7 +7,7 @@ use super::params::{Params, Usage};
 use super::registry::construct;
 use super::xml::Element;
 use super::{Shape, Side};
-use crate::bsdf::AnyMaterial;
+use crate::bsdf::{AnyMaterial, Material, Traits};
 use crate::emitter::{AnyEmitter, EMITTERS, select};
 use crate::math::{DVec3, Ray, Transform};
 use crate::shape::{Declared, Geometry, SHAPES};
@@ -88,6 +88,7 @@ impl<'a, 'd> Objects<'a, 'd> {
         let material = params
             .object("bsdf", "what the surface is made of; by default matte grey, or black if it shines")?;
         let emitter = params.object("emitter", "what the surface emits")?;
+        params.float("silhouette_sampling_weight", 1.0, "Mitsuba's, for derivatives; ignored")?;
         params.finish()?;
         check_extent(geometry.bounds(), geometry.primitives(), params.element)?;
         let sides = match material {
@@ -160,9 +161,12 @@ impl<'a, 'd> Objects<'a, 'd> {
     fn sides(&mut self, material: AnyMaterial) -> [Side; 2] {
         match material {
             AnyMaterial::TwoSided(both) => {
+                let one_way = both.traits().one_way;
                 let (front, back) = both.into_sides();
                 let front = self.side(front, false);
-                [front, back.map_or(Side { turned: true, ..front }, |back| self.side(back, true))]
+                let sides =
+                    [front, back.map_or(Side { turned: true, ..front }, |back| self.side(back, true))];
+                sides.map(|side| Side { traits: Traits { one_way, ..side.traits }, ..side })
             }
             other => [self.side(other, false); 2],
         }
@@ -196,11 +200,11 @@ impl<'a, 'd> Objects<'a, 'd> {
     pub fn emitter(&mut self, element: &'d Element) -> Result<(), SceneError> {
         let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
         if matches!(emitter, AnyEmitter::Area(_)) {
-            return Err(SceneError::at(
-                &element.span,
-                "an `area` emitter without a shape",
-                "put it inside a <shape>",
-            ));
+            // One with a name shines where shapes refer to it.
+            let help = "put it inside a <shape>, or give it an `id` that a shape refers to";
+            let named = element.attribute("id").map(drop);
+            return named
+                .ok_or_else(|| SceneError::at(&element.span, "an `area` emitter without a shape", help));
         }
         if emitter.is_environment() && self.emitters.iter().any(|e| e.emitter.is_environment()) {
             return Err(SceneError::at(&element.span, "a second environment", "expected only one"));

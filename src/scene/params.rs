@@ -10,6 +10,9 @@ use crate::math::{DVec3, Transform};
 use crate::texture::AnyTexture;
 use std::path::PathBuf;
 
+/// No amount of light, or of anything else that becomes `f32`, is larger.
+pub const MOST: f64 = 1e38;
+
 /// What a colour is for, which decides how Mitsuba turns it into a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Usage {
@@ -168,6 +171,17 @@ impl<'a, 'd> Params<'a, 'd> {
         self.ask(name, "float", default.to_string(), about);
         let Some(value) = self.value(name, &["float", "integer"])? else { return Ok(default) };
         number(&value.value).filter(|v| holds(*v)).ok_or_else(|| bad_value(name, value, expected))
+    }
+
+    /// No less than nothing, and no more than [`MOST`].
+    pub fn amount(
+        &mut self,
+        name: &'static str,
+        default: f64,
+        about: &'static str,
+    ) -> Result<f64, SceneError> {
+        let expected = "no negative number, and none above 1e38";
+        self.float_where(name, default, about, expected, |v| (0.0..=MOST).contains(&v))
     }
 
     /// A number that may be absent.

@@ -3,7 +3,8 @@
 use super::error::{SceneError, Span};
 use super::params::number;
 use super::xml::{Attribute, Element};
-use crate::math::{DVec3, Transform};
+use crate::math::frame::unit;
+use crate::math::{DVec3, Frame, Transform};
 use glam::DMat4;
 
 /// The steps of a `<transform>`, each applied after the one before.
@@ -39,17 +40,13 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
         "lookat" | "look_at" => {
             step.only(&["origin", "target", "up"])?;
             let point = |name| step.require(name).and_then(triple);
+            let (origin, target) = (point("origin")?, point("target")?);
             let up = match step.attribute("up") {
                 Some(up) => triple(up)?,
-                None => DVec3::Y,
+                // As in Mitsuba, whatever the same construction of a frame makes of the viewing direction.
+                None => Frame::about(unit(target - origin)).s,
             };
-            let (origin, target) = (point("origin")?, point("target")?);
-            let found = Transform::look_at(origin, target, up);
-            // Any `up` will do when the file leaves it to the reader and +y is the viewing direction.
-            let found = found.or_else(|| {
-                Transform::look_at(origin, target, DVec3::X).filter(|_| step.attribute("up").is_none())
-            });
-            found.ok_or_else(|| {
+            Transform::look_at(origin, target, up).ok_or_else(|| {
                 singular("expected a target apart from the origin, and `up` not along the view")
             })
         }

@@ -132,8 +132,9 @@ impl Reader {
             Some(span) => e.or_at(span),
             None => e,
         };
-        let text = std::fs::read_to_string(path)
+        let bytes = std::fs::read(path)
             .map_err(|e| located(SceneError::nowhere(format!("cannot read {}: {e}", path.display()))))?;
+        let text = super::encoding::decode(path, bytes)?;
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if self.open.contains(&canonical) {
             return Err(located(SceneError::nowhere(format!("{} includes itself", path.display()))));

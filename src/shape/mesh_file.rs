@@ -11,10 +11,10 @@ pub fn parse(
     read: impl FnOnce(&Path) -> Result<MeshData, MeshError>,
 ) -> Result<(MeshData, bool), SceneError> {
     let found = params.file("filename", "the mesh")?;
-    let (path, place) =
-        found.ok_or_else(|| params.error("filename", "a mesh needs a `filename`", "add one"))?;
     let face_normals =
         params.boolean("face_normals", false, "flat triangles, whatever normals the file has")?;
+    let (path, place) =
+        found.ok_or_else(|| params.error("filename", "a mesh needs a `filename`", "add one"))?;
     let mesh =
         read(&path).map_err(|e| SceneError::at(&place.value_span, format!("{}: {e}", path.display()), ""))?;
     Ok((mesh, face_normals))

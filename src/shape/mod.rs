@@ -215,8 +215,13 @@ fn placement(params: &mut Params) -> Result<(Transform, bool), SceneError> {
     Ok((to_world, params.boolean("flip_normals", false, "turn the surface inside out")?))
 }
 
-/// Refuses a transform that would shear a quadric into another one.
-fn require_orthogonal(params: &Params, axes: [DVec3; 3], equal: &[(usize, usize)]) -> Result<(), SceneError> {
+/// Refuses a transform whose images of the axes are not orthogonal, or not equally long where they should be: it would shear a
+/// quadric into another one.
+pub fn require_orthogonal(
+    params: &Params,
+    axes: [DVec3; 3],
+    equal: &[(usize, usize)],
+) -> Result<(), SceneError> {
     /// Rotations written with a few decimals are meant as rotations; Mitsuba accepts the same.
     const TOLERANCE: f64 = 1e-4;
     let lengths = axes.map(length);
@@ -228,7 +233,7 @@ fn require_orthogonal(params: &Params, axes: [DVec3; 3], equal: &[(usize, usize)
     if sheared || uneven {
         return Err(params.error(
             "to_world",
-            "this shape cannot be sheared or scaled unevenly",
+            "this cannot be sheared or scaled unevenly",
             "expected rotation, translation and even scaling",
         ));
     }

@@ -15,6 +15,8 @@ pub enum SpectralFunction {
     Rgb([f32; 3]),
     /// A reflectance made from RGB.
     Sigmoid(Sigmoid),
+    /// `scale` × a reflectance made from RGB: an amount that is neither reflectance nor light, such as an index of refraction.
+    Scaled { scale: f32, color: Sigmoid },
     /// `scale` × a reflectance made from RGB × D65 of luminance 1: an emission made from RGB.
     Illuminant { scale: f32, color: Sigmoid },
     /// Measured values.
@@ -32,6 +34,10 @@ impl SpectralFunction {
             Self::Uniform(value) => Spectrum::splat(*value),
             Self::Rgb([r, g, b]) => Spectrum([*r, *g, *b, 0.0, 0.0, 0.0, 0.0, 0.0]),
             Self::Sigmoid(sigmoid) => Spectrum(sigmoid.eval_lanes(&λ.nm)),
+            Self::Scaled { scale, color } => {
+                let color = color.eval_lanes(&λ.nm);
+                Spectrum::from_fn(|i| scale * color[i])
+            }
             Self::Illuminant { scale, color } => {
                 let color = color.eval_lanes(&λ.nm);
                 Spectrum::from_fn(|i| scale * color[i] * λ.d65[i])

@@ -37,12 +37,10 @@ pub fn conductor(name: &str) -> Result<(Tabulated, Tabulated), String> {
     Ok((Tabulated::new(λ.clone(), eta)?, Tabulated::new(λ, k)?))
 }
 
-/// η and k of a conductor in RGB mode: unlike a table that a scene gives for them, Mitsuba integrates those that it
+/// η or k of a conductor in RGB mode: unlike a table that a scene gives for them, Mitsuba integrates those that it
 /// knows by name without D65, and what lies outside the gamut becomes 0.
-pub fn conductor_rgb(name: &str) -> Result<([f32; 3], [f32; 3]), String> {
-    let (eta, k) = conductor(name)?;
-    let rgb = |table| observer::table_to_rgb(table, false).map(|v| v.max(0.0) as f32);
-    Ok((rgb(&eta), rgb(&k)))
+pub fn in_rgb(table: &Tabulated) -> [f32; 3] {
+    observer::table_to_rgb(table, false).map(|v| v.max(0.0) as f32)
 }
 
 /// The index of a dielectric that does not disperse; the error lists the known names.
@@ -52,7 +50,7 @@ pub fn dielectric(name: &str) -> Result<f64, String> {
     found.ok_or_else(|| known(&lower, &names(DIELECTRICS)))
 }
 
-/// How an index of refraction depends on wavelength.
+/// How an index of refraction depends on wavelength, from 360 to 830 nm; formulas have poles beyond, and are constant there.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dispersion {
     /// n² = 1 + Σ bᵢλ²/(λ² − cᵢ), λ in µm, cᵢ in µm².
@@ -76,7 +74,7 @@ impl Dispersion {
     /// The index at λ in nm; not finite or below zero where the formula has a pole.
     #[inline]
     pub fn eta(&self, λ_nm: f32) -> f64 {
-        let λ = λ_nm as f64 * 1e-3;
+        let λ = λ_nm.clamp(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX) as f64 * 1e-3;
         let λ2 = λ * λ;
         match self {
             Self::Sellmeier(terms) => {
@@ -137,8 +135,9 @@ mod tests {
             ("VN_palik", [2.865_602, 2.119_189, 1.940_091], [3.032_243, 2.056_116, 1.616_306]),
             ("TiO2", [3.456_61, 2.801_736, 2.905_175], [0.000_105_265, 0.0, 0.000_652_887]),
         ] {
-            let got = conductor_rgb(name).unwrap();
-            for (got, expected) in got.0.iter().chain(&got.1).zip(eta.iter().chain(&k)) {
+            let (known_eta, known_k) = conductor(name).unwrap();
+            let got = [in_rgb(&known_eta), in_rgb(&known_k)].concat();
+            for (got, expected) in got.iter().zip(eta.iter().chain(&k)) {
                 // λ and values are f32 here and f64 there.
                 assert!((got - expected).abs() < 2e-6_f32.max(2e-6 * expected), "{name} {got} {expected}");
             }

@@ -80,8 +80,9 @@ impl Upsampler {
         // Of equal components the last counts as the largest.
         let largest = (1..3).fold(0, |best, i| if rgb[i] >= rgb[best] { i } else { best });
         let z = rgb[largest];
-        let ratio = (RESOLUTION - 1) as f32 / z;
-        let (x, y) = (rgb[(largest + 1) % 3] * ratio, rgb[(largest + 2) % 3] * ratio);
+        // As a share of the largest first: 63/z overflows for the least colours there are.
+        let along = |i: usize| rgb[(largest + i) % 3] / z * (RESOLUTION - 1) as f32;
+        let (x, y) = (along(1), along(2));
         let cell = |v: f32| (v as usize).min(RESOLUTION - 2);
         let (xi, yi) = (cell(x), cell(y));
         let zi = self.brightness.partition_point(|&b| b <= z).clamp(1, RESOLUTION - 1) - 1;

@@ -74,8 +74,6 @@ pub struct Bitmap {
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let found = params.file("filename", "an EXR, PNG, JPEG or HDR file")?;
-    let (path, place) =
-        found.ok_or_else(|| params.error("filename", "a bitmap needs a `filename`", "add one"))?;
     let nearest = params.choice("filter_type", &["bilinear", "nearest"], "between texels")? == "nearest";
     let wrap = match params.choice("wrap_mode", &["repeat", "mirror", "clamp"], "beyond the unit square")? {
         "mirror" => Wrap::Mirror,
@@ -90,6 +88,8 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         "Mitsuba's storage; ignored",
     )?;
     params.boolean("accel", true, "Mitsuba's hardware interpolation; ignored")?;
+    let (path, place) =
+        found.ok_or_else(|| params.error("filename", "a bitmap needs a `filename`", "add one"))?;
     let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
     let count = pixels.width * pixels.height;
     let scalar = (0..count).map(|i| {

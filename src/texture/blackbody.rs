@@ -17,10 +17,8 @@ pub const EXAMPLES: &[&str] = &[
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let kelvin =
-        params
-            .float_where("temperature", 5000.0, "temperature in K", "a temperature above 0", |v| v > 0.0)?;
-    let scale =
-        params.float_where("scale", 1.0, "factor (an extension)", "no negative number", |v| v >= 0.0)?;
+        params.float_where("temperature", 5000.0, "temperature in K", TEMPERATURE, is_temperature)?;
+    let scale = params.float_where("scale", 1.0, "factor (an extension)", FACTOR, is_factor)?;
     Ok(AnyTexture::Constant(resolve(kelvin, scale, params.loader.mode)))
 }
 
@@ -28,21 +26,40 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
 pub fn parse_legacy<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<SpectralFunction, SceneError> {
     element.only(&["name", "temperature", "scale"])?;
     let temperature = element.require("temperature")?;
-    let kelvin =
-        number(temperature.value.trim_end_matches(['k', 'K'])).filter(|v| *v > 0.0).ok_or_else(|| {
+    let kelvin = number(temperature.value.trim_end_matches(['k', 'K']))
+        .filter(|v| is_temperature(*v))
+        .ok_or_else(|| {
             SceneError::at(
                 &temperature.value_span,
                 format!("`{}` is no temperature", temperature.value),
-                "expected kelvin",
+                format!("expected {TEMPERATURE}"),
             )
         })?;
     let scale = match element.attribute("scale") {
         None => 1.0,
-        Some(a) => number(&a.value).ok_or_else(|| {
-            SceneError::at(&a.value_span, format!("`{}` is no number", a.value), "expected a factor")
+        Some(a) => number(&a.value).filter(|v| is_factor(*v)).ok_or_else(|| {
+            SceneError::at(
+                &a.value_span,
+                format!("`{}` is no factor", a.value),
+                format!("expected {}", FACTOR),
+            )
         })?,
     };
     Ok(resolve(kelvin, scale, loader.mode))
+}
+
+/// Beyond, hc/λkT is lost beside 1.
+const TEMPERATURE: &str = "kelvin above 0, up to 1e12";
+
+const FACTOR: &str = "0 to 1e20";
+
+/// The hottest body's radiance times this is within what `f32` holds.
+fn is_factor(v: f64) -> bool {
+    (0.0..=1e20).contains(&v)
+}
+
+fn is_temperature(kelvin: f64) -> bool {
+    kelvin > 0.0 && kelvin <= 1e12
 }
 
 fn resolve(kelvin: f64, scale: f64, mode: ColorMode) -> SpectralFunction {

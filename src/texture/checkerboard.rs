@@ -3,7 +3,7 @@
 use super::AnyTexture;
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
-use crate::scene::params::Params;
+use crate::scene::params::{Params, Usage};
 
 pub const NAME: &str = "checkerboard";
 pub const ABOUT: &str = "Two textures in alternating squares, two by two in the unit square of uv.";
@@ -20,7 +20,8 @@ pub struct Checkerboard {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
-    let usage = params.usage;
+    // Squares of a light are reflectances, as texels of a bitmap are; numbers stay numbers.
+    let usage = if params.usage == Usage::Emission { Usage::Reflectance } else { params.usage };
     let first = params.texture("color0", 0.4, usage, "colour of the squares at the origin")?;
     let second = params.texture("color1", 0.2, usage, "colour of the others")?;
     let to_uv = params.transform("to_uv", "applied to the surface's uv")?;

@@ -3,7 +3,7 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
-use crate::scene::params::{Usage, number};
+use crate::scene::params::{MOST, Usage, number};
 use crate::scene::transform::numbers;
 use crate::scene::xml::{Attribute, Element};
 use crate::spectrum::table::Tabulated;
@@ -65,12 +65,10 @@ pub fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 }
 
 /// Refuses reflectances beyond 0 to 1, and of anything else what is negative or more than f32 can hold.
-fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
+pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
-        Usage::Emission | Usage::Unbounded => {
-            (f64::from(f32::MAX), "expected no negative number, and none above 3.4e38")
-        }
+        Usage::Emission | Usage::Unbounded => (MOST, "expected no negative number, and none above 1e38"),
     };
     let word = match usage {
         Usage::Reflectance => "reflectance",
@@ -91,7 +89,13 @@ pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunctio
     match usage {
         Usage::Reflectance => SpectralFunction::Sigmoid(loader.upsampler.fit(rgb.map(|v| v as f32))),
         Usage::Unbounded if rgb[0] == rgb[1] && rgb[1] == rgb[2] => SpectralFunction::Uniform(rgb[0] as f32),
-        Usage::Emission | Usage::Unbounded | Usage::Vector => {
+        Usage::Unbounded => {
+            // Within [0, 1] the spectrum of a reflectance, as in Mitsuba; beyond, in proportion.
+            let scale = rgb.iter().fold(1.0f64, |m, v| m.max(*v));
+            let color = loader.upsampler.fit(rgb.map(|v| (v / scale) as f32));
+            SpectralFunction::Scaled { scale: scale as f32, color }
+        }
+        Usage::Emission | Usage::Vector => {
             let (scale, color) = scaled(rgb);
             if scale == 0.0 {
                 return SpectralFunction::Uniform(0.0);

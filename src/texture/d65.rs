@@ -21,10 +21,11 @@ pub struct UnderD65 {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
-    let scale = params.float_where("scale", 1.0, "factor", "no negative number", |v| v >= 0.0)?;
+    let scale = params.amount("scale", 1.0, "factor")?;
     if let Some(element) = params.raw("color", "rgb", "1", "linear sRGB colour of the light")? {
         let value = element.require("value")?;
         let rgb = color::parse_rgb(value)?.map(|v| v * scale);
+        color::check_range(&rgb, value, Usage::Emission)?;
         return Ok(AnyTexture::Constant(color::from_rgb(rgb, Usage::Emission, params.loader)));
     }
     if let Some(element) = params.object("texture", "a texture to multiply")? {

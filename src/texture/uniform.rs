@@ -9,6 +9,6 @@ pub const ABOUT: &str = "The same value at every wavelength; as a light, equal-e
 pub const EXAMPLES: &[&str] = &[r#"<spectrum type="uniform"><float name="value" value="0.1"/></spectrum>"#];
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
-    let value = params.float_where("value", 1.0, "the value", "no negative number", |v| v >= 0.0)?;
+    let value = params.amount("value", 1.0, "the value")?;
     Ok(AnyTexture::Constant(color::uniform(value, params.usage, params.loader.mode)))
 }

@@ -9,6 +9,7 @@ use crate::math::function::{acos, atan2};
 use crate::math::{DVec2, DVec3, INV_PI, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
+use crate::shape::require_orthogonal;
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use crate::texture::color_scale;
@@ -49,11 +50,14 @@ pub struct EnvironmentMap {
 
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let found = params.file("filename", "an EXR, HDR, PNG or JPEG file")?;
-    let (path, place) =
-        found.ok_or_else(|| params.error("filename", "an envmap needs a `filename`", "add one"))?;
-    let scale = params.float_where("scale", 1.0, "factor", "no negative number", |v| v >= 0.0)?;
+    let scale = params.amount("scale", 1.0, "factor")?;
     let to_world = params.transform("to_world", "turns the image")?;
     params.boolean("mis_compensation", true, "Mitsuba's sampling option; ignored, for it is always on")?;
+    let (path, place) =
+        found.ok_or_else(|| params.error("filename", "an envmap needs a `filename`", "add one"))?;
+    // A density per solid angle of the image would be another one in the world.
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
+    require_orthogonal(params, axes, &[(0, 1), (1, 2)])?;
     let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
     if pixels.width < 2 || pixels.height < 3 {
         return Err(params.error("filename", "the image is too small", "expected at least 2 × 3 texels"));

@@ -5,7 +5,7 @@ use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
-use crate::integrator::path::side_towards;
+use crate::integrator::path::{side_towards, survival};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::Scene;
@@ -73,9 +73,11 @@ impl Caustics {
         let (shape, point) = scene.surface::<true>(&path.ray, &hit);
         let to_light = -path.ray.direction;
         let side = side_towards(shape, point.ns.dot(to_light));
-        if edges == 1 && !side.traits.focuses() {
+        if side.traits.one_way || edges == 1 && !side.traits.focuses() {
             return None;
         }
+        // The camera looks through emitters that are hidden.
+        let seen = !(self.settings.hide_emitters && shape.emitter.is_some());
         let λ = path.λ;
         let frame = point.frame(side.traits.anisotropic);
         let bsdf = scene.materials[side.material as usize].at(&point, &λ);
@@ -93,6 +95,7 @@ impl Caustics {
                 found.unwrap_or(0.0) * f64::from(self.settings.emitter_samples) / chance
             });
         if edges > 1
+            && seen
             && side.traits.smooth
             && let Some((ray, found)) = self.connect(scene, path, &vertex, linked, u)
         {
@@ -139,7 +142,7 @@ impl Caustics {
             path.λ.collapse();
         }
         if edges >= self.settings.rr_depth {
-            let survival = path.λ.mean(path.throughput) as f64;
+            let survival = survival(path.λ.mean(path.throughput) as f64, edges);
             if survival < 1.0 {
                 if u.one(6) >= survival {
                     return None;

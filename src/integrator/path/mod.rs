@@ -25,6 +25,15 @@ pub const EXAMPLES: &[&str] = &[
 /// absorbed; such paths are counted and reported.
 pub const MAX_VERTICES: u32 = 1 << 20;
 
+/// From this many edges on no path is sure to survive roulette, not even one that has lost nothing: where nothing is absorbed and
+/// nothing leads out, it would go on to [`MAX_VERTICES`].
+const LONG: u32 = 4096;
+
+/// With which chance a path of so many edges goes on that carries this part of what it might.
+pub fn survival(carried: f64, depth: u32) -> f64 {
+    if depth < LONG { carried } else { carried.min(0.95) }
+}
+
 /// The settings, with Mitsuba's meaning of each.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
@@ -40,7 +49,7 @@ pub struct Path {
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
-    /// Where emitters are sampled through glass and by mirrors and by mirrors; see [`links`](super::links).
+    /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
     pub links: Where,
 }
 

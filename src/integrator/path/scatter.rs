@@ -1,10 +1,10 @@
 //! Scattering at a vertex: light that it asks for, and where the path goes on.
 
-use super::Path;
 use super::reuse::{Receiver, Shared, Source};
 use super::shadows::Shadows;
 use super::stream::State;
 use super::vertex::Arrival;
+use super::{Path, survival};
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::DirectSample;
 use crate::integrator::caustics;
@@ -75,7 +75,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
                 (Some(receiver), Some(_)) if state.depth == receiver.edges + 1 => {
                     shared.source = Some(Source { p: point.p, n, ng: point.ng, primitive });
-                    (state.throughput, state.shares) = (Spectrum::ONE, true);
+                    (state.throughput, state.eta2, state.shares) = (Spectrum::ONE, 1.0, true);
                 }
                 _ => {}
             }
@@ -150,6 +150,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let sample = sample?;
         if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.light_ratio > 0.0 {
             state.light_ratio *= match sample.delta {
+                _ if side.traits.one_way => 0.0,
                 true if side.traits.relief || state.depth == 0 => 0.0,
                 true => 1.0 / (sample.eta * sample.eta),
                 false => ratio_at(scene, &vertex, (wo, first), sample.wi, sample.pdf),
@@ -183,8 +184,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if state.depth >= settings.rr_depth {
             // The largest lane: a red path between red walls must not be punished for its other lanes. What a lossless
             // path has lost to rounding is no loss: in a thousand reflections it would end one path in thousands.
-            let throughput = state.own_throughput::<F>(shared);
-            let survival = λ.peak(throughput) as f64 * state.eta2;
+            // What is shared must not end for want of colour in the path's own receiver: others see it too.
+            let survival = survival(λ.peak(state.throughput) as f64 * state.eta2, state.depth);
             let rounding = 4.0 * state.depth as f64 * f32::EPSILON as f64;
             if survival < 1.0 - rounding {
                 if u.one(6) >= survival {

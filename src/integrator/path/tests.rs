@@ -107,3 +107,23 @@ fn surroundings_in_view_cover_every_pixel_wherever_the_path_ends() {
     assert!(alpha(true, sky).iter().all(|&a| a == 0.0));
     assert!(alpha(false, "").iter().all(|&a| a == 0.0));
 }
+
+#[test]
+fn paths_end_where_nothing_is_absorbed() {
+    let white = r#"<bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf>"#;
+    for inside in [white, r#"<bsdf type="conductor"/>"#, r#"<bsdf type="dielectric"/>"#] {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="path"/>
+                <sensor type="perspective"><transform name="to_world"><translate x="0.3" y="0.2" z="0.5"/></transform>
+                    <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
+                <shape type="cube"><bsdf type="twosided"><boolean name="allow_transmission" value="true"/>{inside}</bsdf></shape>
+                <emitter type="point"/></scene>"#
+        );
+        let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
+        let window = scene.sensor.film.crop;
+        let settings = Settings { samples: 0..1, seed: 0, window, threads: 1, shard: false, kernel: None };
+        let (image, report) = render(&scene, &settings, &Progress::default()).unwrap();
+        assert!(report.cut == 0 && report.rays < 16 * 50_000, "{report:?}");
+        assert!(image.channel("G").unwrap().mean.iter().all(|v| v.is_finite()));
+    }
+}

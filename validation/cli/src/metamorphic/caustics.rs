@@ -117,6 +117,21 @@ pub fn relations() -> Vec<Relation> {
         &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
         &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
     );
+    let two_sided = |wears: &str| {
+        format!("<bsdf type=\"twosided\"><boolean name=\"allow_transmission\" value=\"true\"/>{wears}</bsdf>")
+    };
+    let half_open =
+        |albedo: f64| format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo));
+    let two_sided_veil = shape(
+        "rectangle",
+        &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -0.9, 0.8])],
+        &two_sided(&(half_open(0.9) + &half_open(0.1))),
+    );
+    let shining_floor = shape(
+        "rectangle",
+        &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])],
+        &(diffuse(0.7) + &area(0.1)),
+    );
     let polished = bsdf("roughconductor", &float("alpha", 0.1));
     let frosted = bsdf("roughdielectric", &(float("alpha", 0.15) + &float("int_ior", 1.5)));
     let hanging = sphere([1.0, -0.5, 1.6], 0.2, &area(12.0));
@@ -175,6 +190,11 @@ pub fn relations() -> Vec<Relation> {
             &view,
             &room(&(ball(&mirror()) + &sphere([0.4, -1.5, 0.5], 0.2, &area(4.0)))),
         )),
+        // A lamp that reflects, too, and that the camera looks through.
+        hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor)))),
+        relation("two_sided_glass", &view, &room(&block(&two_sided(&glass(""))))),
+        relation("two_sided_frosted_glass", &view, &room(&ball(&two_sided(&frosted)))),
+        relation("two_sided_veil", &view, &room(&(ball(&mirror()) + &two_sided_veil))),
         relation("in_spectra", &view, &room(&ball(&glass("")))).in_spectra(),
         relation(
             "dispersion",

@@ -71,6 +71,9 @@ pub fn relations() -> Vec<Relation> {
     let checks = "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
                   <rgb name=\"color0\" value=\"0.8, 0.5, 0\"/><rgb name=\"color1\" value=\"0, 0.6, 0.7\"/>\
                   <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>";
+    let pure = "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
+                <rgb name=\"color0\" value=\"0.8, 0, 0\"/><rgb name=\"color1\" value=\"0, 0.7, 0.1\"/>\
+                <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>";
     let vase = |wears: &str| {
         let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
         shape("obj", &steps, &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + wears))
@@ -116,6 +119,13 @@ pub fn relations() -> Vec<Relation> {
             "true",
         ),
         case("checks", closed_room(checks) + &ball(checks)),
+        // What is black to one pixel's receiver must not end for the others.
+        Case {
+            integrator: path(-1),
+            pixels: 16,
+            ..case("roulette_of_colours", closed_room(pure) + &ball(pure))
+        }
+        .option("integer", "rr_depth", "2"),
     ];
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(noisy.into_iter().map(|case| case.relation().samples(4096)));

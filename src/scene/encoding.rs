@@ -1,0 +1,45 @@
+//! Bytes of scene files as text: UTF-8, or Latin-1 if the file says so.
+
+use super::error::{SceneError, Source, Span};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The text of a file. Error: bytes that are no UTF-8 in a file that does not declare them to be Latin-1.
+pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
+    String::from_utf8(bytes).or_else(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let bytes = error.into_bytes();
+        if declares_latin_1(&bytes) {
+            return Ok(bytes.into_iter().map(char::from).collect());
+        }
+        let message = format!("the byte {:#04x} is no UTF-8", bytes[valid]);
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let source = Arc::new(Source { path: path.to_owned(), text });
+        let expected = "expected UTF-8, or <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?> in the first line";
+        Err(SceneError::at(&Span { source, range: valid..valid + 1 }, message, expected))
+    })
+}
+
+fn declares_latin_1(bytes: &[u8]) -> bool {
+    let end = bytes.windows(2).position(|pair| pair == b"?>").unwrap_or(0);
+    let declaration = String::from_utf8_lossy(&bytes[..end]).to_ascii_lowercase();
+    declaration.starts_with("<?xml")
+        && ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn latin_1_is_read_where_it_is_declared_and_refused_with_its_place_elsewhere() {
+        let body = b"\n<scene><!-- caf\xe9 --></scene>";
+        let declared = [b"<?xml version='1.0' encoding='ISO-8859-1'?>".as_slice(), body].concat();
+        assert!(decode(Path::new("a.xml"), declared).unwrap().contains("café"));
+        let error =
+            decode(Path::new("a.xml"), [b"<?xml version='1.0'?>".as_slice(), body].concat()).unwrap_err();
+        assert_eq!(error.line_column(), Some((2, 16)));
+        assert!(error.message.contains("0xe9"), "{}", error.message);
+        assert_eq!(decode(Path::new("a.xml"), "<é/>".into()).unwrap(), "<é/>");
+    }
+}
