@@ -378,3 +378,74 @@ fn groups_instances_and_maps_say_what_they_cannot_be() {
         ("checkerboard", &map("bumpmap"), &["has no slope", "bitmap"]),
     ]);
 }
+
+#[test]
+fn amounts_and_shapes_that_no_number_can_hold_are_refused() {
+    let light = |texture: &str| format!("<emitter type=\"constant\">\n{texture}</emitter>");
+    for (texture, place) in [
+        (
+            "<spectrum type=\"d65\" name=\"radiance\">\n<rgb name=\"color\" value=\"-1, 0, 0.5\"/></spectrum>",
+            "-1",
+        ),
+        (
+            "<spectrum type=\"d65\" name=\"radiance\">\n<rgb name=\"color\" value=\"1e300\"/></spectrum>",
+            "1e300",
+        ),
+        (
+            "<spectrum type=\"d65\" name=\"radiance\">\n<float name=\"scale\" value=\"1e300\"/></spectrum>",
+            "1e300",
+        ),
+        (
+            "<spectrum type=\"uniform\" name=\"radiance\">\n<float name=\"value\" value=\"1e300\"/></spectrum>",
+            "1e300",
+        ),
+        (
+            "<spectrum type=\"blackbody\" name=\"radiance\">\n<float name=\"scale\" value=\"1e300\"/></spectrum>",
+            "1e300",
+        ),
+        (
+            "<spectrum type=\"blackbody\" name=\"radiance\">\n<float name=\"temperature\" value=\"1e300\"/></spectrum>",
+            "1e300",
+        ),
+        ("<blackbody name=\"radiance\" temperature=\"5000K\"\nscale=\"-1e-6\"/>", "-1e-6"),
+        ("<rgb name=\"radiance\"\nvalue=\"3e38\"/>", "3e38"),
+    ] {
+        all_refused(&[(place, &light(texture), &["expected"])]);
+    }
+    let index = |model: &str, value: &str| {
+        format!("<bsdf type=\"{model}\">\n<float name=\"int_ior\" value=\"{value}\"/></bsdf>")
+    };
+    all_refused(&[
+        ("int_ior", &index("dielectric", "1e300"), &["no index of refraction"]),
+        ("int_ior", &index("plastic", "4"), &["exceeds 1", "expected a ratio of indices up to 3.8"]),
+    ]);
+    let filter = |filter: &str| {
+        format!("<sensor type=\"perspective\"><film type=\"hdrfilm\">\n{filter}</film></sensor>")
+    };
+    all_refused(&[
+        (
+            "stddev",
+            &filter("<rfilter type=\"gaussian\"><float name=\"stddev\" value=\"1e-9\"/></rfilter>"),
+            &["to 16"],
+        ),
+        (
+            "radius",
+            &filter("<rfilter type=\"tent\"><float name=\"radius\" value=\"1e-6\"/></rfilter>"),
+            &["to 16"],
+        ),
+        (
+            "\"B\"",
+            &filter("<rfilter type=\"mitchell\"><float name=\"B\" value=\"1e300\"/></rfilter>"),
+            &["-10 to 10"],
+        ),
+    ]);
+}
+
+#[test]
+fn no_output_is_written_over_another_or_over_the_scene() {
+    let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
+    let words = ["the scene itself or another output of this render has this name"];
+    folder.refused_given(&["--png", "out.exr"], &words);
+    folder.refused_given(&["--checkpoint", "./out.exr"], &words);
+    folder.command_refused(&["render", "scene.xml", "-o", "scene.xml"], &words);
+}

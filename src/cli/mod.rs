@@ -111,7 +111,7 @@ impl SceneArguments {
             }
             if here.is_some() && known.contains(&here) {
                 return Err(format!(
-                    "{}: would be written over by another file of this render",
+                    "{}: the scene itself or another output of this render has this name",
                     path.display()
                 )
                 .into());

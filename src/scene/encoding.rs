@@ -16,7 +16,11 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let source = Arc::new(Source { path: path.to_owned(), text });
         let expected = "expected UTF-8, or <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?> in the first line";
-        Err(SceneError::at(&Span { source, range: valid..valid + 1 }, message, expected))
+        Err(SceneError::at(
+            &Span { source, range: valid..valid + char::REPLACEMENT_CHARACTER.len_utf8() },
+            message,
+            expected,
+        ))
     })
 }
 

@@ -10,8 +10,8 @@ use crate::math::{DVec3, Transform};
 use crate::texture::AnyTexture;
 use std::path::PathBuf;
 
-/// No amount of light, or of anything else that becomes `f32`, is larger.
-pub const MOST: f64 = 1e38;
+/// No amount of light, or of anything else that becomes `f32`, is larger: `f32` holds twice as much.
+pub const MOST: f64 = 1.7e38;
 
 /// What a colour is for, which decides how Mitsuba turns it into a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,7 +180,7 @@ impl<'a, 'd> Params<'a, 'd> {
         default: f64,
         about: &'static str,
     ) -> Result<f64, SceneError> {
-        let expected = "no negative number, and none above 1e38";
+        let expected = "no negative number, and none above 1.7e38";
         self.float_where(name, default, about, expected, |v| (0.0..=MOST).contains(&v))
     }
 

@@ -80,9 +80,12 @@ impl Upsampler {
         // Of equal components the last counts as the largest.
         let largest = (1..3).fold(0, |best, i| if rgb[i] >= rgb[best] { i } else { best });
         let z = rgb[largest];
-        // As a share of the largest first: 63/z overflows for the least colours there are.
-        let along = |i: usize| rgb[(largest + i) % 3] / z * (RESOLUTION - 1) as f32;
-        let (x, y) = (along(1), along(2));
+        if z < 1e-36 {
+            // It could as well be black, and 63/z would overflow.
+            return Sigmoid::grey(0.0);
+        }
+        let ratio = (RESOLUTION - 1) as f32 / z;
+        let (x, y) = (rgb[(largest + 1) % 3] * ratio, rgb[(largest + 2) % 3] * ratio);
         let cell = |v: f32| (v as usize).min(RESOLUTION - 2);
         let (xi, yi) = (cell(x), cell(y));
         let zi = self.brightness.partition_point(|&b| b <= z).clamp(1, RESOLUTION - 1) - 1;
@@ -152,6 +155,23 @@ mod tests {
         };
         let (color, white) = (rgb(sigmoid), rgb(Sigmoid::grey(1.0)));
         [0, 1, 2].map(|i| color[i] / white[i])
+    }
+
+    #[test]
+    fn the_least_colours_have_spectra() {
+        for rgb in [
+            [0.0, 0.0, 1e-40],
+            [1e-40, 1e-40, 2e-40],
+            [1e-45, 0.0, 0.0],
+            [0.0, 1e-30, 2e-36],
+            [0.0, 1.1e-36, 1e-36],
+        ] {
+            let sigmoid = Upsampler::shared().fit(rgb);
+            for λ in [360.0, 500.0, 830.0] {
+                let value = sigmoid.eval(λ);
+                assert!((0.0..1e-2).contains(&value), "{rgb:?} at {λ}: {value}");
+            }
+        }
     }
 
     #[test]

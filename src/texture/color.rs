@@ -68,7 +68,7 @@ pub fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
-        Usage::Emission | Usage::Unbounded => (MOST, "expected no negative number, and none above 1e38"),
+        Usage::Emission | Usage::Unbounded => (MOST, "expected no negative number, and none above 1.7e38"),
     };
     let word = match usage {
         Usage::Reflectance => "reflectance",

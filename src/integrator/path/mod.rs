@@ -26,8 +26,9 @@ pub const EXAMPLES: &[&str] = &[
 pub const MAX_VERTICES: u32 = 1 << 20;
 
 /// From this many edges on no path is sure to survive roulette, not even one that has lost nothing: where nothing is absorbed and
-/// nothing leads out, it would go on to [`MAX_VERTICES`].
-const LONG: u32 = 4096;
+/// nothing leads out, it would go on to [`MAX_VERTICES`]. With so many edges hardly a path of a scene that light can leave is concerned: the few
+/// that come through such roulette are bright.
+const LONG: u32 = 1 << 16;
 
 /// With which chance a path of so many edges goes on that carries this part of what it might.
 pub fn survival(carried: f64, depth: u32) -> f64 {
