@@ -18,7 +18,7 @@ fn picture(named: bool) -> Vec<u32> {
     let size = "<integer name=\"width\" value=\"8\"/><integer name=\"height\" value=\"8\"/>";
     let film = part(&format!("<film type=\"hdrfilm\">{size}{filter}</film>"), "film");
     let sampler =
-        part("<sampler type=\"independent\"><integer name=\"seed\" value=\"7\"/></sampler>", "sampler");
+        part("<sampler type=\"independent\"><integer name=\"sample_count\" value=\"16\"/></sampler>", "sampler");
     let lamp = part("<emitter type=\"area\"><rgb name=\"radiance\" value=\"3, 2, 1\"/></emitter>", "lamp");
     let text = format!(
         r#"<scene version="3.0.0">{top}<sensor type="perspective">{film}{sampler}
