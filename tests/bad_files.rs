@@ -143,6 +143,15 @@ fn command_lines_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn no_output_is_written_over_another_or_over_the_scene() {
+    let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
+    let words = ["the scene itself or another output of this render has this name"];
+    folder.refused_given(&["--png", "out.exr"], &words);
+    folder.refused_given(&["--checkpoint", "./out.exr"], &words);
+    folder.command_refused(&["render", "scene.xml", "-o", "scene.xml"], &words);
+}
+
+#[test]
 fn parts_that_do_not_belong_together_are_refused() {
     let folder = Folder::new(scene("<emitter type=\"constant\"/>").as_bytes());
     std::fs::write(

@@ -17,8 +17,10 @@ fn picture(named: bool) -> Vec<u32> {
     let filter = part("<rfilter type=\"tent\"/>", "filter");
     let size = "<integer name=\"width\" value=\"8\"/><integer name=\"height\" value=\"8\"/>";
     let film = part(&format!("<film type=\"hdrfilm\">{size}{filter}</film>"), "film");
-    let sampler =
-        part("<sampler type=\"independent\"><integer name=\"sample_count\" value=\"16\"/></sampler>", "sampler");
+    let sampler = part(
+        "<sampler type=\"independent\"><integer name=\"sample_count\" value=\"16\"/></sampler>",
+        "sampler",
+    );
     let lamp = part("<emitter type=\"area\"><rgb name=\"radiance\" value=\"3, 2, 1\"/></emitter>", "lamp");
     let text = format!(
         r#"<scene version="3.0.0">{top}<sensor type="perspective">{film}{sampler}

@@ -93,12 +93,13 @@ impl Material for Dielectric {
     }
 
     fn traits(&self) -> Traits {
+        let dispersive = matches!(self.index, Index::Dispersive(..));
         Traits {
             textured: self.reflectance.varies() || self.transmittance.varies(),
-            dispersive: matches!(self.index, Index::Dispersive(..)),
-            refracts: matches!(self.index, Index::Constant(_)),
+            dispersive,
+            refracts: !dispersive,
             // From which end a path loses its other wavelengths changes the chance of its turns.
-            mirrors: !matches!(self.index, Index::Dispersive(..)),
+            mirrors: !dispersive,
             transmits: true,
             ..Traits::default()
         }

@@ -25,6 +25,10 @@ use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::path::Path;
 
+/// What a scene holds.
+const TOP_LEVEL: [&str; 10] =
+    ["shape", "emitter", "sensor", "integrator", "bsdf", "texture", "spectrum", "film", "rfilter", "sampler"];
+
 /// Reads a scene file. `definitions` are values for its `$parameters`.
 pub fn load(
     path: &Path,
@@ -69,26 +73,14 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
             "rfilter" => construct(FILTERS, element, &loader, Usage::Unbounded).map(drop)?,
             "sampler" => construct(SAMPLERS, element, &loader, Usage::Unbounded).map(drop)?,
             "medium" => {
-                let help = "known at the top level: shape, emitter, sensor, integrator, bsdf, texture";
+                let help = format!("known at the top level: {}", TOP_LEVEL.join(", "));
                 return Err(SceneError::at(&element.span, "participating media are not available", help));
             }
             other => {
-                let names = [
-                    "shape",
-                    "emitter",
-                    "sensor",
-                    "integrator",
-                    "bsdf",
-                    "texture",
-                    "spectrum",
-                    "film",
-                    "rfilter",
-                    "sampler",
-                ];
                 return Err(SceneError::at(
                     &element.span,
                     format!("<{other}> has no place here"),
-                    known(other, &names),
+                    known(other, &TOP_LEVEL),
                 ));
             }
         }

@@ -38,11 +38,7 @@ pub fn parse_legacy<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<Spe
     let scale = match element.attribute("scale") {
         None => 1.0,
         Some(a) => number(&a.value).filter(|v| is_factor(*v)).ok_or_else(|| {
-            SceneError::at(
-                &a.value_span,
-                format!("`{}` is no factor", a.value),
-                format!("expected {}", FACTOR),
-            )
+            SceneError::at(&a.value_span, format!("`{}` is no factor", a.value), format!("expected {FACTOR}"))
         })?,
     };
     Ok(resolve(kelvin, scale, loader.mode))

@@ -2,11 +2,20 @@
 
 use super::receivers::Receivers;
 use super::reuse::{Receiver, Shared, Source};
+use crate::image::Image;
 use crate::math::DVec3;
 use crate::math::frame::unit;
-use crate::render::{Progress, Settings, render};
+use crate::render::{Progress, Report, Settings, render};
 use crate::scene::load_text;
 use crate::spectrum::{ColorMode, Spectrum};
+
+/// A scene in RGB with so many samples a pixel.
+fn rendered(text: &str, samples: u64) -> (Image, Report) {
+    let scene = load_text("scene.xml", text, ColorMode::Rgb).unwrap();
+    let window = scene.sensor.film.crop;
+    let settings = Settings { samples: 0..samples, seed: 0, window, threads: 1, shard: false, kernel: None };
+    render(&scene, &settings, &Progress::default()).unwrap()
+}
 
 /// The variance of the direct light on a floor under two lamps, one of which it does not see.
 fn variance(emitter_samples: u32) -> f64 {
@@ -28,10 +37,7 @@ fn variance(emitter_samples: u32) -> f64 {
                     <rfilter type="box"/></film></sensor>
             <shape type="rectangle"/>{seen}{hidden}</scene>"#
     );
-    let scene = load_text("lamps.xml", &text, ColorMode::Rgb).unwrap();
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..1024, seed: 0, window, threads: 1, shard: false, kernel: None };
-    let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+    let (image, _) = rendered(&text, 1024);
     let green = image.channel("G").unwrap();
     green.variance.iter().flatten().map(|&v| f64::from(v)).sum()
 }
@@ -89,10 +95,7 @@ fn alpha(hide_emitters: bool, surroundings: &str) -> Vec<f32> {
                     <integer name="width" value="2"/><integer name="height" value="2"/><rfilter type="box"/></film></sensor>
                 {panes}{surroundings}</scene>"#
         );
-        let scene = load_text("panes.xml", &text, ColorMode::Rgb).unwrap();
-        let window = scene.sensor.film.crop;
-        let settings = Settings { samples: 0..4, seed: 0, window, threads: 1, shard: false, kernel: None };
-        let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+        let (image, _) = rendered(&text, 4);
         image.channel("A").unwrap().mean.clone()
     };
     (0..=5).flat_map(of_depth).collect()
@@ -119,10 +122,7 @@ fn paths_end_where_nothing_is_absorbed() {
                 <shape type="cube"><bsdf type="twosided"><boolean name="allow_transmission" value="true"/>{inside}</bsdf></shape>
                 <emitter type="point"/></scene>"#
         );
-        let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
-        let window = scene.sensor.film.crop;
-        let settings = Settings { samples: 0..1, seed: 0, window, threads: 1, shard: false, kernel: None };
-        let (image, report) = render(&scene, &settings, &Progress::default()).unwrap();
+        let (image, report) = rendered(&text, 1);
         assert!(report.cut == 0 && report.rays < 16 * 150_000, "{report:?}");
         assert!(image.channel("G").unwrap().mean.iter().all(|v| v.is_finite()));
     }

@@ -86,13 +86,11 @@ pub fn relations() -> Vec<Relation> {
         &bsdf("thindielectric", ""),
     );
     let bulb = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""));
-    let rough_floor = shape(
-        "rectangle",
-        &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])],
-        &bsdf("roughplastic", &(float("alpha", 0.3) + &grey("diffuse_reflectance", 0.5))),
-    );
-    let metal_floor =
-        shape("rectangle", &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])], &rough_metal());
+    let floor =
+        |wears: &str| shape("rectangle", &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])], wears);
+    let rough_floor =
+        floor(&bsdf("roughplastic", &(float("alpha", 0.3) + &grey("diffuse_reflectance", 0.5))));
+    let metal_floor = floor(&rough_metal());
     let relief = |wears: &str| {
         let image = "<string name=\"filename\" value=\"textures/normals.png\"/>\
                      <boolean name=\"raw\" value=\"true\"/>";
@@ -112,26 +110,18 @@ pub fn relations() -> Vec<Relation> {
         format!("<bsdf type=\"blendbsdf\">{}{}{}</bsdf>", float("weight", 0.5), diffuse(0.5), mirror());
     let second =
         shape("rectangle", &[scale([0.3; 3]), rotate('y', 90.0), translate([-2.0, -0.5, 1.0])], &area(20.0));
-    let veil = shape(
-        "rectangle",
-        &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
-        &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
-    );
+    let half_open =
+        |albedo: f64| format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo));
+    let upright = |y: f64, wears: &str| {
+        let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, y, 0.8])];
+        shape("rectangle", &steps, wears)
+    };
+    let veil = upright(-1.5, &half_open(0.4));
     let two_sided = |wears: &str| {
         format!("<bsdf type=\"twosided\"><boolean name=\"allow_transmission\" value=\"true\"/>{wears}</bsdf>")
     };
-    let half_open =
-        |albedo: f64| format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo));
-    let two_sided_veil = shape(
-        "rectangle",
-        &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -0.9, 0.8])],
-        &two_sided(&(half_open(0.9) + &half_open(0.1))),
-    );
-    let shining_floor = shape(
-        "rectangle",
-        &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])],
-        &(diffuse(0.7) + &area(0.1)),
-    );
+    let two_sided_veil = upright(-0.9, &two_sided(&(half_open(0.9) + &half_open(0.1))));
+    let shining_floor = floor(&(diffuse(0.7) + &area(0.1)));
     let polished = bsdf("roughconductor", &float("alpha", 0.1));
     let frosted = bsdf("roughdielectric", &(float("alpha", 0.15) + &float("int_ior", 1.5)));
     let hanging = sphere([1.0, -0.5, 1.6], 0.2, &area(12.0));

@@ -68,12 +68,16 @@ pub fn relations() -> Vec<Relation> {
     let mirror = bsdf("conductor", "");
     let flint = bsdf("dielectric", "<string name=\"dispersion\" value=\"sf11\"/>");
     let matte = objects(&[])[2..].concat();
-    let checks = "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
-                  <rgb name=\"color0\" value=\"0.8, 0.5, 0\"/><rgb name=\"color1\" value=\"0, 0.6, 0.7\"/>\
-                  <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>";
-    let pure = "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
-                <rgb name=\"color0\" value=\"0.8, 0, 0\"/><rgb name=\"color1\" value=\"0, 0.7, 0.1\"/>\
-                <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>";
+    let board = |colors: [&str; 2]| {
+        format!(
+            "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
+             <rgb name=\"color0\" value=\"{}\"/><rgb name=\"color1\" value=\"{}\"/>\
+             <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>",
+            colors[0], colors[1]
+        )
+    };
+    let checks = &board(["0.8, 0.5, 0", "0, 0.6, 0.7"]);
+    let pure = &board(["0.8, 0, 0", "0, 0.7, 0.1"]);
     let vase = |wears: &str| {
         let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
         shape("obj", &steps, &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + wears))
