@@ -1,15 +1,18 @@
 //! `validate converge`: error against run time of any renderers on one scene.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 use validation::Verdict;
-use validation::converge::{Curve, Picture, Ratio, Reference, Rung, curve, errors, page, ratio, reference};
+use validation::converge::{
+    Curve, Interval, Picture, Ratio, Reference, Rung, curve, errors, mean, page, ratio, reference,
+};
 use validation::report::to_json;
 use validation::statistics::seed_for;
 
-use crate::renderers::{self, Job, Renderer};
+use crate::renderers::{self, Job, Renderer, Renderers, mean_of};
 
 /// What the command takes.
 #[derive(Args)]
@@ -47,11 +50,9 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     let file = arguments.file.unwrap_or_else(renderers::file);
     let known = renderers::load(&file)?;
-    let find = |name: &String| match known.get(name) {
-        Some(renderer) => Ok((name.clone(), renderer.clone())),
-        None => Err(format!("{} has no renderer {name:?}", file.display())),
-    };
-    let chosen = arguments.renderers.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+    if let Some(name) = arguments.renderers.iter().find(|name| !known.contains_key(*name)) {
+        return Err(format!("{} has no renderer {name:?}", file.display()).into());
+    }
     let longest = arguments.spp.iter().max().copied().unwrap_or(1);
     let settings = Settings {
         reference_samples: arguments.reference_spp.unwrap_or(longest.saturating_mul(8)),
@@ -62,7 +63,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     };
     let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
-    let study = study(&arguments.scene, &chosen, &settings, &folder, |step| eprintln!("{step}"));
+    let chosen = (&known, arguments.renderers.as_slice());
+    let study = study(&arguments.scene, chosen, &settings, &folder, |step| eprintln!("{step}"));
     std::fs::remove_dir_all(&folder)?;
     let study = study?;
     if let Some(path) = arguments.json {
@@ -106,6 +108,10 @@ pub struct Study {
 #[derive(Serialize)]
 pub struct Measured {
     pub name: String,
+    /// Whose converged mean it was held against.
+    pub mean_of: String,
+    /// The brightness of its longest pictures over the reference's.
+    pub brightness: Option<Interval>,
     /// relMSE without its largest 0.1 %, and the whole.
     pub trimmed: Vec<Rung>,
     pub untrimmed: Vec<Rung>,
@@ -132,16 +138,17 @@ pub struct Compared {
 }
 
 struct Runner<'a> {
-    name: &'a str,
     renderer: &'a Renderer,
-    reference: Reference,
+    reference: &'a Reference,
     measured: Measured,
+    /// Of each longest picture, over the reference's.
+    brightness: Vec<f64>,
 }
 
-/// Runs the study. `progress` hears of each step. Fails if a renderer fails after it has once succeeded.
+/// Runs the study of the renderers of these names. `progress` hears of each step. Fails if a renderer fails after it has once succeeded.
 pub fn study(
     scene: &Path,
-    renderers: &[(String, Renderer)],
+    (known, names): (&Renderers, &[String]),
     settings: &Settings,
     folder: &Path,
     progress: impl Fn(&str),
@@ -152,27 +159,39 @@ pub fn study(
         let seconds = if settings.processor_time { found.cpu_seconds } else { found.seconds };
         Ok((found.picture, seconds, found.startup))
     };
+    let mut references: BTreeMap<&str, Result<Reference, String>> = BTreeMap::new();
+    for name in names.iter().map(|name| mean_of(known, name)) {
+        if !references.contains_key(name) {
+            progress(&format!("{name}: reference"));
+            let one = |k| Ok(render(&known[name], settings.reference_samples, seed("reference", k))?.0);
+            let pictures: Result<Vec<Picture>, String> = (0..REFERENCES).map(one).collect();
+            let found = pictures.and_then(|p| reference(&p).ok_or("its pictures differ in size".to_string()));
+            references.insert(name, found);
+        }
+    }
     let (mut runners, mut missing) = (vec![], vec![]);
-    for (name, renderer) in renderers {
-        progress(&format!("{name}: reference"));
-        let pictures: Result<Vec<Picture>, String> = (0..REFERENCES)
-            .map(|k| Ok(render(renderer, settings.reference_samples, seed("reference", k))?.0))
-            .collect();
-        let found = pictures.and_then(|p| reference(&p).ok_or("its pictures differ in size".to_string()));
+    for name in names {
+        let (renderer, of) = (&known[name], mean_of(known, name));
+        let found = match &references[of] {
+            // It has not rendered anything yet: does it at all?
+            Ok(reference) if of != name => render(renderer, 1, seed("trial", 0)).map(|_| reference),
+            Ok(reference) => Ok(reference),
+            Err(reason) => Err(reason.clone()),
+        };
         match found {
             Ok(reference) => {
                 let empty = || settings.ladder.iter().map(|&samples| rung(samples)).collect();
-                let (trimmed, untrimmed) = (empty(), empty());
-                let name_of = name.clone();
                 let measured = Measured {
-                    name: name_of,
-                    trimmed,
-                    untrimmed,
+                    name: name.clone(),
+                    mean_of: of.to_string(),
+                    brightness: None,
+                    trimmed: empty(),
+                    untrimmed: empty(),
                     trimmed_curve: None,
                     untrimmed_curve: None,
                     startup: 0.0,
                 };
-                runners.push(Runner { name, renderer, reference, measured });
+                runners.push(Runner { renderer, reference, measured, brightness: vec![] });
             }
             Err(reason) => {
                 progress(&format!("{name}: missing: {reason}"));
@@ -180,16 +199,21 @@ pub fn study(
             }
         }
     }
+    let longest = settings.ladder.iter().max();
     // A B A B: whatever the machine does meanwhile, it does to all.
     for k in 0..settings.seeds {
         for (step, &samples) in settings.ladder.iter().enumerate() {
             for runner in &mut runners {
-                progress(&format!("{}: seed {} of {}, {samples} spp", runner.name, k + 1, settings.seeds));
+                let name = &runner.measured.name;
+                progress(&format!("{name}: seed {} of {}, {samples} spp", k + 1, settings.seeds));
                 let (picture, seconds, startup) = render(runner.renderer, samples, seed("picture", k))?;
                 if picture.len() != runner.reference.mean.len() {
-                    return Err(format!("{}: its pictures differ in size", runner.name));
+                    return Err(format!("{name}: its pictures differ in size"));
                 }
-                let found = errors(&picture, &runner.reference);
+                let found = errors(&picture, runner.reference);
+                if Some(&samples) == longest {
+                    runner.brightness.push(found.brightness);
+                }
                 runner.measured.startup +=
                     startup / (settings.ladder.len() as f64 * f64::from(settings.seeds));
                 for (rungs, error) in [
@@ -202,10 +226,12 @@ pub fn study(
             }
         }
     }
-    let mut renderers: Vec<Measured> = runners.into_iter().map(|runner| runner.measured).collect();
-    for measured in &mut renderers {
+    let mut renderers = vec![];
+    for Runner { mut measured, brightness, .. } in runners {
+        measured.brightness = mean(&brightness);
         measured.trimmed_curve = curve(&measured.trimmed, seed_for(&measured.name, 0));
         measured.untrimmed_curve = curve(&measured.untrimmed, seed_for(&measured.name, 0));
+        renderers.push(measured);
     }
     let ratios = renderers.split_first().map_or(vec![], |(first, others)| {
         let compared = others.iter().map(|other| Compared {
@@ -262,6 +288,8 @@ impl Study {
                 whole: m.untrimmed_curve.as_ref(),
                 ratio_trimmed: of(&m.name, |c| c.trimmed.as_ref()),
                 ratio_whole: of(&m.name, |c| c.untrimmed.as_ref()),
+                mean_of: &m.mean_of,
+                brightness: m.brightness,
                 startup: Some(m.startup),
             })
             .collect();

@@ -15,6 +15,9 @@ use validation::image;
 pub struct Renderer {
     /// Program and arguments with words in braces to be filled in.
     pub command: String,
+    /// A renderer whose pictures have the same mean: its converged mean is what this one is held against, for its own may not converge in
+    /// any time there is.
+    pub mean_of: Option<String>,
 }
 
 /// What to render.
@@ -48,9 +51,24 @@ pub fn file() -> PathBuf {
 }
 
 /// All renderers of a file, by name.
-pub fn load(path: &Path) -> Result<BTreeMap<String, Renderer>, String> {
+pub type Renderers = BTreeMap<String, Renderer>;
+
+/// Reads a file of renderers.
+pub fn load(path: &Path) -> Result<Renderers, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+    let all: Renderers = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let stranger = |renderer: &Renderer| renderer.mean_of.clone().filter(|name| !all.contains_key(name));
+    match all.iter().find_map(|(name, renderer)| Some((name, stranger(renderer)?))) {
+        Some((name, stranger)) => {
+            Err(format!("{}: {name}: there is no renderer {stranger:?}", path.display()))
+        }
+        None => Ok(all),
+    }
+}
+
+/// Which renderer's converged mean one is held against.
+pub fn mean_of<'a>(all: &'a Renderers, name: &'a str) -> &'a str {
+    all.get(name).and_then(|renderer| renderer.mean_of.as_deref()).unwrap_or(name)
 }
 
 impl Renderer {
@@ -175,10 +193,24 @@ mod tests {
     }
 
     #[test]
+    fn means_of_others_are_those_of_known_renderers() {
+        let file = std::env::temp_dir().join(format!("etalon-renderers-{}.toml", std::process::id()));
+        let read =
+            |text: &str| std::fs::write(&file, text).map_err(|e| e.to_string()).and_then(|()| load(&file));
+        let all = read("[a]\ncommand = \"x\"\nmean_of = \"b\"\n[b]\ncommand = \"y\"").unwrap();
+        assert_eq!(["a", "b", "c"].map(|name| mean_of(&all, name)), ["b", "b", "c"]);
+        let refused = read("[a]\ncommand = \"x\"\nmean_of = \"b\"").unwrap_err();
+        assert!(refused.ends_with("a: there is no renderer \"b\""), "{refused}");
+        std::fs::remove_file(&file).unwrap();
+    }
+
+    #[test]
     fn a_missing_program_and_a_failing_one_are_errors() {
         let job = Job { scene: Path::new("a b.xml"), samples: 1, seed: 7, threads: 0 };
         let out = std::env::temp_dir().join("etalon-no-such-picture.exr");
-        let error = |command: &str| Renderer { command: command.into() }.render(&job, &out).unwrap_err();
+        let error = |command: &str| {
+            Renderer { command: command.into(), mean_of: None }.render(&job, &out).unwrap_err()
+        };
         assert!(error("no-such-renderer {out}").contains("does not start"));
         assert!(error("").contains("empty"));
         assert_eq!(fill("x{scene}:{seed}", &job, &out), "xa b.xml:7");

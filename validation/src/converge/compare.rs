@@ -40,15 +40,30 @@ pub fn ratio(a: &[Rung], b: &[Rung]) -> Option<Ratio> {
         rungs.iter().map(|r| libm::log(r.errors[i] * r.seconds[i])).sum::<f64>() / rungs.len() as f64
     };
     let differences: Vec<f64> = (0..count).map(|i| cost(b, i) - cost(a, i)).collect();
-    let number = count as f64;
-    let mean = differences.iter().sum::<f64>() / number;
-    let squares: f64 = differences.iter().map(|d| (d - mean) * (d - mean)).sum();
+    let (Interval { value, low, high }, error) = student(&differences)?;
+    let freedom = count as f64 - 1.0;
+    let p_value =
+        if error > 0.0 { student_two_sided(value / error, freedom) } else { f64::from(value == 0.0) };
+    let [value, low, high] = [value, low, high].map(libm::exp);
+    Some(Ratio { ratio: Interval { value, low, high }, p_value, different: p_value <= LEVEL })
+}
+
+/// The mean of independent values with Student's interval; `None` of fewer than two.
+pub fn mean(values: &[f64]) -> Option<Interval> {
+    student(values).map(|(interval, _)| interval)
+}
+
+/// The same, and its standard error.
+fn student(values: &[f64]) -> Option<(Interval, f64)> {
+    if values.len() < 2 {
+        return None;
+    }
+    let number = values.len() as f64;
+    let value = values.iter().sum::<f64>() / number;
+    let squares: f64 = values.iter().map(|v| (v - value) * (v - value)).sum();
     let error = (squares / (number * (number - 1.0))).sqrt();
     let half = student_quantile(0.05, number - 1.0) * error;
-    let p_value =
-        if error > 0.0 { student_two_sided(mean / error, number - 1.0) } else { f64::from(mean == 0.0) };
-    let [value, low, high] = [mean, mean - half, mean + half].map(libm::exp);
-    Some(Ratio { ratio: Interval { value, low, high }, p_value, different: p_value <= LEVEL })
+    Some((Interval { value, low: value - half, high: value + half }, error))
 }
 
 #[cfg(test)]

@@ -26,6 +26,8 @@ pub struct Errors {
     pub median: f64,
     /// Mean squared error, in the pictures' unit squared.
     pub mse: f64,
+    /// The mean of all values over the reference's.
+    pub brightness: f64,
 }
 
 /// The share of values that the trimmed error leaves out.
@@ -67,6 +69,7 @@ pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
         trimmed: relative[..kept].iter().sum::<f64>() / kept.max(1) as f64,
         median: plain[plain.len() / 2],
         mse: values().map(|((x, m), variance)| square(x, m) - variance).sum::<f64>() / count,
+        brightness: picture.iter().sum::<f64>() / reference.mean.iter().sum::<f64>(),
     }
 }
 
@@ -111,6 +114,13 @@ mod tests {
         let found = errors(&spoiled, &reference(&pictures).unwrap());
         assert_eq!((found.trimmed, found.median), (0.0, 0.0));
         assert!((found.mse - 500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_picture_that_misses_light_is_darker_and_wrong() {
+        let flat = vec![2.0; 2000];
+        let found = errors(&vec![1.5; 2000], &reference(&[flat.clone(), flat]).unwrap());
+        assert_eq!((found.brightness, found.mse), (0.75, 0.25));
     }
 
     #[test]

@@ -13,6 +13,6 @@ pub mod error;
 pub mod page;
 pub mod plot;
 
-pub use compare::{Ratio, ratio};
+pub use compare::{Ratio, mean, ratio};
 pub use curve::{Curve, Interval, Rung, curve};
 pub use error::{Errors, Picture, Reference, errors, reference, relative_squares};

@@ -11,6 +11,9 @@ pub struct Line<'a> {
     pub whole: Option<&'a Curve>,
     pub ratio_trimmed: Option<&'a Ratio>,
     pub ratio_whole: Option<&'a Ratio>,
+    /// Whose converged mean it is held against, and how bright it is beside that.
+    pub mean_of: &'a str,
+    pub brightness: Option<Interval>,
     /// Mean start-up in seconds.
     pub startup: Option<f64>,
 }
@@ -60,6 +63,12 @@ pub fn curves(lines: &[Line]) -> String {
             slope(line.trimmed),
             to(line.trimmed, 0),
             to(line.trimmed, 1),
+            optional(line.brightness)
+                + &if line.mean_of == line.name {
+                    String::new()
+                } else {
+                    format!(" of {}", escape(line.mean_of))
+                },
             line.startup.map_or("–".into(), figures),
         ];
         rows += &row(&cells);
@@ -67,7 +76,7 @@ pub fn curves(lines: &[Line]) -> String {
     let first = escape(lines.first().map_or("", |l| l.name));
     format!(
         "<div class=\"plots\">{}{}</div>{}<div class=\"wide\"><table><tr><th>renderer<th>{first} is better, trimmed<th>whole\
-         <th>slope<th>s to 1 %<th>s to 0.1 %<th>s start-up</tr>{rows}</table></div>",
+         <th>slope<th>s to 1 %<th>s to 0.1 %<th>brightness<th>s start-up</tr>{rows}</table></div>",
         drawing("without the 0.1 % largest values", |l| l.trimmed),
         drawing("whole", |l| l.whole),
         legend(&names)
@@ -126,10 +135,17 @@ mod tests {
             whole: Some(&c),
             ratio_trimmed: None,
             ratio_whole: None,
+            mean_of: "<i>",
+            brightness: None,
             startup: None,
         };
         let html = frame("a & b", &(curves(&[line]) + &missing(&[("x", "not & here")])));
-        assert!(html.contains("&lt;b&gt;") && !html.contains("<b>") && html.contains("not &amp; here"));
+        assert!(
+            html.contains("&lt;b&gt;")
+                && html.contains("&lt;i&gt;")
+                && !html.contains("<b>")
+                && html.contains("not &amp; here")
+        );
         assert_eq!(html.matches("<svg").count(), html.matches("</svg>").count());
         assert!(!html.contains("NaN") && !html.contains("inf"), "{html}");
     }

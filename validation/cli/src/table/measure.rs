@@ -16,7 +16,7 @@ use validation::converge::{Errors, Picture, Reference, errors, reference};
 
 use super::plan::{Entry, Plan};
 use crate::converge::{REFERENCES, seed};
-use crate::renderers::{Job, Rendered, Renderer, read};
+use crate::renderers::{Job, Rendered, Renderers, mean_of, read};
 
 /// How long to look.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
@@ -50,7 +50,7 @@ pub struct Run {
 /// A scene's folder.
 pub struct Bench<'a> {
     pub folder: PathBuf,
-    pub renderers: &'a BTreeMap<String, Renderer>,
+    pub renderers: &'a Renderers,
     pub settings: &'a Settings,
 }
 
@@ -68,21 +68,24 @@ impl Bench<'_> {
         }
         self.prepare(entry, &entry.path(shared))?;
         let mut schedule = self.schedule()?;
-        for name in plan.renderers() {
-            if !matches!(schedule.get(name), Some(Ok(_))) {
-                progress(&format!("{}: {name}: pilot", entry.name));
-                schedule.insert(name.clone(), self.pilot(name));
-                self.keep("schedule.json", &schedule)?;
-            }
-        }
         let mut references = BTreeMap::new();
-        for (name, counts) in schedule.clone() {
-            let Ok(counts) = counts else { continue };
-            progress(&format!("{}: {name}: reference", entry.name));
-            let longest = counts.last().copied().unwrap_or(1);
-            match self.reference(&name, longest.saturating_mul(self.settings.reference)) {
-                Ok(found) => drop(references.insert(name, found)),
-                Err(why) => drop(schedule.insert(name, Err(why))),
+        for name in plan.renderers() {
+            let of = mean_of(self.renderers, name);
+            for name in [name, of] {
+                if !matches!(schedule.get(name), Some(Ok(_))) {
+                    progress(&format!("{}: {name}: pilot", entry.name));
+                    schedule.insert(name.to_string(), self.pilot(name));
+                    self.keep("schedule.json", &schedule)?;
+                }
+            }
+            let (Ok(_), Ok(counts)) = (&schedule[name], &schedule[of]) else { continue };
+            if !references.contains_key(of) {
+                progress(&format!("{}: {of}: reference", entry.name));
+                let longest = counts.last().copied().unwrap_or(1);
+                match self.reference(of, longest.saturating_mul(self.settings.reference)) {
+                    Ok(found) => drop(references.insert(of, found)),
+                    Err(why) => drop(schedule.insert(of.to_string(), Err(why))),
+                }
             }
         }
         self.keep("schedule.json", &schedule)?;
@@ -95,7 +98,7 @@ impl Bench<'_> {
         entry: &Entry,
         plan: &Plan,
         schedule: &Schedule,
-        references: &BTreeMap<String, Reference>,
+        references: &BTreeMap<&str, Reference>,
         progress: &dyn Fn(&str),
     ) -> Result<(), String> {
         let done = self.runs()?;
@@ -103,8 +106,8 @@ impl Bench<'_> {
         for k in 0..self.settings.seeds {
             for rung in 0..=last {
                 for name in plan.renderers() {
-                    let (Some(Ok(counts)), Some(reference)) = (schedule.get(name), references.get(name))
-                    else {
+                    let reference = references.get(mean_of(self.renderers, name));
+                    let (Some(Ok(counts)), Some(reference)) = (schedule.get(name), reference) else {
                         continue;
                     };
                     if done.iter().any(|r| (&r.renderer, r.seed, r.rung) == (name, k, rung)) {

@@ -7,7 +7,7 @@ use validation::html::escape;
 
 use super::measure::Bench;
 use super::summary::{Against, Scene, Table};
-use crate::renderers::read;
+use crate::renderers::{mean_of, read};
 use crate::report::pictures::data_uri;
 
 /// Relative squared errors from here on are drawn brightest; a map spans [`DECADES`] below it.
@@ -29,7 +29,7 @@ pub fn page(table: &Table, sections: &[String]) -> String {
         table.machine.iter().map(|(name, value)| format!("{}: {}; ", escape(name), escape(value))).collect();
     let body = format!(
         "<p>How many times less relative squared error {} makes in equal time than the best variant of Mitsuba and the best of \
-         the other renderers, each against its own converged mean; rungs of {:?} {clock}, {} seeds; brackets and bands are \
+         the other renderers, each against a converged mean, its own or that of a renderer with the same; rungs of {:?} {clock}, {} seeds; brackets and bands are \
          95 % intervals. ✓ the aim is reached by the whole interval, ✗ it is missed by the whole interval, ○ open.</p>\
          <div class=\"wide\"><table><tr><th>scene<th>class<th>best Mitsuba<th>trimmed<th>whole<th>aim<th>best other<th>trimmed\
          <th>whole<th>aim</tr>{rows}</table></div><p class=\"note\">{facts}</p>{}",
@@ -66,6 +66,8 @@ pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
             whole: line.whole.as_ref(),
             ratio_trimmed: line.ratio_trimmed.as_ref(),
             ratio_whole: line.ratio_whole.as_ref(),
+            mean_of: &line.mean_of,
+            brightness: line.brightness,
             startup: Some(line.startup),
         })
         .collect();
@@ -99,7 +101,8 @@ pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
 
 fn figure(name: &str, scene: &Scene, bench: &Bench) -> Result<String, String> {
     let file = bench.folder.join("pictures").join(format!("{name}.exr"));
-    let Some(reference) = bench.stored_reference(name)?.filter(|_| file.is_file()) else {
+    let Some(reference) = bench.stored_reference(mean_of(bench.renderers, name))?.filter(|_| file.is_file())
+    else {
         return Ok(String::new());
     };
     let (picture, width, height) = read(&file)?;

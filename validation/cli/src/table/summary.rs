@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use serde::Serialize;
-use validation::converge::{Curve, Errors, Ratio, Rung, curve, ratio};
+use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, ratio};
 use validation::statistics::seed_for;
 
 use super::measure::{Bench, Run, Schedule, Settings};
 use super::plan::{Entry, Plan};
+use crate::renderers::mean_of;
 
 /// The whole table.
 #[derive(Serialize)]
@@ -38,6 +39,10 @@ pub struct Line {
     pub renderer: String,
     pub samples: Vec<u32>,
     pub seeds: usize,
+    /// Whose converged mean it was held against.
+    pub mean_of: String,
+    /// The brightness of its longest pictures over the reference's.
+    pub brightness: Option<Interval>,
     pub startup: f64,
     pub trimmed: Option<Curve>,
     pub whole: Option<Curve>,
@@ -98,6 +103,8 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
             renderer: name.clone(),
             samples: by_trimmed.iter().map(|r| r.samples).collect(),
             seeds: first.errors.len(),
+            mean_of: mean_of(bench.renderers, name).to_string(),
+            brightness: of(name, |e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
             startup: mine.iter().sum::<f64>() / mine.len() as f64,
             ratio_trimmed: if other { ratio(&ours[0], &by_trimmed) } else { None },
             ratio_whole: if other { ratio(&ours[1], &by_whole) } else { None },
@@ -186,7 +193,7 @@ mod tests {
 
     #[test]
     fn only_whole_seeds_count_and_verdicts_follow_the_interval() {
-        let errors = Errors { relative_mse: 2.0, trimmed: 1.0, median: 0.5, mse: 3.0 };
+        let errors = Errors { relative_mse: 2.0, trimmed: 1.0, median: 0.5, mse: 3.0, brightness: 1.0 };
         let run = |seed, rung| Run {
             renderer: "a".into(),
             seed,
