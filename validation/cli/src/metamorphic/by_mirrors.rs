@@ -37,7 +37,7 @@ pub fn relations() -> Vec<Relation> {
     vec![
         relation("ball", 0.0, &ball(&metal())),
         relation("ball_and_light_paths", 1.0, &ball(&metal())),
-        relation("ball_of_glass", 1.0, &ball(&glass(""))),
+        relation("ball_of_glass", 1.0, &ball(&glass(""))).at_length(),
         relation("hollow_ball", 1.0, &turned),
         relation("sheet", 0.0, &sheet(&metal())),
         relation("sheet_and_light_paths", 1.0, &sheet(&metal())),
@@ -45,7 +45,9 @@ pub fn relations() -> Vec<Relation> {
         relation("disk", 1.0, &disk(&tinted)),
         relation("squares", 1.0, &sheet(&squares)),
         relation("block", 1.0, &block(&metal())),
-        relation("lamp_that_is_not_seen", 0.0, &(hidden.clone() + &sheet(&metal()))).samples(16384),
+        relation("lamp_that_is_not_seen", 0.0, &(hidden.clone() + &sheet(&metal())))
+            .samples(16384)
+            .at_length(),
         relation("lamp_that_is_not_seen_and_light_paths", 1.0, &(hidden + &sheet(&metal()))),
         relation("two_mirrors", 1.0, &(ball(&metal()) + &sheet(&metal()))),
         relation(
@@ -53,11 +55,12 @@ pub fn relations() -> Vec<Relation> {
             0.0,
             &(ball(&metal()) + &sheet(&metal()) + &disk(&tinted) + &block(&metal())),
         ),
-        relation("bulb_before_a_sheet", 1.0, &(globe.clone() + &sheet(&metal()))),
-        relation("metal_within_glass", 1.0, &within),
-        relation("matte_within_a_block", 1.0, &embedded).samples(16384),
+        relation("bulb_before_a_sheet", 1.0, &(globe.clone() + &sheet(&metal()))).at_length(),
+        relation("metal_within_glass", 1.0, &within).at_length(),
+        relation("matte_within_a_block", 1.0, &embedded).samples(16384).at_length(),
         relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)),
-        with_integrator(relation("four_samples", 1.0, &(ball(&metal()) + &sheet(&metal()))), four),
+        with_integrator(relation("four_samples", 1.0, &(ball(&metal()) + &sheet(&metal()))), four)
+            .at_length(),
         // By the mirror the lamp is two edges from the floor, and the camera a third.
         up_to(2, "one_edge_too_far", 0.0, &room(&ball(&metal()))),
         up_to(3, "no_edge_too_far", 1.0, &room(&ball(&metal()))),

@@ -173,7 +173,7 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_glass_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&glass("")))))),
         relation("vase_of_glass", &view, &room(&vase)),
         relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
-        relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))),
+        relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192),
         relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil))),
         hidden(relation(
             "behind_a_hidden_lamp",
@@ -181,7 +181,8 @@ pub fn relations() -> Vec<Relation> {
             &room(&(ball(&mirror()) + &sphere([0.4, -1.5, 0.5], 0.2, &area(4.0)))),
         )),
         // A lamp that reflects, too, and that the camera looks through.
-        hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor)))),
+        hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor))))
+            .samples(8192),
         relation("two_sided_glass", &view, &room(&block(&two_sided(&glass(""))))),
         relation("two_sided_frosted_glass", &view, &room(&ball(&two_sided(&frosted)))),
         relation("two_sided_veil", &view, &room(&(ball(&mirror()) + &two_sided_veil))),

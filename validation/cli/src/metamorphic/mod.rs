@@ -142,6 +142,8 @@ pub struct Relation {
     pub alike: Alike,
     /// Samples a pixel of each render.
     pub samples: u64,
+    /// It takes long and others ask nearly the same: `cargo test` leaves it out unless told not to ignore any, `validate scenes` does not.
+    pub at_length: bool,
 }
 
 /// All families, by name.
@@ -168,12 +170,26 @@ pub fn relations() -> Vec<Relation> {
 impl Relation {
     /// Bit-identical renders.
     pub fn bits(name: impl Into<String>, left: Term, right: Term) -> Self {
-        Self { name: name.into(), left: vec![left], right: vec![right], alike: Alike::Bits, samples: 32 }
+        Self {
+            name: name.into(),
+            left: vec![left],
+            right: vec![right],
+            alike: Alike::Bits,
+            samples: 32,
+            at_length: false,
+        }
     }
 
     /// Renders equal in expectation, within 1 %.
     pub fn expectation(name: impl Into<String>, left: Vec<Term>, right: Vec<Term>) -> Self {
-        Self { name: name.into(), left, right, alike: Alike::Expectation(0.01), samples: 1024 }
+        Self {
+            name: name.into(),
+            left,
+            right,
+            alike: Alike::Expectation(0.01),
+            samples: 1024,
+            at_length: false,
+        }
     }
 
     /// The same of spectral renders.
@@ -186,6 +202,10 @@ impl Relation {
 
     pub fn samples(self, samples: u64) -> Self {
         Self { samples, ..self }
+    }
+
+    pub fn at_length(self) -> Self {
+        Self { at_length: true, ..self }
     }
 
     /// The same, asked four times as finely of 16 times the samples.

@@ -114,18 +114,15 @@ pub fn relations() -> Vec<Relation> {
             room(&(sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass))),
         ),
     ];
-    let noisy = vec![
-        Case { pixels: 16, ..case("open", objects(&[]).concat() + &constant(1.0)) },
-        Case { pixels: 16, ..case("sixteen", room(&matte)) },
-        case("hidden_lamp", room(&(matte.clone() + &screen(&area(1.0))))).option(
-            "boolean",
-            "hide_emitters",
-            "true",
-        ),
-        case("checks", closed_room(checks) + &ball(checks)),
-    ];
+    let open = Case { pixels: 16, ..case("open", objects(&[]).concat() + &constant(1.0)) };
+    let checkered = case("checks", closed_room(checks) + &ball(checks));
+    let hidden_lamp = case("hidden_lamp", room(&(matte.clone() + &screen(&area(1.0)))));
+    let hidden_lamp = hidden_lamp.option("boolean", "hide_emitters", "true");
+    let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
-    relations.extend(noisy.into_iter().map(|case| case.relation().samples(4096)));
+    relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
+    relations.push(hidden_lamp.relation().samples(8192));
+    relations.push(sixteen.relation().samples(8192).at_length());
     // What is black to one pixel's receiver must not end for the others.
     let colours = Case {
         integrator: path(-1),
