@@ -21,8 +21,9 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        let outputs = [Some(&self.output), self.png.as_ref()];
-        outputs.into_iter().flatten().try_for_each(|path| image::check_writable(path))?;
+        let outputs: Vec<&PathBuf> = [Some(&self.output), self.png.as_ref()].into_iter().flatten().collect();
+        outputs.iter().try_for_each(|path| image::check_writable(path))?;
+        super::refuse_collisions(None, &outputs)?;
         let merged = image::merge_files(self.parts)?;
         image::write_exr(&self.output, &merged)?;
         if let Some(path) = &self.png {

@@ -94,33 +94,40 @@ struct SceneArguments {
     seed: Option<u32>,
 }
 
-impl SceneArguments {
-    /// Refuses to write two files to one place, or one over the scene.
-    fn refuse_as_outputs(&self, outputs: &[&PathBuf]) -> Result<(), Box<dyn Error>> {
-        let place = |path: &Path| -> Option<PathBuf> {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
-            path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
+/// Refuses to write two files to one place, or one over the scene. An output is first written beside its place, under its name with `.partial`.
+fn refuse_collisions(scene: Option<&Path>, outputs: &[&PathBuf]) -> Result<(), Box<dyn Error>> {
+    let place = |path: &Path| -> Option<PathBuf> {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
+    };
+    let mut known: Vec<PathBuf> = scene.and_then(place).into_iter().collect();
+    for path in outputs {
+        // Streams and devices take everything that is written to them.
+        let Some(here) = place(path).filter(|_| !path.metadata().is_ok_and(|metadata| !metadata.is_file()))
+        else {
+            continue;
         };
-        let mut known = vec![place(&self.scene)];
-        for path in outputs {
-            let here = place(path);
-            // Streams and devices take everything that is written to them.
-            if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
-                continue;
-            }
-            if here.is_some() && known.contains(&here) {
-                return Err(format!(
-                    "{}: the scene itself or another output of this render has this name",
-                    path.display()
-                )
-                .into());
-            }
-            known.push(here);
+        let beside =
+            PathBuf::from([here.as_os_str(), ".partial".as_ref()].join::<&std::ffi::OsStr>("".as_ref()));
+        if known.contains(&here) || known.contains(&beside) {
+            return Err(
+                format!("{}: the scene itself or another output has this place", path.display()).into()
+            );
         }
-        Ok(())
+        known.extend([here, beside]);
     }
+    Ok(())
+}
 
+/// Checks that a text is HOST:PORT.
+fn address(text: &str) -> Result<String, String> {
+    let port =
+        text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port.parse::<u16>());
+    if matches!(port, Some(Ok(_))) { Ok(text.into()) } else { Err("expected such as localhost:14158".into()) }
+}
+
+impl SceneArguments {
     fn load(&self) -> Result<Scene, Box<dyn Error>> {
         let overrides = scene::Overrides {
             integrator: self.integrator.clone(),

@@ -9,7 +9,7 @@ use etalon::integrator::kernel_for;
 use etalon::render::passes::Partial;
 use etalon::render::pilot::{self, NoCount, Pilot, Quality};
 use etalon::render::sample::Camera;
-use etalon::render::{Progress, Report, Settings, checkpoint, memory};
+use etalon::render::{Progress, Report, Settings, check_threads, checkpoint, memory};
 use etalon::scene::Scene;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -52,11 +52,11 @@ pub struct Arguments {
     #[arg(long, requires = "checkpoint")]
     resume: bool,
     /// Show the render in the image viewer tev, which listens at port 14158
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", value_parser = super::address)]
     pub preview: Option<String>,
-    /// Threads; one for each processor by default
-    #[arg(long, value_name = "T", default_value_t = 0)]
-    threads: usize,
+    /// Threads, at most 1024; one for each processor by default
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -74,7 +74,8 @@ impl Arguments {
         let files = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
         let files: Vec<&PathBuf> = files.into_iter().flatten().collect();
         files.iter().try_for_each(|path| image::check_writable(path))?;
-        self.scene.refuse_as_outputs(&files)?;
+        super::refuse_collisions(Some(&self.scene.scene), &files)?;
+        check_threads(settings.threads)?;
         let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
         let chosen = self.time.is_some() || self.target_error.is_some();
         let passes = self.in_passes() || chosen || scene.caustics.is_some();
@@ -160,7 +161,7 @@ impl Arguments {
             samples: self.samples.clone().unwrap_or(all),
             seed: scene.sensor.sampler.seed,
             window,
-            threads: self.threads,
+            threads: usize::from(self.threads),
             shard: self.samples.is_some(),
             kernel: None,
         })

@@ -8,7 +8,7 @@ use etalon::render::{Progress, Report, Settings, checkpoint, render};
 use etalon::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::iterator::Signals;
 use std::cell::RefCell;
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -22,6 +22,9 @@ const SELDOM: Duration = Duration::from_secs(5);
 
 /// A checkpoint may cost this part of the time.
 const SHARE: f64 = 0.01;
+
+/// A signal that comes again after less than this is still the first: who stops a whole group of processes may signal its members twice.
+const ECHO: Duration = Duration::from_millis(500);
 
 /// Bytes a second at which checkpoints are written, until it is known.
 const SPEED: f64 = 1e8;
@@ -44,11 +47,17 @@ impl<'a> Watch<'a> {
         progress: &'a Progress,
     ) -> Result<Self, Box<dyn Error>> {
         let interrupted = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal sets the flag, the second finds it set.
-            flag::register_conditional_shutdown(signal, i32::from(super::INTERRUPTED), interrupted.clone())?;
-            flag::register(signal, interrupted.clone())?;
-        }
+        let mut signals = Signals::new([SIGINT, SIGTERM])?;
+        let flag = interrupted.clone();
+        std::thread::spawn(move || {
+            let mut first = None;
+            for _ in signals.forever() {
+                flag.store(true, Ordering::Relaxed);
+                if first.get_or_insert_with(Instant::now).elapsed() > ECHO {
+                    std::process::exit(i32::from(super::INTERRUPTED));
+                }
+            }
+        });
         Ok(Self { arguments, silent, progress, interrupted, complete: RefCell::new(None) })
     }
 

@@ -15,6 +15,17 @@ use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::registry::Entry;
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
+
+/// A point on the surface of an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterPoint {
+    /// Its place in the list.
+    pub emitter: usize,
+    /// World.
+    pub p: DVec3,
+    /// The surface's normal there, world.
+    pub n: DVec3,
+}
 pub use area::Area;
 pub use constant::Constant;
 pub use directional::Directional;

@@ -4,7 +4,7 @@ use crate::texture::bitmap::Pixels;
 use exr::prelude::*;
 use std::path::Path;
 
-/// Decodes EXR, PNG, JPEG or Radiance HDR; alpha is dropped. The error says what is wrong.
+/// Decodes EXR, PNG, JPEG, Radiance HDR or BMP; alpha is dropped. The error says what is wrong.
 pub fn pixels(path: &Path) -> std::result::Result<Pixels, String> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let pixels = match extension.as_str() {
@@ -66,5 +66,21 @@ fn exr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
         }
         (_, _, _, Some(values)) => Ok(Pixels { width, height, channels: 1, values, encoded: false }),
         _ => Err("the EXR has neither the channels R, G, B nor Y".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bmp_is_turned_the_right_way_up_and_its_colours_are_encoded() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/fuzz/seeds/picture/texels.bmp");
+        let found = pixels(&file).unwrap();
+        assert_eq!((found.width, found.height, found.channels, found.encoded), (3, 2, 3, true));
+        let first = [255, 0, 0, 0, 255, 0, 0, 0, 255];
+        let second = [10, 20, 30, 128, 128, 128, 255, 255, 255];
+        let bytes: Vec<u8> = found.values.iter().map(|v| (255.0 * v).round() as u8).collect();
+        assert_eq!(bytes, [first, second].concat());
     }
 }

@@ -89,7 +89,16 @@ pub struct Progress {
 /// How many non-finite samples are listed.
 const LISTED: usize = 8;
 
-/// Renders. `None` if `progress` was told to stop, or if the threads could not be started.
+/// Finds out whether so many threads can be started.
+///
+/// # Errors
+/// Says how many cannot, and why.
+pub fn check_threads(threads: usize) -> Result<(), String> {
+    let tried = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    tried.map(drop).map_err(|error| format!("error: {threads} threads cannot be started: {error}"))
+}
+
+/// Renders. `None` if `progress` was told to stop, or if the threads could not be started, which [`check_threads`] tells before.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
     if scene.caustics.is_some() {

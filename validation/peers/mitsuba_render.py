@@ -2,8 +2,8 @@
 
     python3 validation/peers/mitsuba_render.py VARIANT SCENE.xml OUT.exr SPP SEED THREADS [SAMPLER]
 
-The last line is {"seconds": s, "startup": t, "cpu_seconds": c}; SAMPLER is the value of the scene's parameter `sampler`. Loading, and a first picture of one sample that makes a compiled variant
-compile, are start-up.
+The last line is {"seconds": s, "startup": t, "cpu_seconds": c}; SAMPLER is the value of the scene's parameter `sampler`. Loading is start-up, and so is a first picture, which makes a compiled variant
+compile: of as many samples, for the number of samples is a constant in its kernels.
 """
 import json
 import sys
@@ -29,8 +29,7 @@ def main():
         dr.sync_thread()
         return image
 
-    # Compiles the kernel, which is the same for every sample count.
-    render(1, 0)
+    render(int(spp), int(seed) ^ 1)
     ready, busy = time.perf_counter(), time.process_time()
     image = render(int(spp), int(seed))
     done, cpu = time.perf_counter(), time.process_time() - busy

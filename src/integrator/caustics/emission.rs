@@ -1,7 +1,7 @@
 //! How a light path begins.
 
 use super::aim::Aim;
-use crate::emitter::{AnyEmitter, Emitters};
+use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{DVec3, Discrete, Ray};
 use crate::sampler::Numbers;
 use crate::scene::Shape;
@@ -18,8 +18,7 @@ pub struct Emission {
 
 /// The first edge of a light path.
 pub struct Start {
-    /// The emitter, the point of it, and its normal there.
-    pub end: (usize, DVec3, DVec3),
+    pub end: EmitterPoint,
     pub ray: Ray,
     pub radiance: Spectrum,
     /// To the emitter's normal.
@@ -52,39 +51,26 @@ impl Emission {
         let entry = &emitters.list[index];
         let shape = &shapes[entry.shape? as usize];
         let start = shape.geometry.sample_area(u.pair(0));
-        let w = self.aim.sample(start.p, start.n, u.one(6), u.pair(1));
-        let density = self.density_at(index, start.pdf, start.p, start.n, w);
+        let end = EmitterPoint { emitter: index, p: start.p, n: start.n };
+        let w = self.aim.sample(end.p, end.n, u.one(6), u.pair(1));
+        let density = self.density_at(end, start.pdf, w);
         if density == 0.0 {
             return None;
         }
         let point = SurfacePoint { uv: start.uv, ..SurfacePoint::plain(start.p, start.n, start.n) };
         let radiance = entry.emitter.surface_radiance(&point, w, λ);
         let ray = Ray::leaving(start.p, w, f64::INFINITY, shape.first_primitive + start.primitive);
-        let end = (index, start.p, start.n);
         (!radiance.is_zero()).then(|| Start { end, ray, radiance, cos: w.dot(start.n), density })
     }
 
-    /// Of a point of emitter `index` with normal n and the direction w from it, in m⁻²·sr⁻¹. `pdf` is that of the point.
-    fn density_at(&self, index: usize, pdf: f64, p: DVec3, n: DVec3, w: DVec3) -> f64 {
-        self.choice.probability(index) * pdf * self.aim.density(p, n, w)
+    /// Of a point and the direction w from it, in m⁻²·sr⁻¹. `pdf` is that of the point.
+    fn density_at(&self, end: EmitterPoint, pdf: f64, w: DVec3) -> f64 {
+        self.choice.probability(end.emitter) * pdf * self.aim.density(end.p, end.n, w)
     }
 
     /// As [`Emission::sample`] makes them, in m⁻²·sr⁻¹.
-    pub fn density(
-        &self,
-        shapes: &[Shape],
-        emitters: &Emitters,
-        index: usize,
-        p: DVec3,
-        n: DVec3,
-        w: DVec3,
-    ) -> f64 {
-        match emitters.list[index].shape {
-            None => 0.0,
-            Some(shape) => {
-                let pdf = 1.0 / shapes[shape as usize].geometry.area();
-                self.density_at(index, pdf, p, n, w)
-            }
-        }
+    pub fn density(&self, shapes: &[Shape], emitters: &Emitters, end: EmitterPoint, w: DVec3) -> f64 {
+        let area = |shape: u32| shapes[shape as usize].geometry.area();
+        emitters.list[end.emitter].shape.map_or(0.0, |shape| self.density_at(end, 1.0 / area(shape), w))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Caustics;
 use crate::bsdf::Bsdf;
+use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
@@ -33,8 +34,8 @@ pub struct LightPath {
     scale: f64,
     /// r, as far as it is known; see [`super`].
     ratio: f64,
-    /// Where it began: the emitter, the point of it, and its normal there.
-    end: (usize, DVec3, DVec3),
+    /// Where it began.
+    end: EmitterPoint,
     /// How much likelier emitter sampling makes the path's beginning than the first lobe with a density on the way does, from its end.
     by_emitter: f64,
     /// Surfaces that a link might lead by since it left, with the chance of its turns there; `None` once it has done anything else.
@@ -88,8 +89,8 @@ impl Caustics {
         let asked = side.traits.smooth && scene.links.as_ref().is_some_and(|links| links.everywhere);
         let linked =
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
-                let (index, p, n) = path.end;
-                let end = (index, &SurfacePoint::plain(p, n, n));
+                let EmitterPoint { emitter, p, n } = path.end;
+                let end = (emitter, &SurfacePoint::plain(p, n, n));
                 let way = (to_light, passage);
                 let found = density_of(scene, (point.p, hit.primitive), way, end, &λ, counters);
                 found.unwrap_or(0.0) * f64::from(self.settings.emitter_samples) / chance
@@ -155,13 +156,13 @@ impl Caustics {
 
     /// The density with which the first surface on the way would have chosen the first edge by sampling emitters.
     fn emitter_pdf(&self, scene: &Scene, path: &LightPath, first: &SurfacePoint, t: f64) -> f64 {
-        let (index, p, n) = path.end;
-        let entry = &scene.emitters.list[index];
+        let EmitterPoint { emitter, p, n } = path.end;
+        let entry = &scene.emitters.list[emitter];
         let Some(shape) = entry.shape else { return 0.0 };
         let back = Ray::free(first.p, -path.ray.direction);
         let end = SurfacePoint::plain(p, n, n);
         let pdf = entry.emitter.surface_pdf(&scene.shapes[shape as usize].geometry, &back, t, &end);
-        scene.emitters.probability(index) * pdf * f64::from(self.settings.emitter_samples)
+        scene.emitters.probability(emitter) * pdf * f64::from(self.settings.emitter_samples)
     }
 
     /// What the camera gets of the light at a vertex if nothing is between them.

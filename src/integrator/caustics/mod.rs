@@ -33,7 +33,7 @@ mod stream;
 
 use super::AnyIntegrator;
 use super::path::Path;
-use crate::emitter::Emitters;
+use crate::emitter::{EmitterPoint, Emitters};
 use crate::math::DVec3;
 use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
@@ -80,11 +80,11 @@ impl Caustics {
         self.paths = (share * pixels as f64).ceil().min(f64::from(u32::MAX)) as u32;
     }
 
-    /// The factor of r from xₙ, where w is the direction back to xₙ₋₁: of an emitter, a point of it and its normal there.
-    pub fn last(&self, scene: &Scene, (emitter, p, n): (usize, DVec3, DVec3), w: DVec3) -> f64 {
-        let density = self.emission.density(&scene.shapes, &scene.emitters, emitter, p, n, w);
+    /// The factor of r from xₙ, where w is the direction back to xₙ₋₁.
+    pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
+        let density = self.emission.density(&scene.shapes, &scene.emitters, end, w);
         // No light leaves at a right angle, and no ratio is taken of it.
-        if density > 0.0 { self.paths as f64 * density / n.dot(w).abs() } else { 0.0 }
+        if density > 0.0 { self.paths as f64 * density / end.n.dot(w).abs() } else { 0.0 }
     }
 }
 

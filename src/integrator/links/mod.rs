@@ -27,7 +27,7 @@ mod passage;
 use super::Counters;
 use super::light::{Proposal, Vertex, power_heuristic_of_three};
 use crate::bsdf::{AnyMaterial, Bsdf};
-use crate::emitter::AnyEmitter;
+use crate::emitter::{AnyEmitter, EmitterPoint};
 use crate::math::bounds::union;
 use crate::math::ray::{position_error, way_between};
 use crate::math::{DVec2, DVec3, Ray, length};
@@ -148,14 +148,14 @@ fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n
 
 /// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: an estimate of the light that this
 /// technique has to contribute, up to visibility behind the last surface. `mirror` is what [`Links::techniques`] says. `light_paths` says of a link, of the density of its
-/// direction when scattering, and of an emitter with a point and a normal there, how much likelier light paths make the whole path than scattering does.
+/// direction when scattering, and of a point of the emitter, how much likelier light paths make the whole path than scattering does.
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
     (mirror, choice, u): (Option<(usize, f64)>, f64, DVec2),
     (count, most): (f64, usize),
     λ: &Wavelengths,
-    light_paths: impl Fn(&Link, f64, (usize, DVec3, DVec3)) -> f64,
+    light_paths: impl Fn(&Link, f64, EmitterPoint) -> f64,
     counters: &mut Counters,
 ) -> Option<Proposal> {
     let (index, probability, _) = scene.emitters.sample(choice)?;
@@ -186,7 +186,8 @@ pub fn sample_emitter<B: Bsdf>(
         return None;
     }
     let scattering = scattered.pdf * link.chance;
-    let by_light_path = scattering * light_paths(&link, scattered.pdf, (index, to, light.n));
+    let end = EmitterPoint { emitter: index, p: to, n: light.n };
+    let by_light_path = scattering * light_paths(&link, scattered.pdf, end);
     let weight = power_heuristic_of_three(scattering / pdf, by_light_path / pdf);
     Some(Proposal {
         ray: Ray { end: link.last.end - early, ..link.last },

@@ -6,7 +6,7 @@ use super::stream::State;
 use super::vertex::Arrival;
 use super::{Path, survival};
 use crate::bsdf::{Bsdf, Material, Visitor};
-use crate::emitter::DirectSample;
+use crate::emitter::{DirectSample, EmitterPoint};
 use crate::integrator::caustics;
 use crate::integrator::light::{self, Vertex};
 use crate::integrator::links::{self, Link, Way};
@@ -96,7 +96,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             let ratio = if focuses { state.light_ratio } else { 0.0 };
             let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.caustics {
                 Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
-                    let end = (emitter, point.p + light.wi * light.distance, light.n);
+                    let p = point.p + light.wi * light.distance;
+                    let end = EmitterPoint { emitter, p, n: light.n };
                     let here = ratio_at(scene, &vertex, (wo, None), vertex.to_local(light.wi), 1.0);
                     ratio * here * caustics.last(scene, end, -light.wi) / own
                 }
@@ -122,7 +123,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         });
         let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
         if let Some(links) = links.filter(|_| most > 0) {
-            let light_paths = |link: &Link, pdf: f64, end: (usize, DVec3, DVec3)| match &scene.caustics {
+            let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.caustics {
                 Some(caustics) if state.light_ratio > 0.0 => {
                     let to_light = vertex.to_local(link.direction);
                     let here = ratio_at(scene, &vertex, (wo, first), to_light, pdf);

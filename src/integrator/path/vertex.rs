@@ -5,6 +5,7 @@ use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::State;
 use super::{MAX_VERTICES, Path};
+use crate::emitter::EmitterPoint;
 use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
 use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters, Event};
@@ -75,7 +76,7 @@ impl Path {
                 };
                 let by_light_path = match &scene.caustics {
                     Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
-                        let end = (emitter as usize, point.p, point.ng);
+                        let end = EmitterPoint { emitter: emitter as usize, p: point.p, n: point.ng };
                         state.light_ratio * caustics.last(scene, end, -ray.direction)
                     }
                     _ => 0.0,

@@ -12,6 +12,7 @@ use etalon::scene::xml;
 use etalon::shape::SurfacePoint;
 use etalon::spectrum::{ColorMode, Wavelengths};
 use serde::Deserialize;
+use validation::statistics::worst_of;
 
 /// Operations in a row whose roundings add up in an evaluation.
 const ROUNDINGS: f64 = 32.0;
@@ -74,7 +75,7 @@ impl Golden {
             for (k, what) in ["value 0", "value 1", "value 2", "value 3", "pdf"].iter().enumerate() {
                 let difference = (ours[k] - theirs[k]).abs();
                 // Not `>`: a NaN must count as wrong.
-                if !(difference <= allowed[k] || ours[k].max(theirs[k]) < SMALLEST) {
+                if !(difference <= allowed[k] || worst_of(ours[k], theirs[k]) < SMALLEST) {
                     let (ours, theirs, allowed) = (ours[k], theirs[k], allowed[k]);
                     let relative = (ours - theirs).abs() / ours.abs().max(theirs.abs());
                     let kind = k / 4;
@@ -132,7 +133,7 @@ impl Model {
                 let mut moved = [wo, wi];
                 moved[axis / 3][axis % 3] *= 1.0 + sign * ulp;
                 let there = self.evaluate(moved[0], moved[1]);
-                (0..5).for_each(|k| allowed[k] = allowed[k].max((there[k] - here[k]).abs()));
+                (0..5).for_each(|k| allowed[k] = worst_of(allowed[k], there[k] - here[k]));
             }
         }
         allowed.map(|a| ROUNDINGS * a)

@@ -4,7 +4,7 @@ use crate::provenance::Made;
 use std::error::Error;
 use std::fmt::Arguments;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
 
@@ -25,10 +25,27 @@ pub fn finish(report: Report, json: Option<PathBuf>) -> Result<Verdict, Box<dyn 
     let (equal, open, bad) =
         (count(Verdict::Equivalent), count(Verdict::Inconclusive), count(Verdict::Different));
     say(format_args!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict));
-    if let Some(path) = json {
-        std::fs::write(path, to_json(&Made::here(&report)?)? + "\n")?;
-    }
+    write(json.as_deref(), || Ok::<_, Box<dyn Error>>(to_json(&Made::here(&report)?)?))?;
     Ok(report.verdict)
+}
+
+/// Writes a document to a file, if one is wanted.
+pub fn write<E: Into<Box<dyn Error>>>(
+    path: Option<&Path>,
+    text: impl FnOnce() -> Result<String, E>,
+) -> Result<(), Box<dyn Error>> {
+    let Some(path) = path else { return Ok(()) };
+    let mut text = text().map_err(Into::into)?;
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    Ok(std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?)
+}
+
+/// Finds out before anything is done whether the documents that are wanted can be written.
+pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
+    let wanted = paths.iter().filter_map(|path| path.as_ref());
+    wanted.into_iter().try_for_each(|path| Ok(etalon::image::check_writable(path)?))
 }
 
 /// A share written with a per cent sign. Error: anything else, or nothing at all.

@@ -12,6 +12,7 @@ use validation::converge::{
 use validation::report::to_json;
 use validation::statistics::seed_for;
 
+use crate::console::{check_writable, write};
 use crate::renderers::{self, Job, Renderer, Renderers, mean_of};
 
 /// What the command takes.
@@ -25,7 +26,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
     /// Sample counts
-    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"])]
+    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"], value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
     seeds: u32,
@@ -53,6 +54,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     if let Some(name) = arguments.renderers.iter().find(|name| !known.contains_key(*name)) {
         return Err(format!("{} has no renderer {name:?}", file.display()).into());
     }
+    check_writable(&[&arguments.json, &arguments.html])?;
     let longest = arguments.spp.iter().max().copied().unwrap_or(1);
     let settings = Settings {
         reference_samples: arguments.reference_spp.unwrap_or(longest.saturating_mul(8)),
@@ -67,14 +69,13 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     let study = study(&arguments.scene, chosen, &settings, &folder, |step| eprintln!("{step}"));
     std::fs::remove_dir_all(&folder)?;
     let study = study?;
-    if let Some(path) = arguments.json {
-        std::fs::write(path, to_json(&study)?)?;
-    }
-    if let Some(path) = arguments.html {
-        std::fs::write(path, study.html())?;
-    }
+    write(arguments.json.as_deref(), || to_json(&study))?;
+    write(arguments.html.as_deref(), || Ok::<_, String>(study.html()))?;
     print!("{}", study.text());
-    Ok(Verdict::Equivalent)
+    match study.renderers.is_empty() {
+        true => Err("no renderer rendered the scene".into()),
+        false => Ok(Verdict::Equivalent),
+    }
 }
 
 /// How long to look.
@@ -270,8 +271,15 @@ impl Study {
                 ),
             })
         });
+        let brightness = self.renderers.iter().filter_map(|m| Some((m, m.brightness?)));
+        let brightness = brightness.map(|(m, b)| {
+            format!(
+                "{}: {:.4} [{:.4}, {:.4}] times as bright as {}'s mean",
+                m.name, b.value, b.low, b.high, m.mean_of
+            )
+        });
         let missing = self.missing.iter().map(|m| format!("{}: missing: {}", m.name, m.reason));
-        slopes.chain(ratios).chain(missing).map(|line| line + "\n").collect()
+        slopes.chain(brightness).chain(ratios).chain(missing).map(|line| line + "\n").collect()
     }
 
     /// The page with plots and tables.

@@ -1,6 +1,6 @@
 //! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
 
-use crate::console::{finish, print};
+use crate::console::{check_writable, finish, print};
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{furnace, ledger, limits, materials, peers, sampling};
 use std::error::Error;
@@ -34,10 +34,10 @@ pub struct BsdfArguments {
     /// Only this material; of a peer, configurations whose name contains this
     name: Option<String>,
     /// Judge another program's BSDFs, over the protocol of docs/peer-protocol.md
-    #[arg(long, value_name = "COMMAND")]
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["thorough", "ledger"])]
     peer: Option<String>,
     /// Seconds a peer may take for one answer
-    #[arg(long, default_value_t = 60)]
+    #[arg(long, default_value_t = 60, requires = "peer")]
     timeout: u64,
     #[command(flatten)]
     settings: Settings,
@@ -65,7 +65,7 @@ pub struct FurnaceArguments {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write what single scattering loses, and check nothing
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "CSV", conflicts_with = "json")]
     losses: Option<PathBuf>,
 }
 
@@ -90,6 +90,9 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
 pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>> {
     let SamplingArguments { name, settings } = arguments;
     let trials = sampling::trials(name.as_deref());
+    if trials.is_empty() {
+        return Err("there is nothing of this name".into());
+    }
     let effort = effort_of_sampling(settings.samples, trials.len(), settings.thorough);
     judge("sampling", trials, &effort, settings)
 }
@@ -102,6 +105,10 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
         return Ok(Verdict::Equivalent);
     }
     let cells = furnace::cells(name.as_deref());
+    if cells.is_empty() {
+        return Err("there is nothing of this name".into());
+    }
+    check_writable(&[&json])?;
     let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), true) };
     let mut outcomes = vec![];
     for cell in cells {
@@ -117,6 +124,7 @@ fn judge(
     effort: &Effort,
     Settings { number, json, ledger, .. }: Settings,
 ) -> Result<Verdict, Box<dyn Error>> {
+    check_writable(&[&json])?;
     let mut outcomes = vec![];
     for trial in trials {
         if let Some(outcome) = trial.run(effort, number)? {

@@ -79,7 +79,11 @@ impl Reference {
     ) -> Result<Comparison, String> {
         let ours = self.render(samples, number)?;
         let reference = image::load(&self.image).map_err(|e| e.to_string())?;
-        image::compare(&reference, &ours, settings).map_err(|e| e.to_string())
+        match reference.channels.iter().find(|theirs| ours.channels.iter().all(|own| own.name != theirs.name))
+        {
+            Some(lost) => Err(format!("{}: there is no channel {}", self.name, lost.name)),
+            None => image::compare(&reference, &ours, settings).map_err(|e| e.to_string()),
+        }
     }
 
     /// The comparison as an outcome.

@@ -1,6 +1,6 @@
 //! The command that judges whole renders: `validate scenes`.
 
-use crate::console::{finish, percentage, print};
+use crate::console::{check_writable, finish, percentage, print, write};
 use crate::{closed_forms, metamorphic, references};
 use std::error::Error;
 use std::path::PathBuf;
@@ -33,6 +33,7 @@ pub struct Arguments {
 /// Etalon against the stored references, closed forms and metamorphic relations.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { name, spp, margin, number, thorough, markdown, json } = arguments;
+    check_writable(&[&markdown, &json])?;
     let mut outcomes = vec![];
     for reference in references::references(&references::folder())? {
         if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
@@ -57,8 +58,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         outcomes.push(outcome.clone());
         related.push(outcome);
     }
-    if let Some(path) = markdown {
-        std::fs::write(path, closed_forms::markdown(&table, &related))?;
+    if outcomes.is_empty() {
+        return Err("there is no such scene".into());
     }
+    write(markdown.as_deref(), || Ok::<_, String>(closed_forms::markdown(&table, &related)))?;
     finish(Report::new("scenes", outcomes), json)
 }

@@ -91,7 +91,12 @@ fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcom
     let noncentrality: f64 = bins.iter().map(|bin| square(bin.error) / bin.expected).sum();
     let degrees = bins.len().saturating_sub(1) as f64;
     if degrees == 0.0 {
-        return Outcome::new("chi2", Verdict::Equivalent, "no density and no sample outside delta lobes");
+        let drawn: f64 = observed[..integrals.len()].iter().sum();
+        return if total.value <= total.error && drawn == 0.0 {
+            Outcome::new("chi2", Verdict::Equivalent, "no density and no sample outside delta lobes")
+        } else {
+            Outcome::new("chi2", Verdict::Inconclusive, "too little of the density to fill two bins")
+        };
     }
     let p_value = chi_square_upper(statistic, degrees);
     let detectable = detectable_chi_square(samples, degrees, effort.level);

@@ -70,7 +70,7 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
         if lossless == Verdict::Different { "; it claims to be lossless" } else { "" }
     );
     let outcome = Outcome::new("furnace", Verdict::all([agreement, bounded, lossless]), message)
-        .detectable(detectable_difference(welch.standard_error, effort.level) + slack)
+        .detectable(detectable_difference(welch.standard_error, effort.level, welch.degrees) + slack)
         .figure("sampled", total.mean)
         .figure("sampled_smooth", smooth.mean)
         .figure("integrated", integral.value);

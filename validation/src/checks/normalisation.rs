@@ -3,6 +3,8 @@
 //! ∫pdf by adaptive quadrature against the share of draws that return a direction outside delta lobes. A model that
 //! sometimes absorbs or takes a delta lobe has ∫pdf < 1, and exactly that share must come back empty.
 
+use std::f64::consts::LN_10;
+
 use super::{BLURRED, Check, Effort, always, draw, judge, partition::Partition, pilot};
 use crate::{
     quadrature::Integral,
@@ -41,6 +43,9 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
 }
 
 fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integral: Integral) -> Outcome {
+    if !(integral.value.is_finite() && integral.error.is_finite()) {
+        return Outcome::new("normalisation", Verdict::Different, "the pdf is not finite").p_value(0.0);
+    }
     let mut stream = Stream::new(seed);
     let draws = (0..effort.samples).filter_map(|_| draw(scatterer, wo, &mut stream));
     let drawn = draws.filter(|sample| !sample.delta).count();
@@ -50,13 +55,11 @@ fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, in
         share.clamp(integral.value - integral.error, integral.value + integral.error).clamp(0.0, 1.0);
     let p_value = binomial_two_sided(drawn as u64, effort.samples as u64, kindest);
     let spread = (kindest * (1.0 - kindest) / effort.samples as f64).sqrt();
-    let detectable = detectable_difference(spread, effort.level) + integral.error;
+    // Draws that are as rare as this are not met nine times in ten.
+    let unseen = LN_10 / effort.samples as f64;
+    let detectable = detectable_difference(spread, effort.level, f64::INFINITY).max(unseen) + integral.error;
     let excess = integral.value - integral.error > 1.0 + effort.tolerance;
-    let verdict = if !integral.value.is_finite() || excess {
-        Verdict::Different
-    } else {
-        judge(p_value, effort.level, detectable, MARGIN)
-    };
+    let verdict = if excess { Verdict::Different } else { judge(p_value, effort.level, detectable, MARGIN) };
     let message = format!(
         "the pdf integrates to {:.6} ± {:.1e}; {:.6} of the draws gave a direction",
         integral.value, integral.error, share
@@ -68,8 +71,7 @@ fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, in
         .figure("drawn", share);
     let known = integral.value.clamp(0.0, 1.0);
     let noise = (known * (1.0 - known) * effort.samples as f64).sqrt();
-    if known.is_nan() || noise * noise < BY_CHANCE || integral.error * effort.samples as f64 > BLURRED * noise
-    {
+    if noise * noise < BY_CHANCE || integral.error * effort.samples as f64 > BLURRED * noise {
         return outcome;
     }
     outcome.p_value(binomial_randomised(drawn as u64, effort.samples as u64, known, stream.uniform()))

@@ -9,7 +9,7 @@ use super::{Check, Effort, draw, relative_difference, show};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Laws, Scatterer, direction},
-    statistics::{Stream, Verdict},
+    statistics::{Stream, Verdict, worst_of},
 };
 
 pub(super) const CHECK: Check = Check {
@@ -24,7 +24,7 @@ pub(super) const CHECK: Check = Check {
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
     let laws = scatterer.laws();
     let mut stream = Stream::new(seed);
-    let (mut checked, mut wrong, mut worst, mut place) = (0, 0, 0.0f64, wo);
+    let (mut checked, mut wrong, mut largest, mut place, mut silent) = (0, 0, 0.0f64, wo, true);
     for turn in 0..effort.samples.div_ceil(16) {
         let uniform = direction(2.0 * stream.uniform() - 1.0, TAU * stream.uniform() - PI);
         let sampled = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta);
@@ -32,26 +32,34 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         let one_way = reduced(scatterer, &laws, wo, wi);
         let other_way = reduced(scatterer, &laws, wi, wo);
         // Finite and without digits: nothing to compare.
-        if one_way.max(other_way) < effort.smallest {
+        if worst_of(one_way, other_way) < effort.smallest {
+            silent &= one_way == 0.0 && other_way == 0.0;
             continue;
         }
         let error = relative_difference(one_way, other_way);
         checked += 1;
         wrong += usize::from(error.is_nan() || error > effort.tolerance);
-        if error.is_nan() || error > worst {
-            (worst, place) = (error, wi);
+        if error.is_nan() || error > largest {
+            (largest, place) = (error, wi);
         }
     }
-    let verdict = if wrong == 0 { Verdict::Equivalent } else { Verdict::Different };
-    let message = if wrong == 0 {
-        format!("{checked} pairs agree within {worst:.1e}")
+    let verdict = match (wrong, checked) {
+        // Some light, and none of it enough to compare.
+        (0, 0) if !silent => Verdict::Inconclusive,
+        (0, _) => Verdict::Equivalent,
+        _ => Verdict::Different,
+    };
+    let message = if wrong == 0 && checked == 0 {
+        if silent { "no light outside delta lobes" } else { "no pair has digits to compare" }.to_string()
+    } else if wrong == 0 {
+        format!("{checked} pairs agree within {largest:.1e}")
     } else {
         format!(
-            "both ways differ by {worst:.2e} for wi = {}; {wrong} of {checked} pairs are wrong",
+            "both ways differ by {largest:.2e} for wi = {}; {wrong} of {checked} pairs are wrong",
             show(place)
         )
     };
-    Outcome::new("reciprocity", verdict, message).figure("checked", checked as f64).figure("worst", worst)
+    Outcome::new("reciprocity", verdict, message).figure("checked", checked as f64).figure("worst", largest)
 }
 
 /// f(wo, wi) / η(wo)².

@@ -7,7 +7,7 @@ use super::{Check, Effort, always, draw, relative_difference, show};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer},
-    statistics::{Stream, Verdict},
+    statistics::{Stream, Verdict, worst_of},
 };
 
 pub(super) const CHECK: Check = Check {
@@ -21,14 +21,16 @@ pub(super) const CHECK: Check = Check {
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
     let mut stream = Stream::new(seed);
-    let (mut checked, mut blurred, mut wrong, mut worst, mut place) = (0, 0, 0, 0.0f64, None);
+    let (mut checked, mut passed_over, mut blurred, mut wrong) = (0, 0, 0, 0);
+    let (mut largest, mut place) = (0.0f64, None);
     for _ in 0..effort.samples.div_ceil(16) {
         let Some(sample) = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta) else { continue };
         let (value, pdf) = (scatterer.value(wo, sample.wi), scatterer.pdf(wo, sample.wi));
         // Neither has digits to compare.
-        if (sample.weight * pdf).max(value) < effort.smallest
+        if worst_of(sample.weight * pdf, value) < effort.smallest
             && relative_difference(sample.pdf, pdf) <= effort.tolerance
         {
+            passed_over += 1;
             continue;
         }
         let weight = relative_difference(sample.weight * pdf, value);
@@ -43,25 +45,30 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         for (error, what) in
             [(weight, "weight × pdf and value"), (density, "the sample's pdf and the stated one")]
         {
-            if error.is_nan() || error > worst {
-                (worst, place) = (error, Some((what, sample.wi)));
+            if error.is_nan() || error > largest {
+                (largest, place) = (error, Some((what, sample.wi)));
             }
         }
     }
     let verdict = if wrong == 0 { Verdict::Equivalent } else { Verdict::Different };
     let message = match place {
         Some((what, wi)) if wrong > 0 => {
-            format!("{what} differ by {worst:.2e} at {}; {wrong} of {checked} samples are wrong", show(wi))
+            format!("{what} differ by {largest:.2e} at {}; {wrong} of {checked} samples are wrong", show(wi))
         }
+        _ if checked == 0 && passed_over == 0 => "no sample outside delta lobes".to_string(),
         _ => format!(
-            "{checked} samples agree within {worst:.1e}, but for {blurred} where the value has no digits"
+            "{checked} samples agree within {largest:.1e}, but for {blurred} where the value has no digits"
         ),
     };
-    let verdict = if 100 * blurred > checked { verdict.max(Verdict::Inconclusive) } else { verdict };
+    let verdict = if 100 * blurred > checked || checked == 0 && passed_over > 0 {
+        verdict.max(Verdict::Inconclusive)
+    } else {
+        verdict
+    };
     Outcome::new("weight", verdict, message)
         .figure("checked", checked as f64)
         .figure("wrong", wrong as f64)
-        .figure("worst", worst)
+        .figure("worst", largest)
 }
 
 /// Whether the value changes by more than the tolerance within the rounding of a direction, as it does near its zeros.

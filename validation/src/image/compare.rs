@@ -78,7 +78,7 @@ pub struct Comparison {
     pub faults: Faults,
     pub channels: Vec<ChannelComparison>,
     pub tiles: TileComparison,
-    /// Channels that only one image has; they were not compared.
+    /// Channels that only one image has; they were not compared, and without them the images are not equivalent.
     pub uncompared: Vec<String>,
     pub settings: Settings,
 }
@@ -87,7 +87,8 @@ pub struct Comparison {
 ///
 /// Half of the level goes to the means (shared by channels), half to the tiles. Different if either rejects and the
 /// difference is not inside its margin, or if [`Faults`] has a failure; equivalent if all intervals lie inside
-/// their margins, or the values are identical; else inconclusive. Errors: different sizes, no common channel.
+/// their margins, or the values are identical, and both have the same channels; else inconclusive. Errors: different sizes,
+/// no common channel.
 pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, ImageError> {
     let (pairs, uncompared) = comparable(a, b)?;
     let faults = Faults::find(&pairs, settings.rounding);
@@ -116,7 +117,7 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
         uncompared,
         settings: settings.clone(),
     };
-    (comparison.verdict, comparison.message) = comparison.conclude();
+    (comparison.verdict, comparison.message) = comparison.incomplete(comparison.conclude());
     if comparison.verdict == Verdict::Inconclusive && comparison.faults.unknown_variance.is_empty() {
         let means = comparison.channels.iter().filter_map(|channel| channel.mean.more_samples);
         comparison.more_samples = means.chain(comparison.tiles.more_samples).reduce(f64::max);
@@ -177,6 +178,16 @@ impl Comparison {
             }
         };
         (Verdict::all([means, self.tiles.verdict]), message)
+    }
+
+    /// Nothing is said of a channel that only one image has.
+    fn incomplete(&self, (verdict, message): (Verdict, String)) -> (Verdict, String) {
+        if self.uncompared.is_empty() {
+            return (verdict, message);
+        }
+        let alone = format!("only one image has {}", self.uncompared.join(", "));
+        let verdict = if verdict == Verdict::Equivalent { Verdict::Inconclusive } else { verdict };
+        (verdict, format!("{message}; {alone}"))
     }
 
     /// The comparison as an [`Outcome`] of the check `images`.

@@ -98,7 +98,7 @@ pub(super) fn compare(pair: &Pair, level: f64, corrected: f64, margin: f64) -> M
         interval,
         p_value,
         verdict,
-        detectable: detectable_difference(relative_error, corrected),
+        detectable: detectable_difference(relative_error, corrected, welch.degrees),
         more_samples: open.then(|| more_samples(relative_error, level, margin, 1)),
     }
 }

@@ -113,10 +113,11 @@ impl<'a> Pair<'a> {
 pub struct Faults {
     /// A value that is not finite, or a variance that is negative or not a number. Always a failure.
     pub not_finite: Vec<Place>,
-    /// Both variances are zero, so the values are exact, yet they differ by more than rounding. Always a failure: with
-    /// no noise there is nothing to explain the difference.
+    /// All variances of the channel are zero in both images, so the values are exact, yet they differ by more than rounding. Always a
+    /// failure: with no noise there is nothing to explain the difference.
     pub exact_but_different: Vec<Place>,
-    /// The values differ and a variance is unknown: nothing can be said, so the verdict is at best inconclusive.
+    /// The values differ and a variance is unknown, or both are zero in a noisy channel, which few samples of a value that is mostly
+    /// the same estimate now and then: nothing can be said, so the verdict is at best inconclusive.
     pub unknown_variance: Vec<Place>,
 }
 
@@ -124,13 +125,14 @@ impl Faults {
     pub(super) fn find(pairs: &[Pair], rounding: f64) -> Self {
         let mut faults = Faults::default();
         for pair in pairs {
+            let exact = pair.pixels().all(|(_, _, pixel)| pixel.variance() == 0.0);
             for (x, y, pixel) in pair.pixels() {
                 let differs = pixel.difference().abs() > rounding * pixel.a.abs().max(pixel.b.abs());
                 if !pixel.is_sound() {
                     faults.not_finite.push(pair.place(x, y));
-                } else if differs && pixel.variance() == 0.0 {
+                } else if differs && exact {
                     faults.exact_but_different.push(pair.place(x, y));
-                } else if differs && pixel.variance().is_infinite() {
+                } else if differs && (pixel.variance() == 0.0 || pixel.variance().is_infinite()) {
                     faults.unknown_variance.push(pair.place(x, y));
                 }
             }
@@ -155,7 +157,10 @@ mod tests {
         let columns = |places: &[Place]| places.iter().map(|place| place.x).collect::<Vec<_>>();
         assert!(alone.is_empty());
         assert_eq!(columns(&faults.not_finite), [1, 2, 6]);
-        assert_eq!(columns(&faults.exact_but_different), [4]);
-        assert_eq!(columns(&faults.unknown_variance), [5]);
+        assert!(faults.exact_but_different.is_empty());
+        assert_eq!(columns(&faults.unknown_variance), [4, 5]);
+        let [a, b] = [[1.0, 1.0], [1.0, 1.1]].map(|values| grey(2, &values, 0.0));
+        let faults = Faults::find(&Pair::all(&a, &b).0, 2e-7);
+        assert_eq!((columns(&faults.exact_but_different), faults.unknown_variance.len()), (vec![1], 0));
     }
 }

@@ -81,6 +81,10 @@ impl Memory {
 
     /// The placeholder is a density everywhere on the sphere, so that checks go on and quadrature does not refine.
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> [f64; 2] {
+        // A direction that is none has no density, and the peer need not know how to read it.
+        if !(wo.is_finite() && wi.is_finite()) {
+            return [f64::NAN; 2];
+        }
         let Answers { pairs, unknown_pairs, .. } = &mut *self.answers.borrow_mut();
         let known = pairs.entry(key(wo, wi.to_array())).or_insert_with(|| {
             unknown_pairs.push([wo, wi]);

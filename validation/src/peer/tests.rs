@@ -57,7 +57,7 @@ fn through_lines(subject: &dyn Scatterer, check: &str) -> Outcome {
 
 #[test]
 fn a_check_says_the_same_through_the_protocol() {
-    let subject = Conductor { alpha: 0.2, r0: 0.9 };
+    let subject = Conductor { alpha: 0.7, r0: 0.9 };
     for check in CHECKS {
         let direct = check.run(&subject, direction(0.6, 0.7), seed_for(check.name, 0), &effort());
         assert_eq!(through_lines(&subject, check.name), direct);
@@ -66,7 +66,7 @@ fn a_check_says_the_same_through_the_protocol() {
 
 #[test]
 fn a_saboteur_is_found_through_the_protocol() {
-    let honest = Conductor { alpha: 0.2, r0: 0.9 };
+    let honest = Conductor { alpha: 0.7, r0: 0.9 };
     let subject = Sabotaged { honest: &honest, fault: Fault::PdfScaled };
     assert_eq!(through_lines(&subject, "normalisation").verdict, Verdict::Different);
 }

@@ -25,18 +25,34 @@ const HEAVY: f64 = 0.002;
 /// Most that the error of the expected mean may add to the statistic of a component, which is 1 in expectation.
 const BLURRED: f64 = 0.01;
 
-/// Tests whether the vectors that `samples` yields (the same ones at each call) have the mean `expected` ± `error`.
+/// A component whose variance is this many times that of the samples has events that the samples have missed; where skewness and
+/// kurtosis are small, variances of samples are known far better.
+const MISSED: f64 = 1.5;
+
+/// What the mean and the variances of vectors should be.
+#[derive(Clone, Debug)]
+pub struct Expected<const N: usize> {
+    pub mean: [f64; N],
+    /// Of each component of the mean.
+    pub error: f64,
+    /// At least this, or 0 where it is not known.
+    pub variance: [f64; N],
+}
+
+/// Tests whether the vectors that `samples` yields (the same ones at each call) have the expected mean.
 ///
 /// A pivoted Cholesky factor of the sample covariance turns the components into uncorrelated ones of unit variance. Those
 /// whose means are far from normal, because few samples carry all of their variance, are left out: their T² would
-/// reject honest subjects. The choice looks at variance, skewness and kurtosis and not at the mean. For the
-/// rest T²(n − p)/(p(n − 1)) follows Fisher's F with p and n − p degrees of freedom (Hotelling 1931).
+/// reject honest subjects. The choice looks at variance, skewness and kurtosis and not at the mean. Samples that have missed a rare event
+/// look normal, and have a wrong mean and too small a variance: so T² is divided by how many times larger the expected variance is.
+/// Then T²(n − p)/(p(n − 1)) follows Fisher's F with p and n − p degrees of freedom (Hotelling 1931).
 pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
     samples: impl Fn() -> I,
-    expected: &[f64; N],
-    error: f64,
+    expected: &Expected<N>,
 ) -> Components {
     let (count, mean, covariance) = covariance(samples());
+    let variances = (0..N).map(|i| expected.variance[i] / covariance[i][i]).filter(|ratio| *ratio > MISSED);
+    let missed = variances.filter(|ratio| ratio.is_finite()).fold(1.0, f64::max);
     let (order, factor) = cholesky(covariance);
     let rank = order.len();
     let whiten = |vector: &[f64; N]| {
@@ -55,13 +71,13 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
             powers[1] += z * z * z * z;
         }
     }
-    let usable = powers.iter().zip(reach(&factor, rank, error)).map(|([third, fourth], reach)| {
+    let usable = powers.iter().zip(reach(&factor, rank, expected.error)).map(|([third, fourth], reach)| {
         near_normal(third / count, fourth / count - 3.0, count) && count * reach * reach <= BLURRED
     });
-    let shift = whiten(&std::array::from_fn(|i| mean[i] - expected[i]));
+    let shift = whiten(&std::array::from_fn(|i| mean[i] - expected.mean[i]));
     let judged: Vec<f64> = shift.into_iter().zip(usable).filter(|part| part.1).map(|part| part.0).collect();
-    let (used, statistic) = (judged.len(), count * judged.iter().map(|z| z * z).sum::<f64>());
-    let broken = mean.iter().chain(expected).any(|value| !value.is_finite());
+    let (used, statistic) = (judged.len(), count * judged.iter().map(|z| z * z).sum::<f64>() / missed);
+    let broken = mean.iter().chain(&expected.mean).any(|value| !value.is_finite());
     let p_value = if broken { f64::NAN } else { upper(statistic, used as f64, count) };
     Components { rank, used, statistic, p_value }
 }
@@ -141,6 +157,10 @@ mod tests {
     use super::*;
     use crate::statistics::{Stream, uniformity};
 
+    fn expected<const N: usize>(mean: [f64; N]) -> Expected<N> {
+        Expected { mean, error: 0.0, variance: [0.0; N] }
+    }
+
     fn correlated(seed: u64, count: usize, shift: f64) -> Components {
         let samples = || {
             let mut stream = Stream::named("hotelling", seed);
@@ -150,7 +170,7 @@ mod tests {
                 [a + shift, 0.9 * a + 0.1 * b, 5.0 * c, a + shift + 5.0 * c]
             })
         };
-        hotelling(samples, &[0.0; 4], 0.0)
+        hotelling(samples, &expected([0.0; 4]))
     }
 
     #[test]
@@ -169,9 +189,27 @@ mod tests {
     }
 
     #[test]
+    fn samples_that_missed_what_is_rare_are_no_evidence_either() {
+        let expected = |mean: f64| Expected { mean: [mean], error: 0.0, variance: [1e-4 + 1e-3] };
+        let p_value = |seed: u64, mean: f64| {
+            let draws = || {
+                let mut stream = Stream::named("rare", seed);
+                (0..1024).map(move |_| [1.0 + 0.01 * stream.normal() + f64::from(stream.uniform() < 1e-3)])
+            };
+            let found = hotelling(draws, &expected(mean));
+            (found.used > 0).then_some(found.p_value)
+        };
+        let judged: Vec<f64> = (0..400).filter_map(|seed| p_value(seed, 1.001)).collect();
+        // The event is missed by e⁻¹ of them.
+        assert!(judged.len() > 100 && judged.iter().all(|p| *p > 0.01), "{judged:?}");
+        // A mean that is wrong by ten of what all events together scatter.
+        assert!((0..400).filter_map(|seed| p_value(seed, 1.011)).all(|p| p < 1e-9));
+    }
+
+    #[test]
     fn one_lucky_sample_is_no_evidence() {
         let samples = || (0..10_000).map(|i| [f64::from(i == 5000), if i % 2 == 0 { 1.0 } else { -1.0 }]);
-        let found = hotelling(samples, &[0.0; 2], 0.0);
+        let found = hotelling(samples, &expected([0.0; 2]));
         assert_eq!((found.rank, found.used), (2, 1));
         assert!(found.p_value > 0.9);
     }

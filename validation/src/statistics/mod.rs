@@ -18,3 +18,8 @@ pub use multiplicity::{benjamini_hochberg, holm, sidak};
 pub use seed::{Stream, seed_for};
 pub use uniformity::uniformity;
 pub use welch::{Estimate, Welch};
+
+/// The larger size of two numbers; a NaN is larger than any, where `f64::max` would pass over it.
+pub fn worst_of(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.abs().max(b.abs()) }
+}

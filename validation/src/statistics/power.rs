@@ -1,13 +1,14 @@
 //! What a test would have found: minimum detectable effects at 90 % power.
 
-use super::distributions::{chi_square_upper, normal_quantile};
+use super::distributions::{chi_square_upper, normal_quantile, student_quantile};
 
 /// The probability with which a "minimum detectable effect" is found.
 pub const POWER: f64 = 0.9;
 
-/// Smallest true difference, in the unit of `standard_error`, that a two-sided test at `level` finds with [`POWER`].
-pub fn detectable_difference(standard_error: f64, level: f64) -> f64 {
-    (normal_quantile(0.5 * level) + normal_quantile(1.0 - POWER)) * standard_error
+/// Smallest true difference, in the unit of `standard_error`, that a two-sided test at `level` finds with [`POWER`], if the standard error was
+/// estimated with these degrees of freedom; infinitely many if it is known.
+pub fn detectable_difference(standard_error: f64, level: f64, degrees: f64) -> f64 {
+    (student_quantile(level, degrees) + student_quantile(2.0 * (1.0 - POWER), degrees)) * standard_error
 }
 
 /// How many times more samples make a comparison with no true difference equivalent with [`POWER`]: the interval's half
@@ -55,11 +56,25 @@ mod tests {
     #[test]
     fn the_detectable_difference_is_detected_nine_times_in_ten() {
         let mut stream = Stream::named("detectable difference", 0);
-        let effect = detectable_difference(1.0, 0.01);
+        let effect = detectable_difference(1.0, 0.01, f64::INFINITY);
         let critical = normal_quantile(0.005);
         let found = (0..4000).filter(|_| (stream.normal() + effect).abs() > critical).count();
         // Three standard errors of a share of 0.9 in 4000 trials: 0.014.
         assert!((found as f64 / 4000.0 - 0.9).abs() < 0.015, "{found}");
+    }
+
+    #[test]
+    fn of_twelve_values_the_detectable_difference_is_larger() {
+        let mut stream = Stream::named("detectable difference of few", 0);
+        let critical = student_quantile(0.01, 11.0);
+        let effect = detectable_difference(1.0 / 12f64.sqrt(), 0.01, 11.0);
+        let found = (0..4000).filter(|_| {
+            let estimate = Estimate::of((0..12).map(|_| stream.normal() + effect));
+            estimate.mean.abs() > critical * estimate.variance.sqrt()
+        });
+        // The sum of two of Student's quantiles is an approximation; with the normal ones it would be 0.75.
+        let share = found.count() as f64 / 4000.0;
+        assert!((share - 0.9).abs() < 0.035, "{share}");
     }
 
     #[test]

@@ -156,7 +156,7 @@ impl ClosedForm {
             ("margin".to_string(), self.margin),
         ]);
         let outcome = Outcome::new("closed form", verdict, message).of(&self.name);
-        Outcome { figures, ..outcome.detectable(detectable_difference(error, LEVEL)) }
+        Outcome { figures, ..outcome.detectable(detectable_difference(error, LEVEL, ratio.degrees)) }
     }
 
     /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm it.

@@ -1,7 +1,7 @@
 //! The command line of `validate images`.
 
 use super::calibration::{EFFORT, Row, calibrate};
-use crate::console::{percentage, say};
+use crate::console::{check_writable, percentage, say, write};
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
@@ -33,6 +33,7 @@ pub struct Arguments {
 /// Compares, or calibrates the comparison.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { a, b, calibrate, margin, json, map } = arguments;
+    check_writable(&[&json, &map])?;
     match (a, b) {
         (Some(a), Some(b)) if !calibrate => {
             let settings = Settings::with_margin(margin);
@@ -41,9 +42,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
             if let Some(path) = map {
                 image::write_difference_map(&first, &second, &settings, &path)?;
             }
-            if let Some(path) = json {
-                std::fs::write(path, to_json(&comparison)?)?;
-            }
+            write(json.as_deref(), || to_json(&comparison))?;
             say(format_args!("{}: {}", comparison.verdict, comparison.message));
             Ok(comparison.verdict)
         }
@@ -57,8 +56,6 @@ fn calibration(json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
         say(format_args!("{scene}: {rejected} of {pairs} honest pairs rejected, power {power:.2}"));
     })?;
     say(format_args!("{}: {}", found.verdict, found.message));
-    if let Some(path) = json {
-        std::fs::write(path, to_json(&found)? + "\n")?;
-    }
+    write(json.as_deref(), || to_json(&found))?;
     Ok(found.verdict)
 }

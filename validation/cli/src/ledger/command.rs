@@ -23,8 +23,8 @@ pub struct Arguments {
     /// Samples a check of these runs
     #[arg(long, default_value_t = 1 << 12)]
     samples: usize,
-    /// Only these checks
-    #[arg(long = "check", value_name = "NAME")]
+    /// Only these checks are run
+    #[arg(long = "check", value_name = "NAME", requires = "reseed")]
     checks: Vec<String>,
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]
@@ -36,6 +36,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { file, reseed, batch, samples, checks, json } = arguments;
     let mut suite = suite(samples);
     suite.retain(|(trial, _)| checks.is_empty() || checks.iter().any(|check| check == trial.check()));
+    if suite.is_empty() {
+        return Err(format!("there is no such check: {}", checks.join(", ")).into());
+    }
     let first = if reseed == 0 { 0 } else { next(&file)? };
     let mut done = 0;
     while done < reseed {

@@ -6,7 +6,7 @@ pub mod command;
 use crate::provenance::Provenance;
 use crate::trial::Trial;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::ops::Range;
@@ -95,7 +95,8 @@ pub fn next(path: &Path) -> Result<u64, String> {
 
 fn p_value(outcome: &Outcome, number: u64) -> Option<Line> {
     let (check, subject) = (outcome.check.clone(), outcome.subject.clone());
-    outcome.p_value.map(|p| Line::PValue { check, subject, number, p })
+    // JSON has no NaN, and what gives one is as wrong as can be.
+    outcome.p_value.map(|p| Line::PValue { check, subject, number, p: if p.is_nan() { 0.0 } else { p } })
 }
 
 fn write(path: &Path, lines: impl Iterator<Item = Line>) -> Result<(), String> {
@@ -115,18 +116,26 @@ fn read(path: &Path) -> Result<Vec<Line>, String> {
     text.lines().enumerate().map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
 }
 
+/// Fewer p-values or runs than these show nothing.
+const ENOUGH: usize = 200;
+
 /// Tests each check's p-values, and all together, for uniformity (Kolmogorov and Smirnov), and the runs for their level.
 pub fn judge(path: &Path) -> Result<Summary, String> {
     let mut checks: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut samples: BTreeMap<usize, usize> = BTreeMap::new();
     let (mut runs, mut rejecting_runs, mut complaints) = (0, 0, vec![]);
+    let mut known = BTreeSet::new();
     for line in read(path)? {
         match line {
-            Line::PValue { check, p, .. } => {
-                for name in [check, "all".to_string()] {
-                    checks.entry(name).or_default().push(p);
+            Line::PValue { check, subject, number, p } => {
+                // The same question with the same seed is one piece of evidence, however often it was asked.
+                if known.insert((check.clone(), subject, number)) {
+                    for name in [check, "all".to_string()] {
+                        checks.entry(name).or_default().push(p);
+                    }
                 }
             }
+            Line::Run { trials: 0, .. } => {}
             Line::Run { rejected, samples: each, .. } => {
                 runs += 1;
                 *samples.entry(each).or_default() += 1;
@@ -165,7 +174,11 @@ impl Summary {
 
 fn uniform((check, values): (String, Vec<f64>)) -> Outcome {
     let uniform = uniformity(&values);
-    let verdict = if uniform > LEVEL { Verdict::Equivalent } else { Verdict::Different };
+    let verdict = match uniform > LEVEL {
+        false => Verdict::Different,
+        true if values.len() < ENOUGH => Verdict::Inconclusive,
+        true => Verdict::Equivalent,
+    };
     let share = |limit: f64| values.iter().filter(|p| **p <= limit).count() as f64 / values.len() as f64;
     let message = format!(
         "{} p-values, of which {:.4} ≤ 0.01 and {:.4} ≤ 0.001; uniform: p = {uniform:.4}",
@@ -181,7 +194,11 @@ fn uniform((check, values): (String, Vec<f64>)) -> Outcome {
 fn level(runs: usize, rejecting: usize) -> Outcome {
     let p = binomial_two_sided(rejecting as u64, runs as u64, SUITE);
     let excessive = rejecting as f64 > SUITE * runs as f64 && p < 0.01;
-    let verdict = if excessive { Verdict::Different } else { Verdict::Equivalent };
+    let verdict = match excessive {
+        true => Verdict::Different,
+        false if runs < ENOUGH => Verdict::Inconclusive,
+        false => Verdict::Equivalent,
+    };
     let message = format!("{rejecting} of {runs} runs reject at level {SUITE}");
     Outcome::new("level", verdict, message).of("suite").figure("runs", runs as f64)
 }
@@ -198,10 +215,13 @@ mod tests {
             let mut stream = Stream::named("ledger", 0);
             let p_values = (0..10_000).map(|_| libm::pow(stream.uniform(), power));
             let outcome =
-                |p| Outcome::new("chi2", Verdict::Equivalent, "").of("diffuse[0]::chi2::35").p_value(p);
-            let outcomes: Vec<Outcome> = p_values.map(outcome).collect();
+                |(i, p)| Outcome::new("chi2", Verdict::Equivalent, "").of(format!("subject {i}")).p_value(p);
+            let outcomes: Vec<Outcome> = p_values.enumerate().map(outcome).collect();
             append(&path, &outcomes, 3).unwrap();
             assert_eq!(judge(&path).unwrap().report.verdict, verdict);
+            // Said again, they are the same evidence.
+            append(&path, &outcomes, 3).unwrap();
+            assert_eq!(judge(&path).unwrap().p_values, 10_000);
             std::fs::remove_file(&path).unwrap();
         }
     }
@@ -211,6 +231,7 @@ mod tests {
         assert_eq!(level(200, 6).verdict, Verdict::Equivalent);
         assert_eq!(level(200, 7).verdict, Verdict::Different);
         assert_eq!(level(200, 0).verdict, Verdict::Equivalent);
+        assert_eq!([level(1, 0).verdict, level(199, 1).verdict], [Verdict::Inconclusive; 2]);
     }
 
     #[test]

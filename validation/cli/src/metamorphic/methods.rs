@@ -8,12 +8,25 @@ use etalon::spectrum::ColorMode;
 pub fn relations() -> Vec<Relation> {
     let plain = || vec![Term::new(with(""))];
     let by = |integrator: &str| vec![Term::new(with("").replace(&path(4), integrator))];
-    let direct = |emitters: u32, bsdfs: u32| {
+    let direct_integrator = |emitters: u32, bsdfs: u32| {
         let count = |name: &str, n: u32| format!("<integer name=\"{name}\" value=\"{n}\"/>");
         let counts = count("emitter_samples", emitters) + &count("bsdf_samples", bsdfs);
-        by(&format!("<integrator type=\"direct\">{counts}</integrator>"))
+        format!("<integrator type=\"direct\">{counts}</integrator>")
     };
+    let direct = |emitters: u32, bsdfs: u32| by(&direct_integrator(emitters, bsdfs));
     let short = || by(&path(2));
+    // Lamps whose parts of a texture do not have areas in proportion, or, on the cube, share one.
+    let checkered = |kind: &str| {
+        let board = "<texture type=\"checkerboard\" name=\"radiance\"><rgb name=\"color0\" value=\"0.2, 2, 6\"/>\
+             <rgb name=\"color1\" value=\"6, 2, 0.2\"/><transform name=\"to_uv\"><scale value=\"3\"/></transform></texture>";
+        let lamp = shape(kind, &[scale([0.6; 3]), translate([0.3, 0.2, 2.0])], &emitter("area", board));
+        let side = |emitters: u32, bsdfs: u32| {
+            let integrator = direct_integrator(emitters, bsdfs);
+            vec![Term::new(with_light(&lamp).replace(&path(4), &integrator))]
+        };
+        let name = format!("bsdf_samples_only_of_a_checkered_{kind}");
+        Relation::expectation(name, side(1, 0), side(0, 1)).samples(8192)
+    };
     let roulette = |depth: u32| {
         let settings = "<integer name=\"max_depth\" value=\"4\"/>";
         by(&format!(
@@ -34,6 +47,9 @@ pub fn relations() -> Vec<Relation> {
         Relation::expectation("direct_is_path_of_2_edges", short(), direct(1, 1)),
         Relation::expectation("emitter_samples_only", short(), direct(1, 0)),
         Relation::expectation("bsdf_samples_only", short(), direct(0, 1)).samples(8192),
+        checkered("sphere"),
+        checkered("cylinder"),
+        checkered("cube"),
         Relation::expectation("direct_4_and_2", short(), direct(4, 2)),
         Relation::expectation("sobol", plain(), sampler("sobol")),
         Relation::expectation("stratified", plain(), sampler("stratified")),

@@ -1,7 +1,7 @@
 //! The command line of `validate stability`.
 
 use super::{THOROUGH, cases, updated, verdict};
-use crate::console::say;
+use crate::console::{check_writable, say, write};
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
@@ -28,6 +28,7 @@ pub struct Arguments {
 /// Holds if every case does, or misses by no more than its stated limit.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { name, thorough, number, json, markdown } = arguments;
+    check_writable(&[&markdown, &json])?;
     let effort = if thorough { THOROUGH } else { 1 };
     let mut rows = vec![];
     for case in cases() {
@@ -37,12 +38,13 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
             rows.push(row);
         }
     }
+    if rows.is_empty() {
+        return Err("there is no such case".into());
+    }
     if let Some(path) = markdown {
         let old = std::fs::read_to_string(&path).unwrap_or_default();
         std::fs::write(path, updated(&old, &rows))?;
     }
-    if let Some(path) = json {
-        std::fs::write(path, to_json(&rows)?)?;
-    }
+    write(json.as_deref(), || to_json(&rows))?;
     Ok(verdict(&rows))
 }

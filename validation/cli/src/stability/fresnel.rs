@@ -2,6 +2,7 @@
 
 use super::Case;
 use etalon::bsdf::fresnel::dielectric;
+use validation::statistics::worst_of;
 
 /// η, cos, R, T, cos′ for η from 10⁻⁴ to 10⁴ and 1 ± 10⁻⁷, to 10⁻⁷ rad of grazing and of the critical angle.
 const TABLE: &str = include_str!("../../data/fresnel.csv");
@@ -13,7 +14,7 @@ pub fn cases() -> Vec<Case> {
             if rows.len() < 8 {
                 return Err(format!("{} rows are too few", rows.len()));
             }
-            Ok(rows.iter().map(|row| error(row, column)).fold(0.0, f64::max))
+            Ok(rows.iter().map(|row| error(row, column)).fold(0.0, worst_of))
         })
     };
     let mut cases = vec![];

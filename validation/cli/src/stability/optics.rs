@@ -10,6 +10,7 @@ use etalon::bsdf::fresnel::conductor;
 use etalon::spectrum::materials;
 use std::f64::consts::PI;
 use validation::microfacet::{Rough, Slopes};
+use validation::statistics::worst_of;
 
 pub fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> = [interfaces(), roughness()].concat().into_iter().map(Case::answer).collect();
@@ -127,7 +128,7 @@ fn metals_at_the_ends() -> Result<f64, String> {
         for nm in [360.0, 830.0] {
             let (eta, k) = (f64::from(eta.eval(nm)), f64::from(k.eval(nm)));
             for cos in [1e-7, 1e-3, 0.5, 1.0] {
-                worst = worst.max((conductor(cos, eta, k) / metals::reflectance(cos, eta, k) - 1.0).abs());
+                worst = worst_of(worst, conductor(cos, eta, k) / metals::reflectance(cos, eta, k) - 1.0);
             }
         }
     }

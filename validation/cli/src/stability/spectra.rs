@@ -8,6 +8,7 @@ use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
 use etalon::spectrum::observer::luminance;
 use validation::image::Image;
+use validation::statistics::worst_of;
 
 /// Luminance of equal energy of 1 a nm over 550 nm ± 0.05: ȳ(550) over the observer's normalisation.
 const LINE: f64 = 0.1 * 0.994_950_1 / 106.750_259_399_414_06;
@@ -95,5 +96,5 @@ fn empty() -> Result<f64, String> {
     let settings = Settings { samples: 0..4096, seed: 1, window, threads: 1, shard: false, kernel: None };
     let image = measured(&expose(&scene, &settings)?);
     let [violet, green, red] = ["S0.365,000nm", "S0.550,000nm", "S0.825,000nm"].map(|name| of(&image, name));
-    if red > 0.0 { Ok(violet.max(green)) } else { Err(format!("the red band has {red}")) }
+    if red > 0.0 { Ok(worst_of(violet, green)) } else { Err(format!("the red band has {red}")) }
 }

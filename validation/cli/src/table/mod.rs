@@ -103,7 +103,8 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         write(&arguments.folder, &table, &pages)?;
     }
     print!("{}", table.markdown());
-    Ok(Verdict::Equivalent)
+    let measured = table.scenes.iter().any(|scene| !scene.lines.is_empty());
+    Ok(if measured { Verdict::Equivalent } else { Verdict::Inconclusive })
 }
 
 /// The settings of the folder: those given, written there at first; others than those of its pictures are refused.

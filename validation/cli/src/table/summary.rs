@@ -60,7 +60,8 @@ pub struct Against {
     pub best_whole: Option<(String, Ratio)>,
     /// The ratio that is aimed at.
     pub aim: f64,
-    /// By trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below, else `open`.
+    /// By trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below, else `open`; `open` as well if either
+    /// renderer is not as bright as its reference, for then errors compare bias with noise.
     pub verdict: String,
 }
 
@@ -121,7 +122,10 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
             found.min_by(|a, b| a.1.ratio.value.total_cmp(&b.1.ratio.value))
         };
         let best_trimmed = best(|line| line.ratio_trimmed);
-        let verdict = verdict(best_trimmed.as_ref().map(|b| &b.1), aim).into();
+        let of = |name: &String| lines.iter().find(|line| &line.renderer == name);
+        let rivals = best_trimmed.iter().map(|b| &b.0).chain([&plan.ours]).filter_map(of);
+        let biased = rivals.filter_map(|line| line.brightness).any(|brightness| misses(brightness));
+        let verdict = verdict(best_trimmed.as_ref().map(|b| &b.1), aim, biased).into();
         Against { group: group.into(), best_whole: best(|line| line.ratio_whole), best_trimmed, aim, verdict }
     };
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
@@ -137,9 +141,18 @@ fn missing(schedule: &Schedule, failed: Option<String>) -> Vec<(String, String)>
     all.into_iter().chain(refused).collect()
 }
 
-fn verdict(found: Option<&Ratio>, aim: f64) -> &'static str {
+/// The difference of brightness from which a renderer does not render its reference.
+const BRIGHTNESS: f64 = 0.01;
+
+/// Whether a brightness surely differs by more than that.
+fn misses(brightness: Interval) -> bool {
+    brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
+}
+
+fn verdict(found: Option<&Ratio>, aim: f64, biased: bool) -> &'static str {
     match found {
         None => "no answer",
+        Some(_) if biased => "open",
         Some(found) if found.ratio.low >= aim => "reached",
         Some(found) if found.ratio.high < aim => "missed",
         Some(_) => "open",
@@ -215,7 +228,12 @@ mod tests {
             vec![Rung { samples: 1, errors: vec![cost, 1.1 * cost, 0.9 * cost], seconds: vec![1.0; 3] }]
         };
         let found = ratio(&three(1.0), &three(5.0)).unwrap();
-        assert_eq!([4.9, 5.1].map(|aim| verdict(Some(&found), aim)), ["reached", "missed"]);
-        assert_eq!(verdict(None, 1.0), "no answer");
+        assert_eq!([4.9, 5.1].map(|aim| verdict(Some(&found), aim, false)), ["reached", "missed"]);
+        assert_eq!((verdict(None, 1.0, false), verdict(Some(&found), 4.9, true)), ("no answer", "open"));
+        let brightness = |value: f64| Interval { value, low: value - 0.01, high: value + 0.01 };
+        assert_eq!(
+            [0.97, 0.985, 1.0, 1.03].map(|value| misses(brightness(value))),
+            [true, false, false, true]
+        );
     }
 }

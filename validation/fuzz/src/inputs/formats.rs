@@ -39,7 +39,7 @@ pub const FORMATS: &[Format] = &[
     Format { name: "exr", extensions: &["exr"], read: exr, mutate: mutate::bytes, memory: COMPRESSED },
     Format {
         name: "picture",
-        extensions: &["png", "jpg", "hdr"],
+        extensions: &["png", "jpg", "hdr", "bmp"],
         read: picture,
         mutate: mutate::bytes,
         memory: COMPRESSED,
