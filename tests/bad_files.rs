@@ -140,15 +140,21 @@ fn command_lines_that_make_no_sense_are_refused() {
         folder.command_refused(&["replay", "scene.xml", &pixel, "--sample", "0"], &[]);
     }
     folder.command_refused(&["replay", "scene.xml", "--pixel", "0,0", "--sample", "4294967296"], &[]);
+    folder.command_refused(&["render", "scene.xml", "-o", "out.exr", "--threads", "1025"], &["0..=1024"]);
+    for address in ["viewer", ":14158", "viewer:99999"] {
+        folder.refused_given(&["--preview", address], &["expected such as localhost:14158"]);
+    }
 }
 
 #[test]
 fn no_output_is_written_over_another_or_over_the_scene() {
     let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
-    let words = ["the scene itself or another output of this render has this name"];
+    let words = ["the scene itself or another output has this place"];
     folder.refused_given(&["--png", "out.exr"], &words);
     folder.refused_given(&["--checkpoint", "./out.exr"], &words);
+    folder.refused_given(&["--checkpoint", "out.exr.partial"], &words);
     folder.command_refused(&["render", "scene.xml", "-o", "scene.xml"], &words);
+    folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &words);
 }
 
 #[test]

@@ -139,7 +139,9 @@ fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
     while !folder.path("c").exists() {
         std::thread::sleep(Duration::from_millis(2));
     }
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    // At once and twice, as who stops a process and then its whole group does.
+    let process = child.id().to_string();
+    Command::new("kill").args(["-INT", &process, &process]).status().unwrap();
     let output = child.wait_with_output().unwrap();
     let error = text(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{error}");

@@ -60,7 +60,7 @@ impl Summary<'_> {
         }
         println!("{:.3} million paths/s, {:.2} million rays/s", million(taken), million(rays));
         println!("mean ({r:.5}, {g:.5}, {b:.5})");
-        if quality.relative_standard_error.is_nan() {
+        if !quality.relative_standard_error.is_finite() {
             println!("no relative standard error: no light was seen");
         } else {
             println!("relative standard error {:.3} % a pixel", 100.0 * quality.relative_standard_error);

@@ -17,8 +17,8 @@ pub fn relations() -> Vec<Relation> {
     let short = || by(&path(2));
     // Lamps whose parts of a texture do not have areas in proportion, or, on the cube, share one.
     let checkered = |kind: &str| {
-        let board = "<texture type=\"checkerboard\" name=\"radiance\"><rgb name=\"color0\" value=\"0.2, 2, 6\"/>\
-             <rgb name=\"color1\" value=\"6, 2, 0.2\"/><transform name=\"to_uv\"><scale value=\"3\"/></transform></texture>";
+        let board = "<texture type=\"checkerboard\" name=\"radiance\"><rgb name=\"color0\" value=\"0.1, 0.4, 1\"/>\
+             <rgb name=\"color1\" value=\"1, 0.4, 0.1\"/><transform name=\"to_uv\"><scale value=\"3\"/></transform></texture>";
         let lamp = shape(kind, &[scale([0.6; 3]), translate([0.3, 0.2, 2.0])], &emitter("area", board));
         let side = |emitters: u32, bsdfs: u32| {
             let integrator = direct_integrator(emitters, bsdfs);
