@@ -124,7 +124,7 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
         let best_trimmed = best(|line| line.ratio_trimmed);
         let of = |name: &String| lines.iter().find(|line| &line.renderer == name);
         let rivals = best_trimmed.iter().map(|b| &b.0).chain([&plan.ours]).filter_map(of);
-        let biased = rivals.filter_map(|line| line.brightness).any(|brightness| misses(brightness));
+        let biased = rivals.filter_map(|line| line.brightness).any(misses);
         let verdict = verdict(best_trimmed.as_ref().map(|b| &b.1), aim, biased).into();
         Against { group: group.into(), best_whole: best(|line| line.ratio_whole), best_trimmed, aim, verdict }
     };
