@@ -76,7 +76,7 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
     });
     let shift = whiten(&std::array::from_fn(|i| mean[i] - expected.mean[i]));
     let judged: Vec<f64> = shift.into_iter().zip(usable).filter(|part| part.1).map(|part| part.0).collect();
-    let (used, statistic) = (judged.len(), count * judged.iter().map(|z| z * z).sum::<f64>() / missed);
+    let (used, statistic) = (judged.len(), count * judged.iter().fold(0.0, |sum, z| sum + z * z) / missed);
     let broken = mean.iter().chain(&expected.mean).any(|value| !value.is_finite());
     let p_value = if broken { f64::NAN } else { upper(statistic, used as f64, count) };
     Components { rank, used, statistic, p_value }
