@@ -33,10 +33,22 @@ fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
     Ok(Pixels { width, height, channels: 3, values: image.into_rgb32f().into_raw(), encoded: false })
 }
 
+/// More pixels than a byte of JPEG can hold: a block of 8×8 takes at least a bit.
+const JPEG_PIXELS: u64 = 512;
+
 fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
-    let image =
-        image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
-    let image = image.decode().map_err(|e| e.to_string())?;
+    let open =
+        || image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string());
+    let image = open()?;
+    if image.format() == Some(image::ImageFormat::Jpeg) {
+        // The decoder makes grey of what is missing, however much that is.
+        let (width, height) = image.into_dimensions().map_err(|e| e.to_string())?;
+        let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
+        if u64::from(width) * u64::from(height) > JPEG_PIXELS * bytes {
+            return Err(format!("it claims {width} × {height} pixels, and has {bytes} bytes"));
+        }
+    }
+    let image = open()?.decode().map_err(|e| e.to_string())?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     let color = image.color();
     let is_float = matches!(color, image::ColorType::Rgb32F | image::ColorType::Rgba32F);
@@ -72,6 +84,13 @@ fn exr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_jpeg_that_claims_more_than_it_can_hold_is_refused() {
+        let file =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/fuzz/regressions/claims-too-many.jpg");
+        assert!(pixels(&file).err().unwrap().contains("55299 × 194 pixels"));
+    }
 
     #[test]
     fn a_bmp_is_turned_the_right_way_up_and_its_colours_are_encoded() {
