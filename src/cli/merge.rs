@@ -21,9 +21,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        let outputs: Vec<&PathBuf> = [Some(&self.output), self.png.as_ref()].into_iter().flatten().collect();
-        outputs.iter().try_for_each(|path| image::check_writable(path))?;
-        super::refuse_collisions(None, &outputs)?;
+        image::check_outputs(None, &[Some(&self.output), self.png.as_ref()])?;
         let merged = image::merge_files(self.parts)?;
         image::write_exr(&self.output, &merged)?;
         if let Some(path) = &self.png {

@@ -16,7 +16,7 @@ use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Exit code for input or usage that cannot be used.
@@ -92,32 +92,6 @@ struct SceneArguments {
     /// Another seed, another noise; 0 by default, or the scene's
     #[arg(long, value_name = "S")]
     seed: Option<u32>,
-}
-
-/// Refuses to write two files to one place, or one over the scene. An output is first written beside its place, under its name with `.partial`.
-fn refuse_collisions(scene: Option<&Path>, outputs: &[&PathBuf]) -> Result<(), Box<dyn Error>> {
-    let place = |path: &Path| -> Option<PathBuf> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
-        path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
-    };
-    let mut known: Vec<PathBuf> = scene.and_then(place).into_iter().collect();
-    for path in outputs {
-        // Streams and devices take everything that is written to them.
-        let Some(here) = place(path).filter(|_| !path.metadata().is_ok_and(|metadata| !metadata.is_file()))
-        else {
-            continue;
-        };
-        let beside =
-            PathBuf::from([here.as_os_str(), ".partial".as_ref()].join::<&std::ffi::OsStr>("".as_ref()));
-        if known.contains(&here) || known.contains(&beside) {
-            return Err(
-                format!("{}: the scene itself or another output has this place", path.display()).into()
-            );
-        }
-        known.extend([here, beside]);
-    }
-    Ok(())
 }
 
 /// Checks that a text is HOST:PORT.

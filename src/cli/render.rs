@@ -71,10 +71,8 @@ impl Arguments {
         let scene = self.scene.load()?;
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
-        let files = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
-        let files: Vec<&PathBuf> = files.into_iter().flatten().collect();
-        files.iter().try_for_each(|path| image::check_writable(path))?;
-        super::refuse_collisions(Some(&self.scene.scene), &files)?;
+        let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
+        image::check_outputs(Some(&self.scene.scene), &outputs)?;
         check_threads(settings.threads)?;
         let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
         let chosen = self.time.is_some() || self.target_error.is_some();

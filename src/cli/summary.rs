@@ -60,14 +60,14 @@ impl Summary<'_> {
         }
         println!("{:.3} million paths/s, {:.2} million rays/s", million(taken), million(rays));
         println!("mean ({r:.5}, {g:.5}, {b:.5})");
-        if !quality.relative_standard_error.is_finite() {
-            println!("no relative standard error: no light was seen");
-        } else {
+        if quality.relative_standard_error.is_finite() {
             println!("relative standard error {:.3} % a pixel", 100.0 * quality.relative_standard_error);
             println!(
                 "relative standard error {:.4} % of the mean",
                 100.0 * quality.relative_standard_error_of_mean
             );
+        } else {
+            println!("no relative standard error: no light was seen");
         }
         if let (Some(target), Some(attained)) = (self.target_error, self.attained()) {
             let words = if attained { "attained" } else { "NOT attained" };

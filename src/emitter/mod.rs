@@ -15,6 +15,13 @@ use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::registry::Entry;
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
+pub use area::Area;
+pub use constant::Constant;
+pub use directional::Directional;
+pub use envmap::EnvironmentMap;
+pub use point::Point;
+pub use select::Emitters;
+pub use spot::Spot;
 
 /// A point on the surface of an emitter.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +33,6 @@ pub struct EmitterPoint {
     /// The surface's normal there, world.
     pub n: DVec3,
 }
-pub use area::Area;
-pub use constant::Constant;
-pub use directional::Directional;
-pub use envmap::EnvironmentMap;
-pub use point::Point;
-pub use select::Emitters;
-pub use spot::Spot;
 
 /// Any emitter.
 #[derive(Debug)]

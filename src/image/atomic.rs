@@ -38,7 +38,7 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     if target.is_dir() {
         return Err(cannot("it is a folder".into()));
     }
-    let folder = target.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder(&target);
     if !folder.is_dir() {
         return Err(cannot(format!("there is no folder {}", folder.display())));
     }
@@ -50,9 +50,37 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     tried.map_err(|error| cannot(error.to_string()))
 }
 
+/// Finds out whether those of these files that are wanted could all be written, each in a place of its own and none over `input`, and leaves no
+/// trace.
+///
+/// # Errors
+/// With the reason why one could not be.
+pub fn check_outputs(input: Option<&PathBuf>, outputs: &[Option<&PathBuf>]) -> Result<(), ImageError> {
+    outputs.iter().flatten().try_for_each(|path| check_writable(path))?;
+    let mut taken: Vec<PathBuf> = input.map(|path| target(path)).into_iter().collect();
+    for path in outputs.iter().flatten() {
+        let target = target(path);
+        // Streams and devices take everything that is written to them.
+        if is_special(&target) {
+            continue;
+        }
+        let partial = partial(&target);
+        if taken.contains(&target) || taken.contains(&partial) {
+            return Err(ImageError::new("the scene itself or another output has this place").at(path));
+        }
+        taken.extend([target, partial]);
+    }
+    Ok(())
+}
+
 /// What a path stands for. Links cannot be followed where nothing exists yet, and then it stands for itself.
 fn target(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+    let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
+    fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn is_special(target: &Path) -> bool {

@@ -17,8 +17,8 @@ mod sheet;
 pub mod srgb;
 
 pub use self::exr::{read_exr, write_exr};
-pub use atomic::check_writable;
 pub(crate) use atomic::write_file_with;
+pub use atomic::{check_outputs, check_writable};
 pub use merge::{merge, merge_files};
 pub use png::{Rgb8, develop, encode_srgb, write_png};
 pub use provenance::{Attribute, Provenance};

@@ -2,6 +2,7 @@
 
 use crate::texture::bitmap::Pixels;
 use exr::prelude::*;
+use image::ImageDecoder;
 use std::path::Path;
 
 /// Decodes EXR, PNG, JPEG, Radiance HDR or BMP; alpha is dropped. The error says what is wrong.
@@ -37,18 +38,19 @@ fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
 const JPEG_PIXELS: u64 = 512;
 
 fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
-    let open =
-        || image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string());
-    let image = open()?;
-    if image.format() == Some(image::ImageFormat::Jpeg) {
+    let reader =
+        image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
+    let is_jpeg = reader.format() == Some(image::ImageFormat::Jpeg);
+    let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+    if is_jpeg {
         // The decoder makes grey of what is missing, however much that is.
-        let (width, height) = image.into_dimensions().map_err(|e| e.to_string())?;
+        let (width, height) = decoder.dimensions();
         let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
         if u64::from(width) * u64::from(height) > JPEG_PIXELS * bytes {
             return Err(format!("it claims {width} × {height} pixels, and has {bytes} bytes"));
         }
     }
-    let image = open()?.decode().map_err(|e| e.to_string())?;
+    let image = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     let color = image.color();
     let is_float = matches!(color, image::ColorType::Rgb32F | image::ColorType::Rgba32F);

@@ -18,6 +18,7 @@ use crate::integrator::{KernelEntry, kernel_for};
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sample::Camera;
 use splats::Splats;
 use std::collections::BTreeMap;
@@ -94,8 +95,12 @@ const LISTED: usize = 8;
 /// # Errors
 /// Says how many cannot, and why.
 pub fn check_threads(threads: usize) -> Result<(), String> {
-    let tried = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let tried = pool(threads);
     tried.map(drop).map_err(|error| format!("error: {threads} threads cannot be started: {error}"))
+}
+
+fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    ThreadPoolBuilder::new().num_threads(threads).build()
 }
 
 /// Renders. `None` if `progress` was told to stop, or if the threads could not be started, which [`check_threads`] tells before.
@@ -109,7 +114,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     let kernel = settings.kernel.unwrap_or_else(|| kernel_for(scene.features));
     let camera = Camera::new(scene, settings.seed, kernel);
     let names = camera.channel_names();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().ok()?;
+    let pool = pool(settings.threads).ok()?;
     let tiles = pool.install(|| {
         let windows: Vec<Window> = tiles(settings.window).collect();
         windows

@@ -86,7 +86,7 @@ pub fn render_passes(
 ) -> Option<Partial> {
     let kernel = kernel(scene, settings);
     let camera = Camera::new(scene, settings.seed, kernel);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().ok()?;
+    let pool = super::pool(settings.threads).ok()?;
     let windows: Vec<Window> = tiles(settings.window).collect();
     let mut partial = partial;
     (partial.report.kernel, partial.report.threads) = (kernel.name, pool.current_num_threads());
