@@ -11,6 +11,7 @@ use validation::report::to_json;
 use validation::statistics::Stream;
 use validation::statistics::distributions::normal_quantile;
 
+use crate::console::write;
 use crate::converge::{REFERENCES, seed};
 use crate::renderers::{self, Job};
 use crate::report::machine;
@@ -144,9 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         seeds_needed,
         pool,
     };
-    if let Some(path) = &arguments.json {
-        std::fs::write(path, to_json(&calibration)? + "\n")?;
-    }
+    write(arguments.json.as_deref(), || Ok(to_json(&calibration)?))?;
     Ok(if kept { Verdict::Equivalent } else { Verdict::Different })
 }
 

@@ -25,17 +25,17 @@ pub fn finish(report: Report, json: Option<PathBuf>) -> Result<Verdict, Box<dyn 
     let (equal, open, bad) =
         (count(Verdict::Equivalent), count(Verdict::Inconclusive), count(Verdict::Different));
     say(format_args!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict));
-    write(json.as_deref(), || Ok::<_, Box<dyn Error>>(to_json(&Made::here(&report)?)?))?;
+    write(json.as_deref(), || Ok(to_json(&Made::here(&report)?)?))?;
     Ok(report.verdict)
 }
 
 /// Writes a document to a file, if one is wanted.
-pub fn write<E: Into<Box<dyn Error>>>(
+pub fn write(
     path: Option<&Path>,
-    text: impl FnOnce() -> Result<String, E>,
+    text: impl FnOnce() -> Result<String, Box<dyn Error>>,
 ) -> Result<(), Box<dyn Error>> {
     let Some(path) = path else { return Ok(()) };
-    let mut text = text().map_err(Into::into)?;
+    let mut text = text()?;
     if !text.ends_with('\n') {
         text.push('\n');
     }
@@ -44,8 +44,8 @@ pub fn write<E: Into<Box<dyn Error>>>(
 
 /// Finds out before anything is done whether the documents that are wanted can be written.
 pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
-    let wanted = paths.iter().filter_map(|path| path.as_ref());
-    wanted.into_iter().try_for_each(|path| Ok(etalon::image::check_writable(path)?))
+    let mut wanted = paths.iter().filter_map(|path| path.as_ref());
+    wanted.try_for_each(|path| Ok(etalon::image::check_writable(path)?))
 }
 
 /// A share written with a per cent sign. Error: anything else, or nothing at all.

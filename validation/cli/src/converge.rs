@@ -69,8 +69,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     let study = study(&arguments.scene, chosen, &settings, &folder, |step| eprintln!("{step}"));
     std::fs::remove_dir_all(&folder)?;
     let study = study?;
-    write(arguments.json.as_deref(), || to_json(&study))?;
-    write(arguments.html.as_deref(), || Ok::<_, String>(study.html()))?;
+    write(arguments.json.as_deref(), || Ok(to_json(&study)?))?;
+    write(arguments.html.as_deref(), || Ok(study.html()))?;
     print!("{}", study.text());
     match study.renderers.is_empty() {
         true => Err("no renderer rendered the scene".into()),

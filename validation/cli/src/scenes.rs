@@ -61,6 +61,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     if outcomes.is_empty() {
         return Err("there is no such scene".into());
     }
-    write(markdown.as_deref(), || Ok::<_, String>(closed_forms::markdown(&table, &related)))?;
+    write(markdown.as_deref(), || Ok(closed_forms::markdown(&table, &related)))?;
     finish(Report::new("scenes", outcomes), json)
 }

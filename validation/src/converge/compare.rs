@@ -7,6 +7,7 @@
 use serde::Serialize;
 
 use super::curve::{Interval, Rung};
+use crate::statistics::Estimate;
 use crate::statistics::distributions::{student_quantile, student_two_sided};
 
 /// Efficiency of A over that of B.
@@ -39,31 +40,26 @@ pub fn ratio(a: &[Rung], b: &[Rung]) -> Option<Ratio> {
     let cost = |rungs: &[Rung], i: usize| {
         rungs.iter().map(|r| libm::log(r.errors[i] * r.seconds[i])).sum::<f64>() / rungs.len() as f64
     };
-    let differences: Vec<f64> = (0..count).map(|i| cost(b, i) - cost(a, i)).collect();
-    let (Interval { value, low, high }, error) = student(&differences)?;
-    let freedom = count as f64 - 1.0;
-    let p_value =
-        if error > 0.0 { student_two_sided(value / error, freedom) } else { f64::from(value == 0.0) };
+    let estimate = Estimate::of((0..count).map(|i| cost(b, i) - cost(a, i)));
+    let error = estimate.variance.sqrt();
+    let p_value = if error > 0.0 {
+        student_two_sided(estimate.mean / error, estimate.degrees)
+    } else {
+        f64::from(estimate.mean == 0.0)
+    };
+    let Interval { value, low, high } = student(&estimate);
     let [value, low, high] = [value, low, high].map(libm::exp);
     Some(Ratio { ratio: Interval { value, low, high }, p_value, different: p_value <= LEVEL })
 }
 
 /// The mean of independent values with Student's interval; `None` of fewer than two.
 pub fn mean(values: &[f64]) -> Option<Interval> {
-    student(values).map(|(interval, _)| interval)
+    (values.len() > 1).then(|| student(&Estimate::of(values.iter().copied())))
 }
 
-/// The same, and its standard error.
-fn student(values: &[f64]) -> Option<(Interval, f64)> {
-    if values.len() < 2 {
-        return None;
-    }
-    let number = values.len() as f64;
-    let value = values.iter().sum::<f64>() / number;
-    let squares: f64 = values.iter().map(|v| (v - value) * (v - value)).sum();
-    let error = (squares / (number * (number - 1.0))).sqrt();
-    let half = student_quantile(0.05, number - 1.0) * error;
-    Some((Interval { value, low: value - half, high: value + half }, error))
+fn student(estimate: &Estimate) -> Interval {
+    let half = student_quantile(0.05, estimate.degrees) * estimate.variance.sqrt();
+    Interval { value: estimate.mean, low: estimate.mean - half, high: estimate.mean + half }
 }
 
 #[cfg(test)]

@@ -56,6 +56,8 @@ pub fn curves(lines: &[Line]) -> String {
         let slope = |c: Option<&Curve>| optional(c.and_then(|c| c.slope));
         let to =
             |c: Option<&Curve>, k: usize| optional(c.and_then(|c| c.seconds_to.get(k).copied().flatten()));
+        let own = line.mean_of == line.name;
+        let whose = if own { String::new() } else { format!(" of {}", escape(line.mean_of)) };
         let cells = [
             escape(line.name),
             ratio(line.ratio_trimmed),
@@ -63,12 +65,7 @@ pub fn curves(lines: &[Line]) -> String {
             slope(line.trimmed),
             to(line.trimmed, 0),
             to(line.trimmed, 1),
-            optional(line.brightness)
-                + &if line.mean_of == line.name {
-                    String::new()
-                } else {
-                    format!(" of {}", escape(line.mean_of))
-                },
+            optional(line.brightness) + &whose,
             line.startup.map_or("–".into(), figures),
         ];
         rows += &row(&cells);

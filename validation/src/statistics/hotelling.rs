@@ -51,8 +51,8 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
     expected: &Expected<N>,
 ) -> Components {
     let (count, mean, covariance) = covariance(samples());
-    let variances = (0..N).map(|i| expected.variance[i] / covariance[i][i]).filter(|ratio| *ratio > MISSED);
-    let missed = variances.filter(|ratio| ratio.is_finite()).fold(1.0, f64::max);
+    let ratios = (0..N).map(|i| expected.variance[i] / covariance[i][i]);
+    let missed = ratios.filter(|ratio| ratio.is_finite() && *ratio > MISSED).fold(1.0, f64::max);
     let (order, factor) = cholesky(covariance);
     let rank = order.len();
     let whiten = |vector: &[f64; N]| {

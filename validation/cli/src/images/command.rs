@@ -42,7 +42,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
             if let Some(path) = map {
                 image::write_difference_map(&first, &second, &settings, &path)?;
             }
-            write(json.as_deref(), || to_json(&comparison))?;
+            write(json.as_deref(), || Ok(to_json(&comparison)?))?;
             say(format_args!("{}: {}", comparison.verdict, comparison.message));
             Ok(comparison.verdict)
         }
@@ -56,6 +56,6 @@ fn calibration(json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
         say(format_args!("{scene}: {rejected} of {pairs} honest pairs rejected, power {power:.2}"));
     })?;
     say(format_args!("{}: {}", found.verdict, found.message));
-    write(json.as_deref(), || to_json(&found))?;
+    write(json.as_deref(), || Ok(to_json(&found)?))?;
     Ok(found.verdict)
 }

@@ -1,7 +1,7 @@
 //! The command line of `validate ledger`.
 
 use super::{judge, next, rerun};
-use crate::console::{print, say};
+use crate::console::{print, say, write};
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{limits, materials, sampling};
 use std::error::Error;
@@ -49,9 +49,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
     let summary = judge(&file)?;
     summary.report().outcomes.iter().for_each(print);
-    if let Some(path) = json {
-        std::fs::write(path, to_json(&summary)? + "\n")?;
-    }
+    write(json.as_deref(), || Ok(to_json(&summary)?))?;
     Ok(summary.report().verdict)
 }
 

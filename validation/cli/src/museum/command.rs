@@ -81,15 +81,16 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
         None if arguments.near => Asked::Near,
         None => Asked::All,
     };
-    super::examine(changes.clone(), wanted, &scratch, (arguments.jobs, &asked), |finding| {
+    let asked_for: Vec<String> =
+        changes.iter().map(|change| change.name.clone()).filter(|name| named(name)).collect();
+    super::examine(changes, wanted, &scratch, (arguments.jobs, &asked), |finding| {
         say(format_args!("{finding}"));
         findings.add(finding);
         arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))
     })?;
     let (killed, all) = findings.killed();
     // What only some tests were asked of, and these did not notice, leaves no finding.
-    let found = |name: &str| findings.bugs.iter().any(|bug| bug.name == name);
-    let open = changes.iter().filter(|change| named(&change.name) && !found(&change.name)).count();
+    let open = asked_for.iter().filter(|name| findings.bugs.iter().all(|bug| bug.name != **name)).count();
     say(format_args!("{killed} of {all} killed; {} do not compile; {open} open", findings.bugs.len() - all));
     Ok(match killed == all {
         false => Verdict::Different,

@@ -45,6 +45,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         let old = std::fs::read_to_string(&path).unwrap_or_default();
         std::fs::write(path, updated(&old, &rows))?;
     }
-    write(json.as_deref(), || to_json(&rows))?;
+    write(json.as_deref(), || Ok(to_json(&rows)?))?;
     Ok(verdict(&rows))
 }
