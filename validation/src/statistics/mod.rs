@@ -23,3 +23,14 @@ pub use welch::{Estimate, Welch};
 pub fn worst_of(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.abs().max(b.abs()) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::worst_of;
+
+    #[test]
+    fn nothing_is_worse_than_what_is_not_a_number() {
+        assert!(worst_of(f64::NAN, 1.0).is_nan() && worst_of(1.0, f64::NAN).is_nan());
+        assert_eq!([worst_of(-3.0, 2.0), worst_of(0.0, f64::INFINITY)], [3.0, f64::INFINITY]);
+    }
+}
