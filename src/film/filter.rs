@@ -290,6 +290,14 @@ mod tests {
     }
 
     #[test]
+    fn filters_end_where_they_are_nothing() {
+        for profile in ALL.into_iter().filter(|profile| *profile != Profile::Box) {
+            let foot = profile.eval(profile.radius() * (1.0 - 1e-9));
+            assert!(foot.abs() < 1e-7 * profile.eval(0.0), "{profile:?} {foot}");
+        }
+    }
+
+    #[test]
     fn cubics_interpolate_where_they_should() {
         assert!(
             (Profile::CatmullRom.eval(0.0) - 6.0).abs() < 1e-12

@@ -226,3 +226,43 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
     }
     Ok(bands)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (7, 5);
+
+    #[test]
+    fn samples_lie_about_the_centre_of_their_pixel() {
+        for profile in [Profile::Box, Profile::Gaussian { deviation: 0.5 }] {
+            let (place, weight) = Film::new(SIZE, profile).place((3, 2), DVec2::splat(0.5));
+            assert!((place - DVec2::new(3.5, 2.5)).length() < 1e-12, "{place}");
+            assert!((weight - 1.0).abs() < 0.01, "{weight}");
+        }
+    }
+
+    #[test]
+    fn filters_end_at_the_film_unless_they_may_reach_beyond() {
+        let mut film = Film::new(SIZE, Profile::Gaussian { deviation: 0.5 });
+        for border in [false, true] {
+            film.border = border;
+            let (first, _) = film.place((0, 0), DVec2::splat(1e-6));
+            let (last, _) = film.place((6, 4), DVec2::splat(1.0 - 1e-6));
+            let beyond = first.min_element() < 0.0 && last.x > 7.0 && last.y > 5.0;
+            assert_eq!(beyond, border, "{first} {last}");
+        }
+    }
+
+    /// Light goes to the pixels whose samples lie where it falls: over all places, as often as their weights say.
+    #[test]
+    fn light_is_given_to_the_pixel_that_gathers_it() {
+        let mut film = Film::new(SIZE, Profile::Box);
+        film.crop = Window { x: 2, y: 1, width: 3, height: 2 };
+        for pixel in [(2, 1), (4, 1), (3, 2), (4, 2)] {
+            let (place, _) = film.place(pixel, DVec2::new(0.1, 0.9));
+            assert_eq!(film.pixel_at(place, DVec2::splat(0.4)), Some((pixel, 1.0)));
+        }
+        assert_eq!(film.pixel_at(DVec2::new(1.9, 1.5), DVec2::splat(0.4)), None);
+    }
+}

@@ -112,6 +112,18 @@ mod tests {
     }
 
     #[test]
+    fn normals_stay_perpendicular_to_what_is_sheared() {
+        let shear = DMat4::from_cols_array(&[
+            2.0, 0.0, 0.0, 0.0, 0.5, 1.0, -0.25, 0.0, 0.0, 3.0, 4.0, 0.0, 1.0, 2.0, 3.0, 1.0,
+        ]);
+        let t = Transform::from_matrix(shear).unwrap();
+        let n = t.normal(DVec3::new(1.0, -2.0, 0.5));
+        for tangent in [DVec3::new(2.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 4.0)] {
+            assert!(n.dot(t.vector(tangent)).abs() < 1e-14, "{tangent}");
+        }
+    }
+
+    #[test]
     fn degenerate_maps_are_refused() {
         assert!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)).is_none());
         assert!(Transform::rotate(DVec3::ZERO, 10.0).is_none());

@@ -75,4 +75,38 @@ mod tests {
             }
         }
     }
+
+    /// Numbers of dimension `d`, of 2³² parts, of samples 0 to `count`.
+    fn numbers(key: u32, d: usize, count: u32) -> Vec<u32> {
+        let number = |s| blocks(U32x8::splat(key), U32x8::splat(s), U32x8::splat(3))[d].to_array()[0];
+        (0..count).map(number).collect()
+    }
+
+    #[test]
+    fn dimensions_of_different_pairs_have_nothing_to_do_with_each_other() {
+        let dimensions: Vec<Vec<u32>> = (0..8).map(|d| numbers(7, d, 4096)).collect();
+        for a in 0..8 {
+            for b in 0..a {
+                let cells = dimensions[a].iter().zip(&dimensions[b]).map(|(x, y)| (x >> 29, y >> 29));
+                // Of 64 cells with 64 points each none is empty but once in 10²⁶.
+                assert_eq!(cells.collect::<std::collections::BTreeSet<_>>().len(), 64, "{a} {b}");
+            }
+        }
+    }
+
+    /// Four points with one in every row, column and quarter of a square of sixteen cells: each column of the left half
+    /// decides for a quarter, and so does one of the right, and in both halves of the rows one of two orders is left,
+    /// 2⁴ patterns in all. Scrambling makes all of them, unless it does to one axis what it does to the other.
+    #[test]
+    fn the_axes_of_a_pair_are_scrambled_independently() {
+        for pair in 0..4 {
+            let pattern = |key| {
+                let (x, y) = (numbers(key, 2 * pair, 4), numbers(key, 2 * pair + 1, 4));
+                let cells = x.into_iter().zip(y).map(|(x, y)| (x >> 30, y >> 30));
+                cells.collect::<std::collections::BTreeSet<_>>()
+            };
+            let patterns: std::collections::BTreeSet<_> = (0..1000).map(pattern).collect();
+            assert_eq!(patterns.len(), 16, "pair {pair}");
+        }
+    }
 }

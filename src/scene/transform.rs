@@ -119,3 +119,40 @@ pub fn numbers(attribute: &Attribute) -> Result<Vec<f64>, SceneError> {
 fn bad_number(span: &Span, text: &str) -> SceneError {
     SceneError::at(span, format!("`{text}` is no number"), "expected a finite number")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::xml;
+
+    /// What the steps of a transform make of (1, 10, 100).
+    fn place(steps: &str) -> DVec3 {
+        let text =
+            format!(r#"<scene version="3.0.0"><transform name="to_world">{steps}</transform></scene>"#);
+        let document = xml::read_text("t", &text).unwrap();
+        parse(&document.root.children[0]).unwrap().point(DVec3::new(1.0, 10.0, 100.0))
+    }
+
+    #[test]
+    fn matrices_are_read_row_by_row() {
+        let map = place(r#"<matrix value="1 2 0 5  0 1 0 6  0 3 1 7  0 0 0 1"/>"#);
+        assert_eq!(map, DVec3::new(26.0, 16.0, 137.0));
+        assert_eq!(place(r#"<matrix value="1 2 0  0 1 0  0 3 1"/>"#), DVec3::new(21.0, 10.0, 130.0));
+    }
+
+    #[test]
+    fn steps_apply_in_the_order_in_which_they_are_written() {
+        let (move_up, double) = (r#"<translate z="1"/>"#, r#"<scale value="2"/>"#);
+        assert_eq!(place(&format!("{move_up}{double}")), DVec3::new(2.0, 20.0, 202.0));
+        assert_eq!(place(&format!("{double}{move_up}")), DVec3::new(2.0, 20.0, 201.0));
+        // A quarter turn about z takes x to y.
+        let turned = place(r#"<rotate z="1" angle="90"/>"#);
+        assert!((turned - DVec3::new(-10.0, 1.0, 100.0)).length() < 1e-13, "{turned}");
+    }
+
+    #[test]
+    fn look_at_places_the_origin_and_looks_along_z() {
+        let seen = place(r#"<lookat origin="1 2 3" target="1 2 9" up="0 1 0"/>"#);
+        assert!((seen - DVec3::new(2.0, 12.0, 103.0)).length() < 1e-13, "{seen}");
+    }
+}

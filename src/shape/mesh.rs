@@ -240,6 +240,46 @@ mod tests {
     }
 
     #[test]
+    fn normals_are_those_of_the_nearest_corner() {
+        let normals = [[0.0, 0.6, 0.8], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
+        let data = MeshData { normals: Some(normals.to_vec()), ..triangle(true) };
+        let mesh = Mesh::new(data, &Transform::IDENTITY, false, false);
+        for (corner, (u, v)) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].into_iter().enumerate() {
+            let expected = double(normals[corner]);
+            // Unit in f32, and made unit again in f64.
+            assert!(length(mesh.point::<true>(0, u, v).ns - expected) < 1e-6, "{corner}");
+        }
+    }
+
+    /// A corner of a cube, one of whose sides is cut in two: by angles the diagonal counts for nothing.
+    #[test]
+    fn smooth_normals_do_not_depend_on_how_a_face_is_cut() {
+        let corner = MeshData {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+            normals: None,
+            uvs: None,
+            triangles: vec![[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]],
+            surface_points: None,
+        };
+        let n = Mesh::new(corner, &Transform::IDENTITY, false, false).point::<true>(0, 0.0, 0.0).ns;
+        assert!(length(n - DVec3::splat(1.0 / 3f64.sqrt())) < 1e-6, "{n}");
+    }
+
+    /// The normals of a tilted pair of unit vectors turn by their difference, less what only lengthens them.
+    #[test]
+    fn normals_change_as_their_differences_do() {
+        let normals = vec![[0.0, 0.6, 0.8], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
+        let data = MeshData { normals: Some(normals), ..triangle(true) };
+        let mesh = Mesh::new(data, &Transform::IDENTITY, false, false);
+        const STEP: f64 = 1e-5;
+        for dp in [DVec3::X, DVec3::Y, DVec3::new(0.3, -0.8, 0.0)] {
+            let at = |t: f64| mesh.point::<true>(0, 0.3 + t * dp.x, 0.4 + t * dp.y).ns;
+            let expected = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+            assert!(length(mesh.normal_change(0, (0.3, 0.4), dp) - expected) < 1e-9, "{dp}");
+        }
+    }
+
+    #[test]
     fn area_samples_fill_the_triangles() {
         let mut mesh = Mesh::new(triangle(true), &Transform::IDENTITY, false, false);
         mesh.prepare_sampling();

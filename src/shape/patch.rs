@@ -108,3 +108,23 @@ pub fn on_circle(turn: f64) -> DVec2 {
     let (sin, cos) = sin_cos_turn(turn);
     DVec2::new(cos, sin)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DMat4;
+
+    /// A shear keeps areas, though not the lengths of sides.
+    #[test]
+    fn a_sheared_patch_keeps_its_area() {
+        let shear = DMat4::from_cols_array(&[
+            1.0, 0.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 3.0, 4.0, 5.0, 1.0,
+        ]);
+        let shear = Transform::from_matrix(shear).unwrap();
+        for (outline, area) in [(Outline::Square, 4.0), (Outline::Circle, PI)] {
+            let patch = Patch::new(&shear, false, outline);
+            assert!((patch.area() - area).abs() < 1e-14, "{outline:?} {}", patch.area());
+            assert_eq!(patch.sample_area(DVec2::new(0.2, 0.9)).pdf, 1.0 / patch.area());
+        }
+    }
+}

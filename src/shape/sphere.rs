@@ -114,6 +114,29 @@ impl Sphere {
 mod tests {
     use super::*;
 
+    /// u is the azimuth from x towards y, v the angle from z; and p moves along with both.
+    #[test]
+    fn coordinates_run_from_x_to_y_and_from_pole_to_pole() {
+        let sphere = Sphere::new(&Transform::IDENTITY, DVec3::ZERO, 2.0, false);
+        for (way, uv) in [
+            (DVec3::X, (0.0, 0.5)),
+            (DVec3::Y, (0.25, 0.5)),
+            (-DVec3::X, (0.5, 0.5)),
+            (-DVec3::Y, (0.75, 0.5)),
+            (DVec3::new(1.0, 1.0, 2f64.sqrt()), (0.125, 0.25)),
+        ] {
+            let point = sphere.point::<true>(way);
+            assert!((point.uv - DVec2::from(uv)).length() < 1e-12, "{way} {}", point.uv);
+            const STEP: f64 = 1e-6;
+            for tangent in [point.dp_du, point.dp_dv] {
+                let moved = sphere.point::<true>(point.p + tangent * STEP).uv - point.uv;
+                let expected = if tangent == point.dp_du { DVec2::X } else { DVec2::Y };
+                let moved = DVec2::new(moved.x - moved.x.round(), moved.y) / STEP;
+                assert!((moved - expected).length() < 1e-4, "{way} {moved}");
+            }
+        }
+    }
+
     #[test]
     fn a_hollow_sphere_has_no_cone_even_where_its_wall_is_rounded_outwards() {
         let hollow = Sphere::new(&Transform::IDENTITY, DVec3::ZERO, 1.0, true);

@@ -161,6 +161,16 @@ mod tests {
         }
     }
 
+    /// The luminances of the primaries are what a sum of wavelengths with ȳ gives: ITU-R BT.709, not BT.601.
+    #[test]
+    fn luminance_is_y_of_the_colour() {
+        for (rgb, expected) in
+            [([1.0, 0.0, 0.0], 0.2126), ([0.0, 1.0, 0.0], 0.7152), ([0.0, 0.0, 1.0], 0.0722)]
+        {
+            assert!((luminance(rgb) - expected).abs() < 1e-4, "{rgb:?}");
+        }
+    }
+
     #[test]
     fn the_two_matrices_are_inverse() {
         for unit in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {

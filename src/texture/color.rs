@@ -208,3 +208,44 @@ pub fn from_table(
     let rgb = observer::table_to_rgb(&table, usage != Usage::Emission);
     Ok(SpectralFunction::Rgb(rgb.map(|v| v.clamp(0.0, top as f64) as f32)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::xml;
+
+    /// What RGB mode makes of a colour that reflects or emits.
+    fn color(written: &str, usage: Usage) -> [f32; 3] {
+        let text = format!(r#"<scene version="3.0.0">{written}</scene>"#);
+        let document = xml::read_text("t", &text).unwrap();
+        let loader = Loader::new(&document, ColorMode::Rgb).unwrap();
+        match parse(&document.root.children[0], &loader, usage).unwrap() {
+            SpectralFunction::Rgb(rgb) => rgb,
+            SpectralFunction::Uniform(value) => [value; 3],
+            _ => panic!("{written} has no colour"),
+        }
+    }
+
+    #[test]
+    fn hexadecimal_colours_are_encoded_as_srgb() {
+        // IEC 61966-2-1: ((c + 0.055)/1.055)^2.4, and c/12.92 below 0.04045.
+        let [r, g, b] = color(r##"<rgb name="c" value="#80ff05"/>"##, Usage::Reflectance);
+        let expected = [((128.0 / 255.0 + 0.055f64) / 1.055).powf(2.4), 1.0, 5.0 / 255.0 / 12.92];
+        for (got, expected) in [r, g, b].into_iter().zip(expected) {
+            assert!((f64::from(got) - expected).abs() < 1e-7, "{got} {expected}");
+        }
+    }
+
+    #[test]
+    fn what_reflects_everything_is_white_and_light_of_equal_energy_is_not() {
+        let flat = r#"<spectrum name="c" value="360:1, 830:1"/>"#;
+        // The two colours that Mitsuba gives equal energy, under D65 and alone.
+        let cases = [(Usage::Reflectance, [1.0; 3]), (Usage::Emission, [1.206, 0.949, 0.910])];
+        for (usage, expected) in cases {
+            for (got, expected) in color(flat, usage).into_iter().zip(expected) {
+                // The range of the sum, which counts 1000/999 times, is clamped for what reflects.
+                assert!((got - expected).abs() < 2e-3, "{usage:?} {got} {expected}");
+            }
+        }
+    }
+}
