@@ -2,7 +2,7 @@
 
 use super::Bsdf;
 use crate::math::{DVec2, DVec3, Ray, length};
-use crate::scene::{Scene, load_text};
+use crate::scene::{Features, Scene, load_text};
 use crate::spectrum::materials::Dispersion;
 use crate::spectrum::{ColorMode, Wavelengths};
 
@@ -28,7 +28,7 @@ fn prism() -> Scene {
 /// Refracts a ray at the next surface it meets.
 fn refracted(scene: &Scene, ray: &Ray, λ: &mut Wavelengths) -> Ray {
     let hit = scene.accel.closest(ray).expect("the ray meets the prism");
-    let (shape, point) = scene.surface::<false>(ray, &hit);
+    let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
     let frame = point.frame(false);
     let current = *λ;
     let bsdf = scene.materials[shape.sides[0].material as usize].at(&point, &current);

@@ -16,7 +16,6 @@ fn percent(feature: &str) -> Option<f64> {
 pub fn of(scene: &Scene, left_out: Features) -> Vec<(&'static str, Option<f64>)> {
     let mut features = left_out.names();
     let others = [
-        ("instances", scene.instances.is_empty()),
         ("thin lens", scene.sensor.camera.name() != "thinlens"),
         ("specfilm", scene.sensor.film.bands.is_empty()),
     ];
@@ -58,9 +57,7 @@ mod tests {
     fn figures_are_those_of_removals() {
         let removals = removals();
         let known: Vec<&str> = removals.iter().map(|removal| removal["feature"].as_str().unwrap()).collect();
-        for feature in
-            Features(Features::ALL).names().into_iter().chain(["instances", "thin lens", "specfilm"])
-        {
+        for feature in Features(Features::ALL).names().into_iter().chain(["thin lens", "specfilm"]) {
             assert!(known.contains(&feature), "{feature}");
         }
         let mut lines = TABLE.lines();

@@ -2,10 +2,10 @@
 
 use super::{AnyIntegrator, Counters, INTEGRATORS};
 use crate::math::Ray;
-use crate::scene::Scene;
 use crate::scene::error::{SceneError, known};
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::construct;
+use crate::scene::{Features, Scene};
 
 pub const NAME: &str = "aov";
 pub const ABOUT: &str = "Depth, position, normals and the like as further channels; 0 where nothing is seen.";
@@ -86,7 +86,7 @@ impl Aov {
         counters.rays += 1;
         values.fill(0.0);
         let Some(hit) = scene.accel.closest(ray) else { return };
-        let (shape, point) = scene.surface::<true>(ray, &hit);
+        let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
         let mut values = values.iter_mut();
         for (_, property, suffixes) in &self.outputs {
             let v = match property {

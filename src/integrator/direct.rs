@@ -58,7 +58,7 @@ impl Direct {
                 let hidden = F & Features::ENVIRONMENT == 0 || self.hide_emitters;
                 return if hidden { Spectrum::ZERO } else { environment(scene, &ray, seen, 1, λ) };
             };
-            let (shape, point) = scene.surface::<true>(&ray, &hit);
+            let (shape, point) = scene.surface::<F>(&ray, &hit);
             if !(self.hide_emitters && shape.emitter.is_some()) {
                 break (hit, shape, point);
             }
@@ -127,7 +127,7 @@ impl Direct {
                 (radiance, pdf * scene.emitters.probability(index))
             }
             Some(hit) => {
-                let (shape, point) = scene.surface::<true>(ray, &hit);
+                let (shape, point) = scene.surface::<F>(ray, &hit);
                 let Some(index) = shape.emitter else { return Spectrum::ZERO };
                 let emitter = &scene.emitters.list[index as usize].emitter;
                 let pdf = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);

@@ -114,8 +114,8 @@ kernels! {
     "plain+environment": Features::ENVIRONMENT,
     "caustics": Features::CAUSTICS,
     "path re-use": Features::REUSE | Features::CAUSTICS | Features::ENVIRONMENT,
-    "textured": Features::TEXTURES | Features::ENVIRONMENT,
-    "textured path re-use": Features::REUSE | Features::TEXTURES | Features::ENVIRONMENT,
+    "textured": Features::TEXTURES | Features::ENVIRONMENT | Features::INSTANCES,
+    "textured path re-use": Features::REUSE | Features::TEXTURES | Features::ENVIRONMENT | Features::INSTANCES,
     "full": Features::ALL,
 }
 

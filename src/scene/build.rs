@@ -150,5 +150,6 @@ fn features(objects: &Objects, integrator: &AnyIntegrator) -> Features {
         bits |= if entry.emitter.is_environment() { Features::ENVIRONMENT } else { 0 };
     }
     bits |= if integrator.needs_uv() { Features::TEXTURES } else { 0 };
+    bits |= if objects.instances.is_empty() { 0 } else { Features::INSTANCES };
     Features(bits)
 }

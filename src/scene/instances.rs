@@ -120,11 +120,11 @@ impl Instances {
     /// The surface at a hit: that of the group, placed. Normals go with the inverse transpose, so that they keep their
     /// side under a mirroring transform.
     #[inline(never)]
-    pub fn surface<const UV: bool>(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
         let (to_world, shape, local) = self.find(hit.primitive);
         // Quadrics find their point by that of the ray, of which nothing else is asked.
         let there = Ray::free(to_world.inverted().point(ray.at(hit.t)), ray.direction);
-        let point = shape.geometry.point::<UV>(&there, &Hit { t: 0.0, ..*hit }, local);
+        let point = shape.geometry.point::<true>(&there, &Hit { t: 0.0, ..*hit }, local);
         let placed = SurfacePoint {
             p: to_world.point(point.p),
             ng: unit(to_world.normal(point.ng)),
@@ -141,7 +141,7 @@ impl Instances {
 mod tests {
     use crate::math::{DVec2, DVec3, Ray, length, warp};
     use crate::render::{Progress, Settings, render};
-    use crate::scene::{Scene, load_text};
+    use crate::scene::{Features, Scene, load_text};
     use crate::spectrum::ColorMode;
     use rand_pcg::{Pcg32, rand_core::Rng};
 
@@ -230,7 +230,10 @@ mod tests {
                 continue;
             }
             hits += 1;
-            let (p, q) = (a.surface::<true>(&ray, &hit).1, b.surface::<true>(&ray, &other).1);
+            let (p, q) = (
+                a.surface::<{ Features::ALL }>(&ray, &hit).1,
+                b.surface::<{ Features::ALL }>(&ray, &other).1,
+            );
             let close = |x: DVec3, y: DVec3| length(x - y) <= 1e-5 * (1.0 + length(x));
             assert!(close(p.p, q.p) && close(p.ng, q.ng) && close(p.ns, q.ns), "{p:?} {q:?}");
             assert!(close(p.dp_du, q.dp_du) && close(p.dp_dv, q.dp_dv), "{p:?} {q:?}");

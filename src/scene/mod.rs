@@ -134,7 +134,9 @@ impl Features {
     pub const CAUSTICS: u32 = 16;
     /// Pixels share what their paths find.
     pub const REUSE: u32 = 32;
-    pub const ALL: u32 = 63;
+    /// Groups of shapes are seen in several places.
+    pub const INSTANCES: u32 = 64;
+    pub const ALL: u32 = 127;
 
     /// The names of the features, for people.
     pub fn names(self) -> Vec<&'static str> {
@@ -145,6 +147,7 @@ impl Features {
             (Self::ENVIRONMENT, "environment"),
             (Self::CAUSTICS, "caustics"),
             (Self::REUSE, "path re-use"),
+            (Self::INSTANCES, "instances"),
         ];
         all.into_iter().filter(|(bit, _)| self.0 & bit != 0).map(|(_, name)| name).collect()
     }
@@ -161,14 +164,20 @@ impl Scene {
         (shape, primitive - shape.first_primitive)
     }
 
-    /// The surface at a hit.
+    /// The surface at a hit, as far as a kernel with these features asks.
     #[inline(always)]
-    pub fn surface<const UV: bool>(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
-        if self.instances.have(hit.primitive) {
-            return self.instances.surface::<UV>(ray, hit);
+    pub fn surface<const F: u32>(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
+        if F & Features::INSTANCES != 0 && self.instances.have(hit.primitive) {
+            return self.instances.surface(ray, hit);
         }
-        let (shape, local) = self.shape_of(hit.primitive);
-        (shape, shape.geometry.point::<UV>(ray, hit, local))
+        let shape = &self.shapes[self.owners.of(hit.primitive)];
+        let local = hit.primitive - shape.first_primitive;
+        let point = if F & Features::TEXTURES != 0 {
+            shape.geometry.point::<true>(ray, hit, local)
+        } else {
+            shape.geometry.point::<false>(ray, hit, local)
+        };
+        (shape, point)
     }
 
     /// Begins to bring what is known of surfaces into the cache, where primitives lie scattered over memory: first which corners the

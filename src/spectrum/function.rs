@@ -34,6 +34,15 @@ impl SpectralFunction {
             Self::Uniform(value) => Spectrum::splat(*value),
             Self::Rgb([r, g, b]) => Spectrum([*r, *g, *b, 0.0, 0.0, 0.0, 0.0, 0.0]),
             Self::Sigmoid(sigmoid) => Spectrum(sigmoid.eval_lanes(&λ.nm)),
+            _ => self.eval_others(λ),
+        }
+    }
+
+    /// [`SpectralFunction::eval`] of what is no common reflectance, out of its way.
+    #[inline(never)]
+    fn eval_others(&self, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Uniform(_) | Self::Rgb(_) | Self::Sigmoid(_) => self.eval(λ),
             Self::Scaled { scale, color } => {
                 let color = color.eval_lanes(&λ.nm);
                 Spectrum::from_fn(|i| scale * color[i])

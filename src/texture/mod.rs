@@ -70,6 +70,15 @@ impl AnyTexture {
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         match self {
             Self::Constant(function) => function.eval(λ),
+            _ => self.eval_at(uv, λ),
+        }
+    }
+
+    /// [`AnyTexture::eval`] of what varies, out of the way of scenes where nothing does.
+    #[inline(never)]
+    fn eval_at(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Constant(function) => function.eval(λ),
             Self::Bitmap(bitmap) => bitmap.eval(uv, λ),
             Self::Checkerboard(board) => board.side(uv).eval(uv, λ),
             Self::UnderD65(product) => product.eval(uv, λ),

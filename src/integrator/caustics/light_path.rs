@@ -9,7 +9,7 @@ use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::{side_towards, survival};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
-use crate::scene::Scene;
+use crate::scene::{Features, Scene};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -71,7 +71,7 @@ impl Caustics {
         counters: &mut Counters,
         splat: impl FnOnce(Splat),
     ) -> Option<Ray> {
-        let (shape, point) = scene.surface::<true>(&path.ray, &hit);
+        let (shape, point) = scene.surface::<{ Features::ALL }>(&path.ray, &hit);
         let to_light = -path.ray.direction;
         let side = side_towards(shape, point.ns.dot(to_light));
         if side.traits.one_way || edges == 1 && !side.traits.focuses() {

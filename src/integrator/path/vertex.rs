@@ -47,11 +47,7 @@ impl Path {
             }
             return None;
         };
-        let (shape, point) = if F & Features::TEXTURES != 0 {
-            scene.surface::<true>(ray, &hit)
-        } else {
-            scene.surface::<false>(ray, &hit)
-        };
+        let (shape, point) = scene.surface::<F>(ray, &hit);
         if let Some(emitter) = shape.emitter {
             if self.hide_emitters && state.depth == 0 {
                 // Light paths do not see the camera through an emitter.
