@@ -53,6 +53,18 @@ impl ExactSum {
     /// Adds one value.
     #[inline]
     pub fn add(&mut self, value: f64) {
+        self.add_signed(value, (value.to_bits() as i64) >> 63);
+    }
+
+    /// Adds the square of a value, whose sign need not be asked for.
+    #[inline]
+    pub fn add_square(&mut self, value: f64) {
+        self.add_signed(value * value, 0);
+    }
+
+    /// Adds a value; `sign` is −1 if it is negative, otherwise 0.
+    #[inline(always)]
+    fn add_signed(&mut self, value: f64, sign: i64) {
         let bits = value.to_bits();
         let exponent = (bits >> 52) as u32 & NON_FINITE;
         let fraction = bits & ((1 << 52) - 1);
@@ -65,7 +77,6 @@ impl ExactSum {
         // Bit 52 of the mantissa belongs at bit `exponent % 32` of its bin; 64 bits follow beneath.
         let position = exponent % 32;
         let low = mantissa << (12 + position);
-        let sign = (bits as i64) >> 63;
         let signed = |piece: u64| (piece as i64 ^ sign) - sign;
         let pieces = [signed(mantissa >> (52 - position)), signed(low >> 32), signed(low & 0xffff_ffff)];
         match self.top - bin {

@@ -25,7 +25,7 @@ impl ChannelAccumulator {
         self.open += value;
         if index % BLOCK == BLOCK - 1 {
             self.sum.add(self.open);
-            self.squares.add(self.open * self.open);
+            self.squares.add_square(self.open);
             self.open = 0.0;
         }
     }
