@@ -266,6 +266,7 @@ impl Accel {
         }
     }
 
+    #[inline(always)]
     fn traverse<const ANY: bool>(&self, search: &mut Search) {
         let view = View::new(self);
         let Some(mut walk) = Walk::new(self, *search) else { return };
@@ -274,6 +275,7 @@ impl Accel {
         *search = walk.search;
     }
 
+    #[inline(never)]
     fn intersect_mixed<const ANY: bool>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
