@@ -249,8 +249,8 @@ mod tests {
             film.border = border;
             let (first, _) = film.place((0, 0), DVec2::splat(1e-6));
             let (last, _) = film.place((6, 4), DVec2::splat(1.0 - 1e-6));
-            let beyond = first.min_element() < 0.0 && last.x > 7.0 && last.y > 5.0;
-            assert_eq!(beyond, border, "{first} {last}");
+            let beyond = [first.x < 0.0, first.y < 0.0, last.x > 7.0, last.y > 5.0];
+            assert_eq!(beyond, [border; 4], "{first} {last}");
         }
     }
 

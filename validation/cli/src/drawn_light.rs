@@ -82,7 +82,7 @@ impl Light {
             return (radiance.0[0] as f64 * self.gathered(wi), pdf);
         }
         let Some(hit) = self.scene.accel.closest(&ray) else { return (0.0, 0.0) };
-        let (shape, point) = self.scene.surface::<true>(&ray, &hit);
+        let (shape, point) = self.scene.surface::<{ Features::ALL }>(&ray, &hit);
         let radiance = self.emitter().surface_radiance(&point, -wi, &self.λ).0[0] as f64;
         if radiance == 0.0 {
             return (0.0, 0.0);

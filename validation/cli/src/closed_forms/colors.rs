@@ -115,6 +115,22 @@ pub fn cases() -> Vec<ClosedForm> {
         let case = ClosedForm::new(name, "∫ L(λ)s(λ) dλ of a spectral film's band", scene, expected);
         cases.push(case.measure(measure).samples(1 << 14));
     }
+    // Beyond what the eye sees wavelengths are drawn from a wider range.
+    let film = "<film type=\"specfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/>\
+         <rfilter type=\"box\"/><spectrum name=\"heat\" value=\"900:0, 1000:1, 1100:0\"/></film>";
+    let scene = wall(&body(1500.0)).replace(&self::film(1, 1), film);
+    let triangle = |nm: f64| 1.0 - (nm - 1000.0).abs() / 100.0;
+    let heat: f64 = (0..4000)
+        .map(|i| 900.0 + 0.05 * (f64::from(i) + 0.5))
+        .map(|nm| planck(1500.0, nm) * triangle(nm))
+        .sum();
+    let case = ClosedForm::new(
+        "band_beyond_the_visible",
+        "∫ L(λ)s(λ) dλ of a spectral film's band",
+        scene,
+        0.05 * heat,
+    );
+    cases.push(case.measure(|i| mean(i, "S0.1000,000nm")).samples(1 << 14));
     cases.into_iter().map(ClosedForm::spectral).collect()
 }
 

@@ -101,11 +101,10 @@ pub fn relations() -> Vec<Relation> {
         let both = off("flip_invalid_normals") + &off("use_shadowing_function");
         relief.replace("<bsdf type=\"normalmap\">", &format!("<bsdf type=\"normalmap\">{both}"))
     };
-    let vase = shape(
-        "obj",
-        &[scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])],
-        &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + &glass("")),
-    );
+    let vase = |wears: &str| {
+        let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
+        shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/vase.obj\"/>{wears}"))
+    };
     let blend =
         format!("<bsdf type=\"blendbsdf\">{}{}{}</bsdf>", float("weight", 0.5), diffuse(0.5), mirror());
     let second =
@@ -171,7 +170,9 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_glass", &view, &room(&block(&relief(&glass(""))))),
         relation("relief_of_a_mirror_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&mirror()))))),
         relation("relief_of_glass_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&glass("")))))),
-        relation("vase_of_glass", &view, &room(&vase)),
+        relation("vase_of_glass", &view, &room(&vase(&glass("")))),
+        relation("vase_of_polished_metal", &view, &room(&vase(&polished))),
+        relation("relief_of_polished_metal", &view, &room(&block(&relief(&polished)))),
         relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192),
         relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil))),

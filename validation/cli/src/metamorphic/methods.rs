@@ -35,6 +35,11 @@ pub fn relations() -> Vec<Relation> {
     };
     let four =
         path(4).replace("</integrator>", "<integer name=\"emitter_samples\" value=\"4\"/></integrator>");
+    let by_point_light = |integrator: &str| {
+        let place = "<point name=\"position\" x=\"0.5\" y=\"-1\" z=\"2\"/>".to_owned();
+        let light = emitter("point", &(place + &grey("intensity", 3.0)));
+        vec![Term::new(with_light(&light).replace(&path(4), integrator))]
+    };
     let sampler = |kind: &str| {
         let text = with("").replace(INDEPENDENT, &format!("<sampler type=\"{kind}\"/>"));
         vec![Term::new(text)]
@@ -44,6 +49,11 @@ pub fn relations() -> Vec<Relation> {
         Relation::expectation("roulette_from_1", plain(), roulette(1)),
         Relation::expectation("roulette_from_3", plain(), roulette(3)),
         Relation::expectation("four_emitter_samples", plain(), by(&four)),
+        Relation::expectation(
+            "four_samples_of_a_point_light",
+            by_point_light(&path(4)),
+            by_point_light(&four),
+        ),
         Relation::expectation("direct_is_path_of_2_edges", short(), direct(1, 1)),
         Relation::expectation("emitter_samples_only", short(), direct(1, 0)),
         Relation::expectation("bsdf_samples_only", short(), direct(0, 1)).samples(8192),

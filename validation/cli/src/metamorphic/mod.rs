@@ -10,6 +10,7 @@
 mod by_mirrors;
 mod caustics;
 mod exact;
+mod flat_caustic;
 mod invisible;
 mod lights;
 mod methods;
@@ -151,6 +152,7 @@ pub const FAMILIES: &[Family<Relation>] = &[
     ("exact", exact::relations),
     ("by_mirrors", by_mirrors::relations),
     ("caustics", caustics::relations),
+    ("flat_caustic", flat_caustic::relations),
     ("lights", lights::relations),
     ("motion", motion::relations),
     ("invisible", invisible::relations),

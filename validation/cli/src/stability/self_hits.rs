@@ -3,7 +3,7 @@
 use super::Case;
 use crate::stage::*;
 use etalon::math::{DVec2, DVec3, Frame, Ray, warp};
-use etalon::scene::Scene;
+use etalon::scene::{Features, Scene};
 use etalon::spectrum::ColorMode;
 use validation::statistics::seed_for;
 
@@ -57,7 +57,7 @@ fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64,
         let towards = warp::sphere(DVec2::new(uniform(2), uniform(3)));
         let first = Ray::free(target - towards * side, towards);
         let Some(hit) = scene.accel.closest(&first) else { continue };
-        let (_, point) = scene.surface::<false>(&first, &hit);
+        let (_, point) = scene.surface::<{ Features::ALL }>(&first, &hit);
         if point.ng.dot(towards) >= 0.0 {
             continue;
         }
