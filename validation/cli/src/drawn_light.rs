@@ -2,7 +2,7 @@
 
 use etalon::emitter::AnyEmitter;
 use etalon::math::{DVec2, Ray};
-use etalon::scene::{self, Scene};
+use etalon::scene::{self, Features, Scene};
 use etalon::spectrum::{ColorMode, Wavelengths};
 use std::path::Path;
 use validation::scatterer::{DVec3, Laws};

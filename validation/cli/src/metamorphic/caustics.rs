@@ -123,6 +123,11 @@ pub fn relations() -> Vec<Relation> {
     let shining_floor = floor(&(diffuse(0.7) + &area(0.1)));
     let polished = bsdf("roughconductor", &float("alpha", 0.1));
     let frosted = bsdf("roughdielectric", &(float("alpha", 0.15) + &float("int_ior", 1.5)));
+    // It shines at the camera and covers all of the view.
+    let plate = {
+        let steps = [scale([0.4; 3]), rotate('x', 90.0), translate([0.18, -4.1, 1.5])];
+        shape("rectangle", &steps, &area(1.0))
+    };
     let hanging = sphere([1.0, -0.5, 1.6], 0.2, &area(12.0));
     let four_emitter_samples = |relation: Relation| {
         let option = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
@@ -176,11 +181,7 @@ pub fn relations() -> Vec<Relation> {
         relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192),
         relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil))),
-        hidden(relation(
-            "behind_a_hidden_lamp",
-            &view,
-            &room(&(ball(&mirror()) + &sphere([0.4, -1.5, 0.5], 0.2, &area(4.0)))),
-        )),
+        hidden(relation("behind_a_hidden_lamp", &view, &room(&(ball(&glass("")) + &plate)))),
         // A lamp that reflects, too, and that the camera looks through.
         hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor))))
             .samples(8192),
