@@ -280,12 +280,11 @@ impl Accel {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
         }
-        let rays = Rays::new(search.ray);
         if let Some(block) = mixed.patches {
-            self.patches[block as usize].intersect(&rays, search);
+            self.patches[block as usize].intersect(&Rays::new(search.ray), search);
         }
         if let Some(block) = mixed.spheres {
-            self.spheres[block as usize].intersect(&rays, search);
+            self.spheres[block as usize].intersect(&Rays::new(search.ray), search);
         }
         for cylinder in &self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize] {
             intersect_cylinder(cylinder, search);

@@ -86,6 +86,13 @@ pub fn relations() -> Vec<Relation> {
         let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])];
         shape("rectangle", &steps, wears)
     };
+    // Upright and as far apart as two pixels see, so that what one sees is hidden from the next.
+    let picket = |i: i32| {
+        let steps =
+            [scale([0.15, 0.5, 1.0]), rotate('y', 90.0), translate([0.25 * f64::from(i), -0.4, 0.15])];
+        shape("rectangle", &steps, &format!("<bsdf type=\"twosided\">{}</bsdf>", diffuse(0.7)))
+    };
+    let pickets: String = (-5..6).map(picket).collect();
     let both_sides = format!("<bsdf type=\"twosided\">{}{}</bsdf>", diffuse(0.8), diffuse(0.2));
     let veil = format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4));
     let relief = format!(
@@ -104,6 +111,7 @@ pub fn relations() -> Vec<Relation> {
         case("smooth_normals", room(&vase(&diffuse(0.8)))),
         case("two_sides", room(&(screen(&both_sides) + &vase(&both_sides)))),
         case("veil", room(&screen(&veil))),
+        Case { pixels: 16, ..case("pickets", room(&pickets)) },
         case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))),
         case("rough_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))),
         case("glass", room(&ball(&glass))),
