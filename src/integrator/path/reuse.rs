@@ -152,14 +152,15 @@ impl Exchange {
     ) {
         self.rays.clear();
         self.shares.clear();
-        let groups = || paths.chunk_by(|a, b| a.group == b.group).map(<[_]>::len);
         let mut first = 0;
-        for size in groups() {
+        while first < paths.len() {
+            let size = paths[first..].iter().take_while(|path| path.group == paths[first].group).count();
             let group = &shared[first..first + size];
             self.receivers.begin(group);
+            let receiving = &mut paths[first..first + size];
             for (j, path) in group.iter().enumerate() {
                 if let Some(source) = path.source.as_ref().filter(|_| !path.radiance.is_zero()) {
-                    self.propose(scene, group, (first, j), source);
+                    self.propose(scene, receiving, group, (first, j), source);
                 }
             }
             first += size;
@@ -173,21 +174,30 @@ impl Exchange {
         self.gather(paths, shared);
     }
 
-    /// A share of the source of path j for each receiver of its group that faces it, and a ray between them where it is not known
-    /// that nothing is in the way.
-    fn propose(&mut self, scene: &Scene, group: &[Shared], (first, j): (usize, usize), source: &Source) {
+    /// A share of the source of path j for each receiver of its group that faces it: at once if all of them are in sight, else once the
+    /// rays have been traced that ask.
+    fn propose(
+        &mut self,
+        scene: &Scene,
+        receiving: &mut [CameraPath],
+        group: &[Shared],
+        (first, j): (usize, usize),
+        source: &Source,
+    ) {
         let mut weights = [0.0; 64];
         let facing = self.receivers.weights(j, source, &mut weights);
-        let mut in_sight = self.receivers.in_sight(scene, source);
         // A path knows of itself that it met its source, whatever rounding says.
-        in_sight |= 1 << j;
-        if facing >> j & 1 == 0 {
+        let own = 1 << j;
+        let in_sight = self.receivers.in_sight(scene, source) | own;
+        if facing & own == 0 {
             weights[j] = f64::MIN_POSITIVE;
         }
-        let mut left = facing | 1 << j;
-        while left != 0 {
-            let i = left.trailing_zeros() as usize;
-            left &= left - 1;
+        let concerned = facing | own;
+        if concerned & !in_sight == 0 {
+            hand_on(receiving, group, group[j].radiance, bits(concerned).map(|i| (i, weights[i])));
+            return;
+        }
+        for i in bits(concerned) {
             let is_seen = in_sight >> i & 1 == 1;
             let Some(receiver) = group[i].receiver.as_ref() else { continue };
             if !is_seen {
@@ -203,15 +213,34 @@ impl Exchange {
 
     fn gather(&self, paths: &mut [CameraPath], shared: &[Shared]) {
         for shares in self.shares.chunk_by(|a, b| a.source == b.source) {
-            let seen = || shares.iter().filter(|share| share.is_seen);
-            let all = 1.0 / seen().map(|share| share.weight).sum::<f64>();
-            for share in seen() {
-                let Some(receiver) = &shared[share.receiver].receiver else { continue };
-                let part = (share.weight * all) as f32;
-                paths[share.receiver].radiance += receiver.albedo * shared[share.source].radiance * part;
-            }
+            let seen = shares.iter().filter(|share| share.is_seen);
+            let light = shared[shares[0].source].radiance;
+            hand_on(paths, shared, light, seen.map(|share| (share.receiver, share.weight)));
         }
     }
+}
+
+/// Parts light among receivers in proportion to their weights.
+fn hand_on(
+    paths: &mut [CameraPath],
+    shared: &[Shared],
+    light: Spectrum,
+    receivers: impl Iterator<Item = (usize, f64)> + Clone,
+) {
+    let all = 1.0 / receivers.clone().map(|(_, weight)| weight).sum::<f64>();
+    for (receiver, weight) in receivers {
+        let Some(Receiver { albedo, .. }) = shared[receiver].receiver else { continue };
+        paths[receiver].radiance += albedo * light * (weight * all) as f32;
+    }
+}
+
+/// The places of the ones.
+fn bits(mut left: u64) -> impl Iterator<Item = usize> + Clone {
+    std::iter::from_fn(move || {
+        let first = left.trailing_zeros();
+        left &= left.wrapping_sub(1);
+        (first < 64).then_some(first as usize)
+    })
 }
 
 #[cfg(test)]
