@@ -154,6 +154,20 @@ mod tests {
     }
 
     #[test]
+    fn a_sheet_that_reflects_in_front_is_asked_from_there() {
+        let form = Form::Plane { n: DVec3::Z, height: 2.0 };
+        let mirror = Mirror {
+            form,
+            around: (DVec3::new(0.0, 0.0, 2.0), 1.0),
+            strength: [0.9, 0.0],
+            primitives: vec![],
+        };
+        // The part of the surroundings: radius² over distance².
+        assert!((mirror.weight(DVec3::new(0.0, 0.0, 4.0)) - 0.9 / 4.0).abs() < 1e-15);
+        assert_eq!(mirror.weight(DVec3::ZERO), 0.0);
+    }
+
+    #[test]
     fn on_a_ball_both_angles_are_equal() {
         let (mut found, mut none) = (0, 0);
         for i in 0..4000 {

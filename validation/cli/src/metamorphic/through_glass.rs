@@ -32,6 +32,8 @@ pub fn relations() -> Vec<Relation> {
             &bsdf("dielectric", &(float("int_ior", 1.0) + &float("ext_ior", 1.5))),
         );
     let pane = |wears: &str| shape("rectangle", &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])], wears);
+    // Between the pane and the lamp.
+    let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
     let within = sphere([-0.5, 0.0, 0.8], 0.7, &clear()) + &sphere([-0.5, 0.0, 0.8], 0.4, &diffuse(0.6));
     let mesh = |wears: &str| {
         let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
@@ -71,6 +73,7 @@ pub fn relations() -> Vec<Relation> {
         relation("seen_in_a_mirror", 1.0, &(globe.clone() + &mirror)).at_length(),
         relation("matte_within_glass", 1.0, &within),
         relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
+        relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen)),
         relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))).at_length(),
         relation("surface_of_water", 1.0, &pane(&clear())).samples(16384).at_length(),
         relation("block", 0.0, &block(&clear())),
