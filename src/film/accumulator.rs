@@ -31,6 +31,9 @@ const BIN_BITS: i32 = 32;
 /// The `top` of a sum that was given an infinity or a NaN. It is above every bin, so all pieces fall beneath it.
 const POISONED: u8 = u8::MAX;
 
+/// What stands for the bin of an infinity or a NaN: above all bins, and not next to [`POISONED`].
+const NO_BIN: u8 = 128;
+
 /// Biased exponent of infinities and NaNs.
 const NON_FINITE: u32 = 0x7ff;
 
@@ -70,35 +73,40 @@ impl ExactSum {
         let fraction = bits & ((1 << 52) - 1);
         // A subnormal has the scale of exponent 1 and no hidden bit; both exponents lie in bin 0.
         let mantissa = if exponent == 0 { fraction << 1 } else { fraction | 1 << 52 };
-        let bin = if exponent == NON_FINITE { POISONED } else { (exponent / 32) as u8 };
-        if bin > self.top {
-            self.raise(bin);
-        }
+        let bin = if exponent == NON_FINITE { NO_BIN } else { (exponent / 32) as u8 };
         // Bit 52 of the mantissa belongs at bit `exponent % 32` of its bin; 64 bits follow beneath.
         let position = exponent % 32;
         let low = mantissa << (12 + position);
         let signed = |piece: u64| (piece as i64 ^ sign) - sign;
         let pieces = [signed(mantissa >> (52 - position)), signed(low >> 32), signed(low & 0xffff_ffff)];
-        match self.top - bin {
-            0 => {
-                self.limbs[0] += pieces[0];
-                self.limbs[1] += pieces[1];
-                self.limbs[2] += pieces[2];
-            }
-            1 => {
-                self.limbs[1] += pieces[0];
-                self.limbs[2] += pieces[1];
-                self.limbs[3] += pieces[2];
-            }
-            2 => {
-                self.limbs[2] += pieces[0];
-                self.limbs[3] += pieces[1];
-            }
-            3 => self.limbs[3] += pieces[0],
-            _ => {}
+        // Values of one pixel are about as large as each other, though a border between bins may part them.
+        if bin == self.top {
+            self.limbs[0] += pieces[0];
+            self.limbs[1] += pieces[1];
+            self.limbs[2] += pieces[2];
+        } else if bin + 1 == self.top {
+            self.limbs[1] += pieces[0];
+            self.limbs[2] += pieces[1];
+            self.limbs[3] += pieces[2];
+        } else {
+            self.add_far(bin, pieces);
         }
-        if bin == POISONED {
-            self.limbs = [0; LIMBS];
+    }
+
+    /// Adds the pieces of a value whose highest bin is neither `top` nor the next below.
+    #[cold]
+    #[inline(never)]
+    fn add_far(&mut self, bin: u8, pieces: [i64; 3]) {
+        if bin == NO_BIN {
+            *self = Self { limbs: [0; LIMBS], top: POISONED };
+            return;
+        }
+        if bin > self.top {
+            self.raise(bin);
+        }
+        let beneath = usize::from(self.top - bin);
+        for (limb, piece) in self.limbs.iter_mut().skip(beneath).zip(pieces) {
+            *limb += piece;
         }
     }
 

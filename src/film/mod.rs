@@ -10,6 +10,7 @@
 mod accumulator;
 mod channel;
 pub mod filter;
+pub mod filter_sampler;
 mod grid;
 mod settings;
 

@@ -1,6 +1,7 @@
 //! What a scene says of its film.
 
-use super::filter::{FILTERS, FilterSampler, Profile};
+use super::filter::{FILTERS, Profile};
+use super::filter_sampler::FilterSampler;
 use crate::image::Window;
 use crate::math::DVec2;
 use crate::scene::error::{SceneError, known};

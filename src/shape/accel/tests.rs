@@ -1,6 +1,7 @@
 //! The tree against trying everything, and rays aimed where trees leak.
 
 use super::*;
+use crate::math::frame::unit;
 use crate::math::{DVec3, Transform, length, warp};
 use crate::shape::mesh_data::MeshData;
 use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
@@ -237,4 +238,53 @@ fn walls_stand_in_nobodys_way_inside() {
         seen[usize::from(inside)] += 1;
     }
     assert!(seen.iter().all(|count| *count > 1000), "{seen:?}");
+}
+
+#[test]
+fn spheres_are_met_from_inside_where_they_end() {
+    let sphere = |x: f64| {
+        Geometry::Sphere(Sphere::new(&Transform::translate(DVec3::new(x, 0.0, 0.0)), DVec3::ZERO, 0.5, false))
+    };
+    // One alone, and enough of them for a tree.
+    for count in [1, 40] {
+        let spheres: Vec<Geometry> = (0..count).map(|i| sphere(2.0 * f64::from(i))).collect();
+        let accel = Accel::new(&spheres.iter().collect::<Vec<_>>());
+        for i in 0..count {
+            let origin = DVec3::new(2.0 * f64::from(i) + 0.25, 0.0, 0.0);
+            for (towards, t) in [(DVec3::X, 0.25), (-DVec3::X, 0.75)] {
+                let hit = accel.closest(&Ray::free(origin, towards)).unwrap();
+                assert!(hit.primitive == i as u32 && (hit.t - t).abs() < 1e-12, "{i} of {count}: {hit:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn of_surfaces_in_one_place_the_first_is_met() {
+    let patch = || Geometry::Patch(Patch::new(&Transform::IDENTITY, false, Outline::Square));
+    let triangle = || {
+        let positions = vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
+        let data = MeshData {
+            positions,
+            normals: None,
+            uvs: None,
+            triangles: vec![[0, 1, 2]],
+            surface_points: None,
+        };
+        Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true))
+    };
+    let mut rng = Pcg32::new(5, 5);
+    for count in [2, 7, 60] {
+        let kinds: [Vec<Geometry>; 2] =
+            [(0..count).map(|_| patch()).collect(), (0..count).map(|_| triangle()).collect()];
+        for shapes in kinds {
+            let accel = Accel::new(&shapes.iter().collect::<Vec<_>>());
+            for _ in 0..100 {
+                let to = DVec3::new(uniform(&mut rng) - 0.5, uniform(&mut rng) - 0.5, 0.0);
+                let from = DVec3::new(0.0, 0.0, 2.0);
+                let hit = accel.closest(&Ray::free(from, unit(to - from))).unwrap();
+                assert_eq!(hit.primitive, 0, "of {count}");
+            }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Places on lenses and in filters, and wavelengths, as distributions over rectangles.
 
-use etalon::film::filter::{FILTERS, FilterSampler, Profile};
+use etalon::film::filter::{FILTERS, Profile};
+use etalon::film::filter_sampler::FilterSampler;
 use etalon::math::DVec2;
 use etalon::math::quadrature::gauss_legendre;
 use etalon::scene::loader::Loader;
