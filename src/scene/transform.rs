@@ -123,6 +123,7 @@ fn bad_number(span: &Span, text: &str) -> SceneError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::length;
     use crate::scene::xml;
 
     /// What the steps of a transform make of (1, 10, 100).
@@ -147,12 +148,12 @@ mod tests {
         assert_eq!(place(&format!("{double}{move_up}")), DVec3::new(2.0, 20.0, 201.0));
         // A quarter turn about z takes x to y.
         let turned = place(r#"<rotate z="1" angle="90"/>"#);
-        assert!((turned - DVec3::new(-10.0, 1.0, 100.0)).length() < 1e-13, "{turned}");
+        assert!(length(turned - DVec3::new(-10.0, 1.0, 100.0)) < 1e-13, "{turned}");
     }
 
     #[test]
     fn look_at_places_the_origin_and_looks_along_z() {
         let seen = place(r#"<lookat origin="1 2 3" target="1 2 9" up="0 1 0"/>"#);
-        assert!((seen - DVec3::new(2.0, 12.0, 103.0)).length() < 1e-13, "{seen}");
+        assert!(length(seen - DVec3::new(2.0, 12.0, 103.0)) < 1e-13, "{seen}");
     }
 }
