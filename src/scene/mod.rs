@@ -160,6 +160,12 @@ impl Scene {
         if self.instances.have(primitive) {
             return self.instances.shape_of(primitive);
         }
+        self.own_shape_of(primitive)
+    }
+
+    /// The same of a primitive that is no instance's.
+    #[inline(always)]
+    fn own_shape_of(&self, primitive: u32) -> (&Shape, u32) {
         let shape = &self.shapes[self.owners.of(primitive)];
         (shape, primitive - shape.first_primitive)
     }
@@ -170,8 +176,7 @@ impl Scene {
         if F & Features::INSTANCES != 0 && self.instances.have(hit.primitive) {
             return self.instances.surface(ray, hit);
         }
-        let shape = &self.shapes[self.owners.of(hit.primitive)];
-        let local = hit.primitive - shape.first_primitive;
+        let (shape, local) = self.own_shape_of(hit.primitive);
         let point = if F & Features::TEXTURES != 0 {
             shape.geometry.point::<true>(ray, hit, local)
         } else {
@@ -188,7 +193,7 @@ impl Scene {
         }
         for fetch in [Mesh::prefetch_triangle, Mesh::prefetch_corners] {
             for hit in hits.iter().flatten().filter(|hit| !self.instances.have(hit.primitive)) {
-                let (shape, local) = self.shape_of(hit.primitive);
+                let (shape, local) = self.own_shape_of(hit.primitive);
                 if let Geometry::Mesh(mesh) = &shape.geometry {
                     fetch(mesh, local);
                 }

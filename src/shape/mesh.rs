@@ -239,13 +239,19 @@ mod tests {
         assert_eq!(point.dp_dv, DVec3::new(0.0, 0.25, 0.0));
     }
 
+    /// Unit normals at the corners of a triangle.
+    const NORMALS: [[f32; 3]; 3] = [[0.0, 0.6, 0.8], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
+
+    fn curved() -> Mesh {
+        let data = MeshData { normals: Some(NORMALS.to_vec()), ..triangle(true) };
+        Mesh::new(data, &Transform::IDENTITY, false, false)
+    }
+
     #[test]
     fn normals_are_those_of_the_nearest_corner() {
-        let normals = [[0.0, 0.6, 0.8], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
-        let data = MeshData { normals: Some(normals.to_vec()), ..triangle(true) };
-        let mesh = Mesh::new(data, &Transform::IDENTITY, false, false);
+        let mesh = curved();
         for (corner, (u, v)) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].into_iter().enumerate() {
-            let expected = double(normals[corner]);
+            let expected = double(NORMALS[corner]);
             // Unit in f32, and made unit again in f64.
             assert!(length(mesh.point::<true>(0, u, v).ns - expected) < 1e-6, "{corner}");
         }
@@ -265,12 +271,9 @@ mod tests {
         assert!(length(n - DVec3::splat(1.0 / 3f64.sqrt())) < 1e-6, "{n}");
     }
 
-    /// The normals of a tilted pair of unit vectors turn by their difference, less what only lengthens them.
     #[test]
     fn normals_change_as_their_differences_do() {
-        let normals = vec![[0.0, 0.6, 0.8], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
-        let data = MeshData { normals: Some(normals), ..triangle(true) };
-        let mesh = Mesh::new(data, &Transform::IDENTITY, false, false);
+        let mesh = curved();
         const STEP: f64 = 1e-5;
         for dp in [DVec3::X, DVec3::Y, DVec3::new(0.3, -0.8, 0.0)] {
             let at = |t: f64| mesh.point::<true>(0, 0.3 + t * dp.x, 0.4 + t * dp.y).ns;

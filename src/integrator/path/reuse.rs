@@ -153,17 +153,15 @@ impl Exchange {
         self.rays.clear();
         self.shares.clear();
         let mut first = 0;
-        while first < paths.len() {
-            let size = paths[first..].iter().take_while(|path| path.group == paths[first].group).count();
-            let group = &shared[first..first + size];
+        for receiving in paths.chunk_by_mut(|a, b| a.group == b.group) {
+            let group = &shared[first..first + receiving.len()];
             self.receivers.begin(group);
-            let receiving = &mut paths[first..first + size];
             for (j, path) in group.iter().enumerate() {
                 if let Some(source) = path.source.as_ref().filter(|_| !path.radiance.is_zero()) {
                     self.propose(scene, receiving, group, (first, j), source);
                 }
             }
-            first += size;
+            first += group.len();
         }
         self.occluded.clear();
         self.occluded.resize(self.rays.len(), false);

@@ -39,9 +39,14 @@ pub fn d65(nm: f64) -> f64 {
     look_up(&DAYLIGHT, 1, nm)
 }
 
-/// ∫ from 360 to 830 nm, by the midpoint rule with steps of 0.05 nm.
+/// ∫ over what the eye sees, 360 to 830 nm.
 fn integral(f: impl Fn(f64) -> f64) -> f64 {
-    (0..9400).map(|i| f(360.0 + 0.05 * (f64::from(i) + 0.5)) * 0.05).sum()
+    integral_from(360.0, 9400, f)
+}
+
+/// ∫ over so many steps of 0.05 nm, by the midpoint rule.
+fn integral_from(start: f64, steps: u32, f: impl Fn(f64) -> f64) -> f64 {
+    (0..steps).map(|i| f(start + 0.05 * (f64::from(i) + 0.5)) * 0.05).sum()
 }
 
 /// X, Y, Z of a radiance.
@@ -102,35 +107,27 @@ pub fn cases() -> Vec<ClosedForm> {
         let case = ClosedForm::new(format!("upsampled_{name}"), upsampled, card(orange), expected);
         cases.push(case.measure(measure).margin(0.0025).samples(1 << 14));
     }
+    let in_band = |name: &str, kelvin: f64, responses: &str, expected: f64| {
+        let film =
+            film(1, 1).replace("hdrfilm", "specfilm").replace("</film>", &format!("{responses}</film>"));
+        let scene = wall(&body(kelvin)).replace(&self::film(1, 1), &film);
+        ClosedForm::new(name, "∫ L(λ)s(λ) dλ of a spectral film's band", scene, expected).samples(1 << 14)
+    };
     let bands: [(&str, Spectrum, Measure); 2] = [
         ("band_triangle", |nm| (1.0 - (nm - 450.0).abs() / 50.0).max(0.0), |i| mean(i, "S0.450,000nm")),
         ("band_box", |nm| if (600.0..=700.0).contains(&nm) { 0.5 } else { 0.0 }, |i| mean(i, "S0.650,000nm")),
     ];
+    let visible = "<spectrum name=\"triangle\" value=\"400:0, 450:1, 500:0\"/>\
+                   <spectrum name=\"box\" value=\"600:0.5, 700:0.5\"/>";
     for (name, response, measure) in bands {
-        let film = "<film type=\"specfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/>\
-             <rfilter type=\"box\"/><spectrum name=\"triangle\" value=\"400:0, 450:1, 500:0\"/>\
-             <spectrum name=\"box\" value=\"600:0.5, 700:0.5\"/></film>";
-        let scene = wall(&body(5000.0)).replace(&self::film(1, 1), film);
         let expected = integral(|nm| planck(5000.0, nm) * response(nm));
-        let case = ClosedForm::new(name, "∫ L(λ)s(λ) dλ of a spectral film's band", scene, expected);
-        cases.push(case.measure(measure).samples(1 << 14));
+        cases.push(in_band(name, 5000.0, visible, expected).measure(measure));
     }
     // Beyond what the eye sees wavelengths are drawn from a wider range.
-    let film = "<film type=\"specfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/>\
-         <rfilter type=\"box\"/><spectrum name=\"heat\" value=\"900:0, 1000:1, 1100:0\"/></film>";
-    let scene = wall(&body(1500.0)).replace(&self::film(1, 1), film);
-    let triangle = |nm: f64| 1.0 - (nm - 1000.0).abs() / 100.0;
-    let heat: f64 = (0..4000)
-        .map(|i| 900.0 + 0.05 * (f64::from(i) + 0.5))
-        .map(|nm| planck(1500.0, nm) * triangle(nm))
-        .sum();
-    let case = ClosedForm::new(
-        "band_beyond_the_visible",
-        "∫ L(λ)s(λ) dλ of a spectral film's band",
-        scene,
-        0.05 * heat,
-    );
-    cases.push(case.measure(|i| mean(i, "S0.1000,000nm")).samples(1 << 14));
+    let heat = "<spectrum name=\"heat\" value=\"900:0, 1000:1, 1100:0\"/>";
+    let expected = integral_from(900.0, 4000, |nm| planck(1500.0, nm) * (1.0 - (nm - 1000.0).abs() / 100.0));
+    let beyond = in_band("band_beyond_the_visible", 1500.0, heat, expected);
+    cases.push(beyond.measure(|i| mean(i, "S0.1000,000nm")));
     cases.into_iter().map(ClosedForm::spectral).collect()
 }
 

@@ -34,6 +34,12 @@ pub(super) fn block(wears: &str) -> String {
     shape("cube", &[scale([0.4, 0.4, 0.5]), rotate('z', 25.0), translate([0.8, 0.2, 0.55])], wears)
 }
 
+/// A mesh with shading normals.
+pub(super) fn vase(wears: &str) -> String {
+    let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
+    shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/vase.obj\"/>{wears}"))
+}
+
 /// Edges of the longest path, where nothing else is said.
 const LONGEST: i64 = 6;
 
@@ -100,10 +106,6 @@ pub fn relations() -> Vec<Relation> {
         let off = |name: &str| format!("<boolean name=\"{name}\" value=\"false\"/>");
         let both = off("flip_invalid_normals") + &off("use_shadowing_function");
         relief.replace("<bsdf type=\"normalmap\">", &format!("<bsdf type=\"normalmap\">{both}"))
-    };
-    let vase = |wears: &str| {
-        let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
-        shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/vase.obj\"/>{wears}"))
     };
     let blend =
         format!("<bsdf type=\"blendbsdf\">{}{}{}</bsdf>", float("weight", 0.5), diffuse(0.5), mirror());

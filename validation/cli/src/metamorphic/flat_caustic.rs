@@ -5,7 +5,7 @@
 
 use super::caustics::with_light_paths;
 use super::still_life::INDEPENDENT;
-use super::{Relation, Term};
+use super::{Relation, Term, chosen};
 use crate::stage::*;
 use validation::image::Image;
 
@@ -37,15 +37,10 @@ fn floor(filter: &str) -> String {
 
 /// The pixels at the edges of the film, in one row.
 fn edges(image: &Image) -> Image {
-    let inner = 1..image.width - 1;
-    let at_edge = |i: &usize| !inner.contains(&(i % image.width)) || !inner.contains(&(i / image.width));
-    let pick = |values: &[f64]| (0..values.len()).filter(at_edge).map(|i| values[i]).collect::<Vec<f64>>();
-    let mut channels = image.channels.clone();
-    for channel in &mut channels {
-        channel.mean = pick(&channel.mean);
-        channel.variance = channel.variance.as_deref().map(pick);
-    }
-    Image { width: channels[0].mean.len(), height: 1, channels }
+    let size = SIZE as usize;
+    let inner = 1..size - 1;
+    let at_edge = |column: usize, row: usize| !inner.contains(&column) || !inner.contains(&row);
+    chosen(image, (4 * (size - 1), 1), at_edge)
 }
 
 pub fn relations() -> Vec<Relation> {

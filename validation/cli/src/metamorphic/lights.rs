@@ -13,10 +13,6 @@ pub fn relations() -> Vec<Relation> {
             shape("rectangle", &steps, &area(8.0))
         })
         .concat();
-    let point = |x: f64, intensity: f64| {
-        let place = format!("<point name=\"position\" x=\"{x}\" y=\"-1\" z=\"2\"/>");
-        emitter("point", &(place + &grey("intensity", intensity)))
-    };
     let sky = constant(0.5);
     vec![
         Relation::expectation("quarters", whole(), room(&quarters)),
@@ -32,16 +28,16 @@ pub fn relations() -> Vec<Relation> {
         ),
         Relation::expectation(
             "superposition_points",
-            [room(&point(-1.0, 3.0)), room(&point(1.0, 2.0))].concat(),
-            room(&(point(-1.0, 3.0) + &point(1.0, 2.0))),
+            [room(&point_light(-1.0, 3.0)), room(&point_light(1.0, 2.0))].concat(),
+            room(&(point_light(-1.0, 3.0) + &point_light(1.0, 2.0))),
         ),
         Relation::expectation(
             "two_in_one_place",
-            room(&point(0.5, 5.0)),
-            room(&(point(0.5, 2.0) + &point(0.5, 3.0))),
+            room(&point_light(0.5, 5.0)),
+            room(&(point_light(0.5, 2.0) + &point_light(0.5, 3.0))),
         ),
         Relation::expectation("linear", vec![Term::new(with("")).times(0.3)], room(&lamp(2.4))),
-        Relation::expectation("unlit_lamp", whole(), room(&(lamp(8.0) + &point(1.0, 0.0)))),
+        Relation::expectation("unlit_lamp", whole(), room(&(lamp(8.0) + &point_light(1.0, 0.0)))),
     ]
 }
 

@@ -35,11 +35,8 @@ pub fn relations() -> Vec<Relation> {
     };
     let four =
         path(4).replace("</integrator>", "<integer name=\"emitter_samples\" value=\"4\"/></integrator>");
-    let by_point_light = |integrator: &str| {
-        let place = "<point name=\"position\" x=\"0.5\" y=\"-1\" z=\"2\"/>".to_owned();
-        let light = emitter("point", &(place + &grey("intensity", 3.0)));
-        vec![Term::new(with_light(&light).replace(&path(4), integrator))]
-    };
+    let by_point_light =
+        |integrator: &str| vec![Term::new(with_light(&point_light(0.5, 3.0)).replace(&path(4), integrator))];
     let sampler = |kind: &str| {
         let text = with("").replace(INDEPENDENT, &format!("<sampler type=\"{kind}\"/>"));
         vec![Term::new(text)]

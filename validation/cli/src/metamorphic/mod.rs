@@ -103,14 +103,22 @@ impl Term {
 
 fn part(image: &Image, window: Window) -> Image {
     let [x, y, width, height] = [window.x, window.y, window.width, window.height].map(|v| v as usize);
-    let cut = |values: &[f64]| {
-        let rows = values.chunks(image.width).skip(y).take(height);
-        rows.flat_map(|row| row[x..x + width].to_vec()).collect::<Vec<f64>>()
+    let inside =
+        |column: usize, row: usize| (x..x + width).contains(&column) && (y..y + height).contains(&row);
+    chosen(image, (width, height), inside)
+}
+
+/// The pixels (column, row) that are wanted, in the order of rows, as an image of this width and height.
+fn chosen(image: &Image, (width, height): (usize, usize), wanted: impl Fn(usize, usize) -> bool) -> Image {
+    let pick = |values: &[f64]| {
+        let pixels = values.iter().enumerate();
+        let wanted = pixels.filter(|(i, _)| wanted(i % image.width, i / image.width));
+        wanted.map(|(_, value)| *value).collect::<Vec<f64>>()
     };
     let mut channels = image.channels.clone();
     for channel in &mut channels {
-        channel.mean = cut(&channel.mean);
-        channel.variance = channel.variance.as_deref().map(cut);
+        channel.mean = pick(&channel.mean);
+        channel.variance = channel.variance.as_deref().map(pick);
     }
     Image { width, height, channels }
 }

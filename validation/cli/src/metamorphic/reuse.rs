@@ -3,24 +3,17 @@
 //! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and light that a
 //! wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
 
+use super::caustics::vase;
 use super::still_life::*;
-use super::{Relation, Term};
+use super::{Relation, Term, chosen};
 use crate::stage::*;
 use etalon::integrator::path::reuse::correlated_edge;
 use validation::image::Image;
 
 /// One pixel of each square of this edge.
 fn one_of<const EDGE: usize>(image: &Image) -> Image {
-    let pick = |values: &[f64]| {
-        let rows = values.chunks(image.width).skip(EDGE - 1).step_by(EDGE);
-        rows.flat_map(|row| row.iter().skip(EDGE - 1).step_by(EDGE).copied()).collect::<Vec<f64>>()
-    };
-    let mut channels = image.channels.clone();
-    for channel in &mut channels {
-        channel.mean = pick(&channel.mean);
-        channel.variance = channel.variance.as_deref().map(pick);
-    }
-    Image { width: image.width / EDGE, height: image.height / EDGE, channels }
+    let last = |place: usize| place % EDGE == EDGE - 1;
+    chosen(image, (image.width / EDGE, image.height / EDGE), |column, row| last(column) && last(row))
 }
 
 /// Nearly everything here is light that has met several walls.
@@ -78,10 +71,6 @@ pub fn relations() -> Vec<Relation> {
     };
     let checks = &board(["0.8, 0.5, 0", "0, 0.6, 0.7"]);
     let pure = &board(["0.8, 0, 0", "0, 0.7, 0.1"]);
-    let vase = |wears: &str| {
-        let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
-        shape("obj", &steps, &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + wears))
-    };
     let screen = |wears: &str| {
         let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])];
         shape("rectangle", &steps, wears)

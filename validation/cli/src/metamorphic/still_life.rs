@@ -25,6 +25,12 @@ pub fn lamp(radiance: f64) -> String {
     shape("rectangle", &lamp_steps(), &area(radiance))
 }
 
+/// A point light in front of the objects and above them.
+pub fn point_light(x: f64, intensity: f64) -> String {
+    let place = format!("<point name=\"position\" x=\"{x}\" y=\"-1\" z=\"2\"/>");
+    emitter("point", &(place + &grey("intensity", intensity)))
+}
+
 pub fn lamp_steps() -> Vec<String> {
     vec![scale([0.7, 0.7, 1.0]), rotate('x', 180.0), translate([0.0, 0.0, 2.5])]
 }

@@ -1,6 +1,6 @@
 //! Emitter samples through glass change the noise and nothing else, whatever the glass, the surface and the emitter behind it.
 
-use super::caustics::{ball, block, glass, plain, room, with_integrator, with_light_paths};
+use super::caustics::{ball, block, glass, plain, room, vase, with_integrator, with_light_paths};
 use super::still_life::*;
 use super::{Relation, Term};
 use crate::stage::*;
@@ -35,10 +35,6 @@ pub fn relations() -> Vec<Relation> {
     // Between the pane and the lamp.
     let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
     let within = sphere([-0.5, 0.0, 0.8], 0.7, &clear()) + &sphere([-0.5, 0.0, 0.8], 0.4, &diffuse(0.6));
-    let mesh = |wears: &str| {
-        let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
-        shape("obj", &steps, &("<string name=\"filename\" value=\"meshes/vase.obj\"/>".to_owned() + wears))
-    };
     let tube = shape(
         "cylinder",
         &[translate([-0.5, 0.0, 0.0])],
@@ -80,8 +76,8 @@ pub fn relations() -> Vec<Relation> {
         relation("block_and_light_paths", 1.0, &block(&clear())).at_length(),
         relation("tinted_block", 1.0, &block(&glass(&grey("specular_transmittance", 0.6)))).at_length(),
         relation("schlick", 1.0, &ball(&schlick)),
-        relation("vase", 0.0, &mesh(&clear())),
-        relation("vase_and_light_paths", 1.0, &mesh(&clear())).at_length(),
+        relation("vase", 0.0, &vase(&clear())),
+        relation("vase_and_light_paths", 1.0, &vase(&clear())).at_length(),
         relation("tube", 1.0, &tube),
         relation("ball_in_a_block", 1.0, &(block(&clear()) + &sphere([0.8, 0.2, 0.55], 0.3, &clear()))),
         relation("upon_rough_metal", 1.0, &(globe.clone() + &rough("roughconductor", ""))).at_length(),
