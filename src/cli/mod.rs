@@ -80,7 +80,7 @@ struct SceneArguments {
     /// longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
-    /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help
+    /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that these have shown
     #[arg(long, value_name = "WHERE", value_parser = Where::NAMES)]
     links: Option<String>,
     /// Size of the film instead of the scene's, such as 640x480

@@ -7,6 +7,7 @@ mod aov;
 pub mod caustics;
 mod depth;
 mod direct;
+pub mod guide;
 pub mod light;
 pub mod links;
 pub mod path;
@@ -56,6 +57,8 @@ pub struct Counters {
     pub rays: u64,
     /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
     pub cut: u64,
+    /// Guided emitter samples; see [`guide`].
+    pub guided: u64,
     /// The vertices of the path, for `etalon replay` only.
     pub log: Option<Vec<Event>>,
 }

@@ -2,6 +2,7 @@
 //! seed, its pixel and its number ([`sample`]), and pixels add up in an order that does not matter ([`crate::film`]).
 
 pub mod checkpoint;
+pub mod guide;
 pub mod memory;
 pub mod passes;
 pub mod pilot;
@@ -173,6 +174,12 @@ fn pixel(window: Window, i: usize) -> (u32, u32) {
 fn scattered(i: u64, count: u64) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
+}
+
+/// So many samples of pixels that lie all over a window, for a pilot.
+fn all_over(window: Window, samples: u64) -> Vec<((u32, u32), u64)> {
+    let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);
+    (0..samples).map(|i| (at(i), i)).collect()
 }
 
 /// Places the tiles; each pixel comes from exactly one.

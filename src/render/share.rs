@@ -7,15 +7,15 @@
 //! through glass ([`links`](crate::integrator::links)) relieves them first. The pilot's samples are thrown away and
 //! are a function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
 
+use super::all_over;
 use super::sample::Camera;
-use super::scattered;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::Where;
 use crate::integrator::{Counters, kernel_for};
 use crate::scene::{Features, Scene};
 
 /// Camera samples and light paths of the pilot: some milliseconds.
-const CAMERA_SAMPLES: u32 = 2048;
+const CAMERA_SAMPLES: u64 = 2048;
 const LIGHT_PATHS: u64 = 8192;
 
 /// Tiles along each side of the image.
@@ -79,13 +79,7 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let mut counters = Counters::default();
     let film = scene.sensor.film.crop;
     let pixels = film.pixels() as u64;
-    let which: Vec<((u32, u32), u64)> = (0..CAMERA_SAMPLES)
-        .map(|i| {
-            let pixel = scattered(u64::from(i), pixels);
-            let (x, y) = ((pixel % u64::from(film.width)) as u32, (pixel / u64::from(film.width)) as u32);
-            ((film.x + x, film.y + y), u64::from(i))
-        })
-        .collect();
+    let which = all_over(film, CAMERA_SAMPLES);
     let channels = camera.channel_names().len();
     let mut values = vec![0.0; channels * which.len()];
     camera.samples(&which, &mut counters, &mut values);
@@ -98,7 +92,7 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
         seen[tile(*pixel)] += values[1];
     }
-    let scale = f64::from(caustics.paths) * f64::from(CAMERA_SAMPLES) / (LIGHT_PATHS as f64 * pixels as f64);
+    let scale = f64::from(caustics.paths) * CAMERA_SAMPLES as f64 / (LIGHT_PATHS as f64 * pixels as f64);
     camera.trace_light(0..LIGHT_PATHS, &mut counters, |_, pixel, values| {
         brought[tile(pixel)] += values[1] * scale;
     });

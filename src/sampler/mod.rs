@@ -81,6 +81,9 @@ pub const FIRST_VERTEX: u32 = 1;
 /// The blocks of further emitter samples begin here, beyond any vertex.
 pub const FURTHER_EMITTER_SAMPLES: u32 = 1 << 30;
 
+/// The blocks of guided emitter samples begin here.
+pub const GUIDED: u32 = 1 << 29;
+
 /// The eight numbers of a block, as parts of 2³².
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Numbers([u32; 8]);

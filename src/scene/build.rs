@@ -16,7 +16,7 @@ use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{Links, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::length;
-use crate::render::{reuse, share};
+use crate::render::{guide, reuse, share};
 use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
@@ -113,7 +113,8 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
     let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
     let wanted = integrator.path().map_or(Where::Never, |path| path.links);
-    let mut links = Links::of(&shapes, &materials, mode).filter(|_| wanted != Where::Never);
+    let mut links =
+        Links::of(&shapes, &materials, mode).filter(|_| !matches!(wanted, Where::Never | Where::Guided));
     links.iter_mut().for_each(|links| links.everywhere = wanted == Where::Everywhere);
     features.0 |= if caustics.is_some() || links.is_some() { Features::CAUSTICS } else { 0 };
     let mut scene = Scene {
@@ -127,12 +128,14 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         integrator,
         caustics,
         links,
+        guide: None,
         mode,
         features,
         hash,
     };
     reuse::settle(&mut scene);
     share::settle(&mut scene);
+    guide::settle(&mut scene);
     Ok(scene)
 }
 

@@ -23,6 +23,7 @@ use crate::bsdf::{AnyMaterial, Traits};
 use crate::emitter::Emitters;
 use crate::integrator::AnyIntegrator;
 use crate::integrator::caustics::Caustics;
+use crate::integrator::guide::Guide;
 use crate::integrator::links::Links;
 use crate::math::{DVec3, Ray};
 use crate::sensor::Sensor;
@@ -110,6 +111,8 @@ pub struct Scene {
     pub caustics: Option<Caustics>,
     /// Where emitters are sampled through glass and by mirrors, if they are.
     pub links: Option<Links>,
+    /// Along which ways emitters are sampled instead, if light paths have shown some.
+    pub guide: Option<Guide>,
     pub mode: ColorMode,
     /// What the scene uses; decides which kernel runs.
     pub features: Features,

@@ -1,10 +1,12 @@
 //! How a light path begins.
 
 use super::aim::Aim;
+use super::is_caster;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{DVec3, Discrete, Ray};
 use crate::sampler::Numbers;
 use crate::scene::Shape;
+use crate::scene::instances::Instances;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -29,14 +31,16 @@ pub struct Start {
 
 impl Emission {
     /// `None` where nothing shines or nothing is specular.
-    pub fn new(emitters: &Emitters, shapes: &[Shape], casters: &[(DVec3, DVec3)]) -> Option<Self> {
+    pub fn new(emitters: &Emitters, shapes: &[Shape], instances: &Instances) -> Option<Self> {
+        let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.bounds());
+        let casters: Vec<_> = own.chain(instances.bounds_of_groups_with(is_caster)).collect();
         let power = |entry: &crate::emitter::select::Entry| match (&entry.emitter, entry.shape) {
             (AnyEmitter::Area(area), Some(shape)) => area.power(&shapes[shape as usize].geometry),
             _ => 0.0,
         };
         let choice = Discrete::new(emitters.list.iter().map(power));
         let some = choice.total() > 0.0 && choice.total().is_finite() && !casters.is_empty();
-        some.then(|| Self { choice, aim: Aim::new(casters) })
+        some.then(|| Self { choice, aim: Aim::new(&casters) })
     }
 
     /// Takes the pairs 0 and 1 and the dimensions 5 and 6.

@@ -38,7 +38,7 @@ use crate::math::DVec3;
 use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
 use crate::sensor::Sensor;
-use emission::Emission;
+pub use emission::Emission;
 pub use light_path::Splat;
 
 /// Light paths to a camera path, until it is known how much of the light they bring; see [`crate::render::share`].
@@ -67,9 +67,7 @@ impl Caustics {
         if settings.max_depth < 3 || share == 0.0 {
             return None;
         }
-        let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.bounds());
-        let casters: Vec<_> = own.chain(instances.bounds_of_groups_with(is_caster)).collect();
-        let emission = Emission::new(emitters, shapes, &casters)?;
+        let emission = Emission::new(emitters, shapes, instances)?;
         let mut caustics = Self { emission, settings, paths: 0 };
         caustics.set_share(share, sensor.film.crop.pixels());
         Some(caustics)

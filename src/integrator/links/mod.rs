@@ -41,23 +41,25 @@ pub use passage::{Passage, Way};
 /// Directions closer than this are the same: those that Newton's method finds are far closer, other ways are farther.
 const SAME: f64 = 1e-6;
 
-/// At which vertices emitters are sampled through glass.
+/// At which vertices emitters are sampled through glass and by mirrors, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Where {
-    /// A pilot of the scene decides between the last two.
+    /// Pilots of the scene decide between the last three.
     Auto,
     Never,
     /// Where no light path can be connected with the camera.
     Unaided,
     Everywhere,
+    /// Where no light path can be connected with the camera, along ways that light paths have shown; see [`guide`](super::guide).
+    Guided,
 }
 
 impl Where {
     /// Their names in scene files, in order.
-    pub const NAMES: [&str; 4] = ["auto", "never", "unaided", "everywhere"];
+    pub const NAMES: [&str; 5] = ["auto", "never", "unaided", "everywhere", "guided"];
 
     pub fn named(name: &str) -> Option<Self> {
-        let all = [Self::Auto, Self::Never, Self::Unaided, Self::Everywhere];
+        let all = [Self::Auto, Self::Never, Self::Unaided, Self::Everywhere, Self::Guided];
         all.into_iter().zip(Self::NAMES).find(|(_, known)| *known == name).map(|(one, _)| one)
     }
 }

@@ -3,6 +3,7 @@
 use super::density_of;
 use crate::bsdf::Sample;
 use crate::integrator::Counters;
+use crate::integrator::guide::{Guide, MOST_SURFACES};
 use crate::math::DVec3;
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
@@ -54,24 +55,33 @@ pub struct Way {
     pdf: f64,
     /// `None` if there is no such vertex, or the path has done what no link does.
     passage: Option<Passage>,
+    /// How much likelier a guided emitter sample takes the same way, and how many surfaces it may still lead by.
+    guided: (f64, u32),
 }
 
 impl Way {
-    pub const NONE: Self = Self { from: (DVec3::ZERO, 0), direction: DVec3::ZERO, pdf: 0.0, passage: None };
+    pub const NONE: Self =
+        Self { from: (DVec3::ZERO, 0), direction: DVec3::ZERO, pdf: 0.0, passage: None, guided: (0.0, 0) };
 
     /// Leaves a vertex in a sampled direction (world).
-    pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample) -> Self {
-        let passage = (!sample.delta).then_some(Passage::default());
-        Self { from, direction, pdf: sample.pdf, passage }
+    pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample, guide: Option<&Guide>) -> Self {
+        let passage = (!sample.delta && guide.is_none()).then_some(Passage::default());
+        let guide = guide.filter(|_| !sample.delta);
+        let guided = guide.map_or(0.0, |guide| guide.density(from.0, direction) / sample.pdf);
+        Self { from, direction, pdf: sample.pdf, passage, guided: (guided, MOST_SURFACES) }
     }
 
     /// Goes on from a vertex without emitter samples.
     pub fn follow(&mut self, wo: DVec3, side: Side, primitive: u32, sample: &Sample) {
         self.passage = self.passage.and_then(|passage| passage.on(side, primitive, wo, sample));
         self.pdf *= sample.pdf;
+        self.guided = match self.guided {
+            (likelier, surfaces @ 1..) if !sample.dispersed => (likelier, surfaces - 1),
+            _ => (0.0, 0),
+        };
     }
 
-    /// How much likelier `count` emitter samples make the path that has met a point of an emitter.
+    /// How much likelier emitter samples, `count` where they are not guided, make the path that has met a point of an emitter.
     pub fn rival(
         &self,
         scene: &Scene,
@@ -80,7 +90,7 @@ impl Way {
         λ: &Wavelengths,
         counters: &mut Counters,
     ) -> f64 {
-        let Some(passage) = self.passage.filter(|passage| passage.surfaces > 0) else { return 0.0 };
+        let Some(passage) = self.passage.filter(|passage| passage.surfaces > 0) else { return self.guided.0 };
         let way = (self.direction, passage);
         density_of(scene, self.from, way, end, λ, counters).map_or(0.0, |pdf| pdf * count / self.pdf)
     }

@@ -96,7 +96,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
             "expected a power of two up to 64, or 0",
         ));
     }
-    let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help (an extension)";
+    let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
     let links = params.choice("links", &Where::NAMES, about)?;
     let links = Where::named(links).unwrap_or(Where::Auto);
     Ok(AnyIntegrator::Path(Path {

@@ -117,10 +117,10 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
             }
         }
-        let links = scene.links.as_ref().filter(|links| {
-            let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
-            F & Features::CAUSTICS != 0 && side.traits.smooth && (links.everywhere || unaided)
-        });
+        let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
+        let asks = F & Features::CAUSTICS != 0 && side.traits.smooth;
+        let links = scene.links.as_ref().filter(|links| asks && (links.everywhere || unaided));
+        let guide = scene.guide.as_ref().filter(|_| asks && unaided);
         let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
         if let Some(links) = links.filter(|_| most > 0) {
             let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.caustics {
@@ -146,6 +146,12 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
             }
         }
+        if let Some(guide) = guide.filter(|_| most > 0) {
+            let numbers = (sampler, state.depth, most as u32);
+            let found = guide.sample_emitters(scene, &vertex, numbers, λ, counters);
+            counters.guided += 1;
+            path.radiance += state.own_throughput::<F>(shared) * found;
+        }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
@@ -160,8 +166,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if F & Features::CAUSTICS != 0 {
             // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
-            if links.is_some() {
-                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample);
+            if links.is_some() || guide.is_some() {
+                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample, guide);
             } else if side.traits.smooth {
                 *way = Way::NONE;
             } else {

@@ -11,6 +11,7 @@ mod by_mirrors;
 mod caustics;
 mod exact;
 mod flat_caustic;
+mod guided;
 mod invisible;
 mod lights;
 mod methods;
@@ -161,6 +162,7 @@ pub const FAMILIES: &[Family<Relation>] = &[
     ("by_mirrors", by_mirrors::relations),
     ("caustics", caustics::relations),
     ("flat_caustic", flat_caustic::relations),
+    ("guided", guided::relations),
     ("lights", lights::relations),
     ("motion", motion::relations),
     ("invisible", invisible::relations),

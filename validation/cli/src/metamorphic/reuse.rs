@@ -54,6 +54,12 @@ impl Case {
     }
 }
 
+/// What paths of this integrator see in a closed room.
+pub(super) fn shared(name: &'static str, integrator: &str, things: &str) -> Relation {
+    let world = closed_room(&diffuse(0.7)) + things;
+    Case { integrator: integrator.to_owned(), ..Case::new(name, world) }.relation()
+}
+
 pub fn relations() -> Vec<Relation> {
     let room = |things: &str| closed_room(&diffuse(0.7)) + things;
     let ball = |wears: &str| sphere([-0.5, 0.0, 0.7], 0.6, wears);

@@ -1,0 +1,177 @@
+//! Emitter samples along ways that light paths have shown.
+//!
+//! Where a surface is seen through glass or in a mirror, and lit by way of others, no light path can be connected with the camera, and a
+//! [link](super::links) is found only if few surfaces are on the way and the straight line names them. Scattering finds such
+//! light by chance. But light paths know from where it comes: before the render some leave the emitters, aimed at what is specular
+//! ([`Emission`]), and each that comes by specular surfaces to one that scatters with a density leaves a photon there. Space
+//! is halved until few photons are in a cell, and the directions of these, weighed by their power, are a density g(ω) (path guiding by photons: Jensen 1995;
+//! Vorba et al. 2014).
+//!
+//! **The technique.** At a vertex one direction is drawn from g and followed from one specular surface to the next, each time by
+//! a lobe that is sampled as a path would. If it comes to an emitter, by one such surface at least, that is an estimate of the light that
+//! scattering finds as well, by the same turns with the same chances; so the two share it by the power heuristic, of g(ω) and of the density p(ω) of scattering.
+//! What g does not cover is left to scattering, so however few or wrong photons are, nothing is biased.
+//!
+//! Photons are a function of the scene alone: every part of a render guides alike.
+
+mod directions;
+mod photons;
+
+use super::Counters;
+use super::caustics::Emission;
+use super::light::{Vertex, power_heuristic};
+use super::path::side_towards;
+use crate::bsdf::Bsdf;
+use crate::math::{DVec2, DVec3, Ray, bounds};
+use crate::sampler::{GUIDED, Sampler};
+use crate::scene::{Features, Scene};
+use crate::spectrum::{Spectrum, Wavelengths};
+use directions::Directions;
+pub use photons::Photon;
+use photons::photon;
+use rayon::prelude::*;
+
+/// Ways by more specular surfaces than these are left to scattering.
+pub const MOST_SURFACES: u32 = 32;
+
+/// Cells with more photons are halved.
+const MOST_PHOTONS: usize = 512;
+
+/// From where light comes by specular surfaces, everywhere in the scene.
+#[derive(Debug)]
+pub struct Guide {
+    /// The first is the whole of space.
+    cells: Vec<Cell>,
+}
+
+/// A part of space.
+#[derive(Debug)]
+enum Cell {
+    /// What is below a coordinate and what is not.
+    Halves {
+        axis: usize,
+        at: f64,
+        further: [u32; 2],
+    },
+    Seen(Directions),
+}
+
+impl Guide {
+    /// `None` without photons.
+    pub fn new(mut photons: Vec<Photon>) -> Option<Self> {
+        let mut cells = vec![];
+        (!photons.is_empty()).then(|| {
+            halve(&mut photons, &mut cells);
+            Self { cells }
+        })
+    }
+
+    fn at(&self, p: DVec3) -> &Directions {
+        let mut index = 0;
+        loop {
+            match &self.cells[index as usize] {
+                Cell::Halves { axis, at, further } => index = further[usize::from(p[*axis] >= *at)],
+                Cell::Seen(directions) => return directions,
+            }
+        }
+    }
+
+    /// With which density a direction is drawn at a point, in sr⁻¹.
+    pub fn density(&self, p: DVec3, w: DVec3) -> f64 {
+        self.at(p).density(w)
+    }
+
+    /// An estimate of the light that this technique has to contribute at a vertex with `depth` edges behind it, by no more surfaces than `most`.
+    pub fn sample_emitters<B: Bsdf>(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex<B>,
+        (sampler, depth, most): (&Sampler, u32, u32),
+        λ: &Wavelengths,
+        counters: &mut Counters,
+    ) -> Spectrum {
+        // Eight numbers at a time: two for the direction, then one for each surface.
+        let block = |which: u32| sampler.block(GUIDED + depth * MOST_SURFACES + which);
+        let mut u = block(0);
+        let mut found = Spectrum::ZERO;
+        let (w, density) = self.at(vertex.point.p).sample(u.pair(0));
+        let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(w));
+        if scattered.value.is_zero() {
+            return found;
+        }
+        let weight = power_heuristic(density, scattered.pdf) / density;
+        let mut throughput = scattered.value * weight as f32;
+        let mut ray = Ray::leaving(vertex.point.p, w, f64::INFINITY, vertex.primitive);
+        for surfaces in 0..=most.min(MOST_SURFACES) {
+            counters.rays += 1;
+            let Some(hit) = scene.accel.closest(&ray) else { break };
+            let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
+            if let Some(emitter) = shape.emitter.filter(|_| surfaces > 0) {
+                let emitter = &scene.emitters.list[emitter as usize].emitter;
+                found += throughput * emitter.surface_radiance(&point, -ray.direction, λ);
+            }
+            let side = side_towards(shape, point.ns.dot(-ray.direction));
+            if side.traits.smooth {
+                break;
+            }
+            let frame = point.frame(side.traits.anisotropic);
+            let bsdf = scene.materials[side.material as usize].at(&point, λ);
+            let number = surfaces + 2;
+            if number % 8 == 0 {
+                u = block(number / 8);
+            }
+            let wo = side.turn(frame.to_local(-ray.direction));
+            let sample = bsdf.sample(wo, u.one(number as usize % 8), DVec2::ZERO);
+            let Some(sample) = sample.filter(|sample| !sample.dispersed) else { break };
+            throughput *= sample.weight;
+            let onward = frame.to_world(side.turn(sample.wi));
+            ray = Ray::leaving(point.p, onward, f64::INFINITY, hit.primitive);
+        }
+        found
+    }
+}
+
+/// The photons that so many light paths leave.
+pub fn photons(scene: &Scene, emission: &Emission, light_paths: u32) -> Vec<Photon> {
+    (0..light_paths).into_par_iter().filter_map(|number| photon(scene, emission, number)).collect()
+}
+
+/// Makes a cell of photons; its place.
+fn halve(photons: &mut [Photon], cells: &mut Vec<Cell>) -> u32 {
+    let index = cells.len();
+    let (lo, hi) = bounds::around(photons.iter().map(|photon| photon.p));
+    let axis = (hi - lo).max_position();
+    if photons.len() <= MOST_PHOTONS || lo[axis] == hi[axis] {
+        cells.push(Cell::Seen(Directions::new(photons.iter().map(|photon| (photon.w, photon.power)))));
+        return index as u32;
+    }
+    photons.sort_by(|a, b| a.p[axis].total_cmp(&b.p[axis]));
+    let (below, others) = photons.split_at_mut(photons.len() / 2);
+    let at = others[0].p[axis];
+    cells.push(Cell::Halves { axis, at, further: [0; 2] });
+    let halves = [halve(below, cells), halve(others, cells)];
+    if let Cell::Halves { further, .. } = &mut cells[index] {
+        *further = halves;
+    }
+    index as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_hold_the_photons_of_their_place() {
+        // West light comes from above, east light from below, more photons than a cell holds of each, and many in one place.
+        let photon = |i: usize| {
+            let x = if i % 3 == 0 { 0.25 } else { i as f64 / 3000.0 - 0.5 };
+            Photon { p: DVec3::new(x, 0.0, 0.0), w: DVec3::Z * x.signum(), power: 1.0, left: 1.0 }
+        };
+        let guide = Guide::new((0..3000).map(photon).collect()).expect("there are photons");
+        for (x, w) in [(-0.4, -DVec3::Z), (0.4, DVec3::Z), (-9.0, -DVec3::Z), (9.0, DVec3::Z)] {
+            assert!(guide.density(DVec3::new(x, 7.0, -7.0), w) > 1.0, "{x}");
+            assert_eq!(guide.density(DVec3::new(x, 7.0, -7.0), -w), 0.0, "{x}");
+        }
+        assert!(Guide::new(vec![]).is_none());
+    }
+}

@@ -1,0 +1,75 @@
+//! Light paths that show from where light comes by specular surfaces.
+
+use super::MOST_SURFACES;
+use crate::bsdf::Bsdf;
+use crate::integrator::Counters;
+use crate::integrator::caustics::Emission;
+use crate::integrator::links::{Passage, density_of};
+use crate::integrator::path::side_towards;
+use crate::math::{DVec3, INV_PI, Ray};
+use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Sampler};
+use crate::scene::{Features, Scene};
+use crate::shape::SurfacePoint;
+use crate::spectrum::{ColorMode, Wavelengths};
+
+/// Light that has come to a surface that scatters with a density, by others that do not.
+#[derive(Clone, Copy, Debug)]
+pub struct Photon {
+    pub p: DVec3,
+    /// Towards where it came from.
+    pub w: DVec3,
+    pub power: f64,
+    /// Which part of the light along it is left to scattering if emitters are sampled through glass and by mirrors.
+    pub left: f64,
+}
+
+/// The column that stands for these light paths where samplers are given a pixel: no film is as wide, and other light paths have another.
+const COLUMN: u32 = u32::MAX - 1;
+
+/// What the light path with this number leaves.
+pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon> {
+    let sampler = Sampler::new(Kind::Sobol, 0, (COLUMN, 0), number);
+    let u = sampler.block(CAMERA);
+    let λ = match scene.mode {
+        ColorMode::Rgb => Wavelengths::rgb(),
+        ColorMode::Spectral => Wavelengths::sample_visible(u.one(4)),
+    };
+    let start = emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
+    // A lane might not hold the product.
+    let (mut light, scale) = (start.radiance, start.cos / start.density);
+    let mut ray = start.ray;
+    let mut passage = Some((Passage::default(), 1.0));
+    for edges in 1..=MOST_SURFACES + 1 {
+        let hit = scene.accel.closest(&ray)?;
+        let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
+        let w = -ray.direction;
+        let side = side_towards(shape, point.ns.dot(w));
+        if side.traits.smooth {
+            let power = f64::from(λ.mean(light)) * scale;
+            let linked = passage.and_then(|(passage, chance)| {
+                let end = (start.end.emitter, &SurfacePoint::plain(start.end.p, start.end.n, start.end.n));
+                let mut counters = Counters::default();
+                let found =
+                    density_of(scene, (point.p, hit.primitive), (w, passage), end, &λ, &mut counters)?;
+                // Of a matte surface; of others it is not known for whom they scatter.
+                Some(found / (chance * point.ng.dot(w).abs() * INV_PI))
+            });
+            let left = linked.map_or(1.0, |linked| 1.0 / (1.0 + linked * linked));
+            let some = edges > 1 && power > 0.0 && power.is_finite();
+            return some.then_some(Photon { p: point.p, w, power, left });
+        }
+        let frame = point.frame(side.traits.anisotropic);
+        let bsdf = scene.materials[side.material as usize].at(&point, &λ);
+        let wo = side.turn(frame.to_local(w));
+        let u = sampler.block(FIRST_VERTEX - 1 + edges);
+        let sample = bsdf.sample(wo, u.one(5), u.pair(1)).filter(|sample| !sample.dispersed)?;
+        passage = passage.and_then(|(passage, chance)| {
+            let passage = passage.on(side, hit.primitive, wo, &sample)?;
+            Some((passage, chance * sample.pdf))
+        });
+        // Power, unlike radiance, does not change with the index.
+        light *= sample.weight * (sample.eta * sample.eta) as f32;
+        ray = Ray::leaving(point.p, frame.to_world(side.turn(sample.wi)), f64::INFINITY, hit.primitive);
+    }
+    None
+}
