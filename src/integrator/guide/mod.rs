@@ -164,7 +164,7 @@ mod tests {
     fn cells_hold_the_photons_of_their_place() {
         // West light comes from above, east light from below, more photons than a cell holds of each, and many in one place.
         let photon = |i: usize| {
-            let x = if i % 3 == 0 { 0.25 } else { i as f64 / 3000.0 - 0.5 };
+            let x = if i.is_multiple_of(3) { 0.25 } else { i as f64 / 3000.0 - 0.5 };
             Photon { p: DVec3::new(x, 0.0, 0.0), w: DVec3::Z * x.signum(), power: 1.0, left: 1.0 }
         };
         let guide = Guide::new((0..3000).map(photon).collect()).expect("there are photons");
