@@ -42,6 +42,7 @@ impl Arguments {
             "emitters": emitters,
             "light_paths": scene.caustics.as_ref().map_or(0, |caustics| caustics.paths),
             "links": match &scene.links {
+                None if scene.guide.is_some() => "guided",
                 None => "never",
                 Some(links) if links.everywhere => "everywhere",
                 // Without light paths no vertex is aided.

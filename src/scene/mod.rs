@@ -133,7 +133,7 @@ impl Features {
     pub const DISPERSION: u32 = 4;
     /// Light from outside.
     pub const ENVIRONMENT: u32 = 8;
-    /// Light paths look for caustics.
+    /// Light paths look for caustics, or emitters are sampled by specular surfaces.
     pub const CAUSTICS: u32 = 16;
     /// Pixels share what their paths find.
     pub const REUSE: u32 = 32;

@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 fn validate(peer: &str, more: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_validate"));
-    command.args(["bsdf", "--samples", "2048", "--peer", peer]).args(more);
+    command.args(["bsdf", "--samples", "256", "--peer", peer]).args(more);
     command.output().expect("the binary of this package starts")
 }
 
