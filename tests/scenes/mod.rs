@@ -140,6 +140,18 @@ pub const SCENES: &[Trial] = &[
           <shape type="instance"><ref id="pair"/><transform name="to_world"><scale x="-0.5" y="0.75" z="0.5"/><translate x="-1"/>{place}</transform></shape>"#,
     },
     Trial {
+        name: "guided through glass",
+        mode: ColorMode::Spectral,
+        options: r#"<string name="links" value="guided"/>"#,
+        camera: CAMERA,
+        filter: r#"type="box""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="cube"><transform name="to_world"><scale value="0.6"/><rotate y="1" angle="30"/>{place}</transform>
+          <bsdf type="dielectric"/></shape>
+          <shape type="sphere"><transform name="to_world"><scale value="0.4"/>{place}</transform></shape>
+          <shape type="sphere"><transform name="to_world"><scale value="0.4"/><translate x="1.3"/>{place}</transform><bsdf type="conductor"/></shape>"#,
+    },
+    Trial {
         name: "shared paths around glass",
         mode: ColorMode::Spectral,
         options: r#"<integer name="reuse" value="8"/>"#,
