@@ -38,6 +38,8 @@ pub fn relations() -> Vec<Relation> {
         &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
         &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
     );
+    // All light from the lamp comes by two surfaces.
+    let slab = shape("cube", &[scale([2.9, 2.9, 0.1]), translate([0.0, 0.0, 1.9])], &clear());
     // Emitters that light goes through and is reflected by.
     let shining = sphere([0.9, -0.3, 0.4], 0.4, &(clear() + &area(0.5)));
     let four = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
@@ -55,9 +57,10 @@ pub fn relations() -> Vec<Relation> {
         ),
         relation("glass_that_shines", 0.0, &(shining + &ball(&metal()))),
         with_integrator(relation("four_samples", 0.0, &globe), four).at_length(),
+        relation("slab", 0.0, &slab),
         up_to(3, "one_edge_too_far", 0.0, &ball(&clear())),
         up_to(4, "no_edge_too_far", 0.0, &ball(&clear())),
         relation("dispersion", 0.0, &(block(flint) + &ball(&metal()))).in_spectra(),
-        reuse::shared("path_re_use", &guided(&path(4)), &(globe + &sheet)),
+        reuse::shared("path_re_use", &guided(&path(6)), &(globe + &sheet)),
     ]
 }
