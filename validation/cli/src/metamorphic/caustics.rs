@@ -179,7 +179,7 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_glass_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&glass("")))))),
         relation("vase_of_glass", &view, &room(&vase(&glass("")))),
         relation("vase_of_polished_metal", &view, &room(&vase(&polished))),
-        relation("relief_of_polished_metal", &view, &room(&block(&relief(&polished)))),
+        relation("relief_of_polished_metal", &view, &room(&block(&relief(&polished)))).at_length(),
         relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192),
         relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil))),
