@@ -10,10 +10,10 @@ use super::all_over;
 use super::sample::Camera;
 
 use crate::integrator::caustics::Emission;
-use crate::integrator::guide::{Guide, photons};
+use crate::integrator::guide::{Guide, Photon, photons};
 use crate::integrator::links::Where;
 use crate::integrator::{Counters, kernel_for};
-use crate::scene::{Features, Scene};
+use crate::scene::Scene;
 
 /// Light paths for each pixel, and no more in all than these: a few tenths of a second.
 const LIGHT_PATHS: usize = 4;
@@ -38,29 +38,26 @@ pub fn settle(scene: &mut Scene) {
     }
     let Some(emission) = Emission::new(&scene.emitters, &scene.shapes, &scene.instances) else { return };
     let light_paths = (LIGHT_PATHS * scene.sensor.film.crop.pixels()).min(MOST_LIGHT_PATHS) as u32;
-    let mut links = None;
-    if auto {
-        let few = photons(scene, &emission, PILOT.min(light_paths));
-        let all: f64 = few.iter().map(|photon| photon.power).sum();
-        let left: f64 = few.iter().map(|photon| photon.power * photon.left).sum();
-        let Some(guide) = Guide::new(few).filter(|_| left > LEFT * all) else { return };
-        links = scene.links.take();
-        put(scene, Some(guide));
+    if auto && !pays(scene, photons(scene, &emission, PILOT.min(light_paths))) {
+        return;
     }
-    let asked = !auto || guided_samples(scene) * ONE_IN > CAMERA_SAMPLES;
-    let guide = Guide::new(photons(scene, &emission, if asked { light_paths } else { 0 }));
-    if guide.is_none() {
-        scene.links = links;
-    }
-    put(scene, guide);
+    scene.links = None;
+    scene.guide = Guide::new(photons(scene, &emission, light_paths));
+    scene.settle_caustics();
 }
 
-/// Gives a scene a guide or takes it.
-fn put(scene: &mut Scene, guide: Option<Guide>) {
-    scene.guide = guide;
-    let needed = scene.guide.is_some() || scene.links.is_some() || scene.caustics.is_some();
-    scene.features.0 &= !Features::CAUSTICS;
-    scene.features.0 |= if needed { Features::CAUSTICS } else { 0 };
+/// Whether guided samples find what links do not, and are asked for, by a few photons.
+fn pays(scene: &mut Scene, photons: Vec<Photon>) -> bool {
+    let all: f64 = photons.iter().map(|photon| photon.power).sum();
+    let left: f64 = photons.iter().map(|photon| photon.power * photon.left).sum();
+    let Some(guide) = Guide::new(photons).filter(|_| left > LEFT * all) else { return false };
+    let links = scene.links.take();
+    scene.guide = Some(guide);
+    scene.settle_caustics();
+    let asked = guided_samples(scene) * ONE_IN > CAMERA_SAMPLES;
+    (scene.links, scene.guide) = (links, None);
+    scene.settle_caustics();
+    asked
 }
 
 /// How many guided samples the camera paths of the pilot take.

@@ -12,7 +12,7 @@ use super::sample::Camera;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::Where;
 use crate::integrator::{Counters, kernel_for};
-use crate::scene::{Features, Scene};
+use crate::scene::Scene;
 
 /// Camera samples and light paths of the pilot: some milliseconds.
 const CAMERA_SAMPLES: u64 = 2048;
@@ -57,9 +57,7 @@ pub fn settle(scene: &mut Scene) {
         scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
     } else {
         scene.caustics = None;
-        if scene.links.is_none() {
-            scene.features.0 &= !Features::CAUSTICS;
-        }
+        scene.settle_caustics();
     }
 }
 
@@ -104,7 +102,7 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load_text;
+    use crate::scene::{Features, load_text};
     use crate::spectrum::ColorMode;
 
     #[test]

@@ -101,7 +101,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         }
     };
     let hash = hash(document, &loader, mode)?;
-    let mut features = features(&objects, &integrator);
+    let features = features(&objects, &integrator);
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
     let accel = Accel::with_instances(&geometries, objects.instances.trees());
     let (lo, hi) = accel.bounds();
@@ -116,7 +116,6 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let mut links =
         Links::of(&shapes, &materials, mode).filter(|_| !matches!(wanted, Where::Never | Where::Guided));
     links.iter_mut().for_each(|links| links.everywhere = wanted == Where::Everywhere);
-    features.0 |= if caustics.is_some() || links.is_some() { Features::CAUSTICS } else { 0 };
     let mut scene = Scene {
         shapes,
         owners,
@@ -133,6 +132,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         features,
         hash,
     };
+    scene.settle_caustics();
     reuse::settle(&mut scene);
     share::settle(&mut scene);
     guide::settle(&mut scene);

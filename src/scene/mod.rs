@@ -157,6 +157,13 @@ impl Features {
 }
 
 impl Scene {
+    /// Sets whether a kernel needs [`Features::CAUSTICS`], once what asks for it is settled anew.
+    pub fn settle_caustics(&mut self) {
+        let needed = self.caustics.is_some() || self.links.is_some() || self.guide.is_some();
+        self.features.0 &= !Features::CAUSTICS;
+        self.features.0 |= if needed { Features::CAUSTICS } else { 0 };
+    }
+
     /// The shape that a primitive belongs to, and its number there.
     #[inline]
     pub fn shape_of(&self, primitive: u32) -> (&Shape, u32) {

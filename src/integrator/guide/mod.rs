@@ -21,12 +21,13 @@ use super::Counters;
 use super::caustics::Emission;
 use super::light::{Vertex, power_heuristic};
 use super::path::side_towards;
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Sample};
 use crate::math::{DVec2, DVec3, Ray, bounds};
 use crate::sampler::{GUIDED, Sampler};
-use crate::scene::{Features, Scene};
+use crate::scene::{Features, Scene, Side};
+use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
-use directions::Directions;
+pub use directions::Directions;
 pub use photons::Photon;
 use photons::photon;
 use rayon::prelude::*;
@@ -66,7 +67,8 @@ impl Guide {
         })
     }
 
-    fn at(&self, p: DVec3) -> &Directions {
+    /// From where light comes about a point.
+    pub fn at(&self, p: DVec3) -> &Directions {
         let mut index = 0;
         loop {
             match &self.cells[index as usize] {
@@ -75,60 +77,77 @@ impl Guide {
             }
         }
     }
+}
 
-    /// With which density a direction is drawn at a point, in sr⁻¹.
-    pub fn density(&self, p: DVec3, w: DVec3) -> f64 {
-        self.at(p).density(w)
+/// An estimate of the light that this technique has to contribute at a vertex with `depth` edges behind it, by no more surfaces than `most`.
+pub fn sample_emitters<B: Bsdf>(
+    scene: &Scene,
+    vertex: &Vertex<B>,
+    directions: &Directions,
+    (sampler, depth, most): (&Sampler, u32, u32),
+    λ: &Wavelengths,
+    counters: &mut Counters,
+) -> Spectrum {
+    counters.guided += 1;
+    // Eight numbers at a time: two for the direction, then one for each surface.
+    let block = |which: u32| sampler.block(GUIDED + depth * MOST_SURFACES + which);
+    let mut u = block(0);
+    let mut found = Spectrum::ZERO;
+    let (w, density) = directions.sample(u.pair(0));
+    let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(w));
+    if scattered.value.is_zero() {
+        return found;
     }
+    let weight = power_heuristic(density, scattered.pdf) / density;
+    let mut throughput = scattered.value * weight as f32;
+    let mut ray = Ray::leaving(vertex.point.p, w, f64::INFINITY, vertex.primitive);
+    for surfaces in 0..=most.min(MOST_SURFACES) {
+        counters.rays += 1;
+        let Some(hit) = scene.accel.closest(&ray) else { break };
+        let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
+        if let Some(emitter) = shape.emitter.filter(|_| surfaces > 0) {
+            let emitter = &scene.emitters.list[emitter as usize].emitter;
+            found += throughput * emitter.surface_radiance(&point, -ray.direction, λ);
+        }
+        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        if side.traits.smooth {
+            break;
+        }
+        let number = surfaces + 2;
+        if number % 8 == 0 {
+            u = block(number / 8);
+        }
+        let met = (side, &point, hit.primitive);
+        let Some(turn) = onward(scene, -ray.direction, met, u.one(number as usize % 8), λ) else { break };
+        throughput *= turn.sample.weight;
+        ray = turn.ray;
+    }
+    found
+}
 
-    /// An estimate of the light that this technique has to contribute at a vertex with `depth` edges behind it, by no more surfaces than `most`.
-    pub fn sample_emitters<B: Bsdf>(
-        &self,
-        scene: &Scene,
-        vertex: &Vertex<B>,
-        (sampler, depth, most): (&Sampler, u32, u32),
-        λ: &Wavelengths,
-        counters: &mut Counters,
-    ) -> Spectrum {
-        // Eight numbers at a time: two for the direction, then one for each surface.
-        let block = |which: u32| sampler.block(GUIDED + depth * MOST_SURFACES + which);
-        let mut u = block(0);
-        let mut found = Spectrum::ZERO;
-        let (w, density) = self.at(vertex.point.p).sample(u.pair(0));
-        let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(w));
-        if scattered.value.is_zero() {
-            return found;
-        }
-        let weight = power_heuristic(density, scattered.pdf) / density;
-        let mut throughput = scattered.value * weight as f32;
-        let mut ray = Ray::leaving(vertex.point.p, w, f64::INFINITY, vertex.primitive);
-        for surfaces in 0..=most.min(MOST_SURFACES) {
-            counters.rays += 1;
-            let Some(hit) = scene.accel.closest(&ray) else { break };
-            let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
-            if let Some(emitter) = shape.emitter.filter(|_| surfaces > 0) {
-                let emitter = &scene.emitters.list[emitter as usize].emitter;
-                found += throughput * emitter.surface_radiance(&point, -ray.direction, λ);
-            }
-            let side = side_towards(shape, point.ns.dot(-ray.direction));
-            if side.traits.smooth {
-                break;
-            }
-            let frame = point.frame(side.traits.anisotropic);
-            let bsdf = scene.materials[side.material as usize].at(&point, λ);
-            let number = surfaces + 2;
-            if number % 8 == 0 {
-                u = block(number / 8);
-            }
-            let wo = side.turn(frame.to_local(-ray.direction));
-            let sample = bsdf.sample(wo, u.one(number as usize % 8), DVec2::ZERO);
-            let Some(sample) = sample.filter(|sample| !sample.dispersed) else { break };
-            throughput *= sample.weight;
-            let onward = frame.to_world(side.turn(sample.wi));
-            ray = Ray::leaving(point.p, onward, f64::INFINITY, hit.primitive);
-        }
-        found
-    }
+/// How a specular surface turns light.
+struct Turn {
+    /// Local.
+    wo: DVec3,
+    sample: Sample,
+    /// With which it goes on.
+    ray: Ray,
+}
+
+/// By a lobe that a number in [0, 1) chooses; `None` where wavelengths part.
+fn onward(
+    scene: &Scene,
+    back: DVec3,
+    (side, point, primitive): (Side, &SurfacePoint, u32),
+    lobe: f64,
+    λ: &Wavelengths,
+) -> Option<Turn> {
+    let frame = point.frame(side.traits.anisotropic);
+    let wo = side.turn(frame.to_local(back));
+    let sample = scene.materials[side.material as usize].at(point, λ).sample(wo, lobe, DVec2::ZERO);
+    let sample = sample.filter(|sample| !sample.dispersed)?;
+    let ray = Ray::leaving(point.p, frame.to_world(side.turn(sample.wi)), f64::INFINITY, primitive);
+    Some(Turn { wo, sample, ray })
 }
 
 /// The photons that so many light paths leave.
@@ -169,8 +188,9 @@ mod tests {
         };
         let guide = Guide::new((0..3000).map(photon).collect()).expect("there are photons");
         for (x, w) in [(-0.4, -DVec3::Z), (0.4, DVec3::Z), (-9.0, -DVec3::Z), (9.0, DVec3::Z)] {
-            assert!(guide.density(DVec3::new(x, 7.0, -7.0), w) > 1.0, "{x}");
-            assert_eq!(guide.density(DVec3::new(x, 7.0, -7.0), -w), 0.0, "{x}");
+            let seen = guide.at(DVec3::new(x, 7.0, -7.0));
+            assert!(seen.density(w) > 1.0, "{x}");
+            assert_eq!(seen.density(-w), 0.0, "{x}");
         }
         assert!(Guide::new(vec![]).is_none());
     }

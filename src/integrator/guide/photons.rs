@@ -1,12 +1,11 @@
 //! Light paths that show from where light comes by specular surfaces.
 
-use super::MOST_SURFACES;
-use crate::bsdf::Bsdf;
+use super::{MOST_SURFACES, onward};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::side_towards;
-use crate::math::{DVec3, INV_PI, Ray};
+use crate::math::{DVec3, INV_PI};
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Sampler};
 use crate::scene::{Features, Scene};
 use crate::shape::SurfacePoint;
@@ -58,18 +57,15 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
             let some = edges > 1 && power > 0.0 && power.is_finite();
             return some.then_some(Photon { p: point.p, w, power, left });
         }
-        let frame = point.frame(side.traits.anisotropic);
-        let bsdf = scene.materials[side.material as usize].at(&point, &λ);
-        let wo = side.turn(frame.to_local(w));
-        let u = sampler.block(FIRST_VERTEX - 1 + edges);
-        let sample = bsdf.sample(wo, u.one(5), u.pair(1)).filter(|sample| !sample.dispersed)?;
+        let number = sampler.block(FIRST_VERTEX - 1 + edges).one(5);
+        let turn = onward(scene, w, (side, &point, hit.primitive), number, &λ)?;
         passage = passage.and_then(|(passage, chance)| {
-            let passage = passage.on(side, hit.primitive, wo, &sample)?;
-            Some((passage, chance * sample.pdf))
+            let passage = passage.on(side, hit.primitive, turn.wo, &turn.sample)?;
+            Some((passage, chance * turn.sample.pdf))
         });
         // Power, unlike radiance, does not change with the index.
-        light *= sample.weight * (sample.eta * sample.eta) as f32;
-        ray = Ray::leaving(point.p, frame.to_world(side.turn(sample.wi)), f64::INFINITY, hit.primitive);
+        light *= turn.sample.weight * (turn.sample.eta * turn.sample.eta) as f32;
+        ray = turn.ray;
     }
     None
 }

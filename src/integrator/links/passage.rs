@@ -3,7 +3,7 @@
 use super::density_of;
 use crate::bsdf::Sample;
 use crate::integrator::Counters;
-use crate::integrator::guide::{Guide, MOST_SURFACES};
+use crate::integrator::guide::{Directions, MOST_SURFACES};
 use crate::math::DVec3;
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
@@ -63,11 +63,11 @@ impl Way {
     pub const NONE: Self =
         Self { from: (DVec3::ZERO, 0), direction: DVec3::ZERO, pdf: 0.0, passage: None, guided: (0.0, 0) };
 
-    /// Leaves a vertex in a sampled direction (world).
-    pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample, guide: Option<&Guide>) -> Self {
-        let passage = (!sample.delta && guide.is_none()).then_some(Passage::default());
-        let guide = guide.filter(|_| !sample.delta);
-        let guided = guide.map_or(0.0, |guide| guide.density(from.0, direction) / sample.pdf);
+    /// Leaves a vertex in a sampled direction (world); `seen` is what guides its emitter samples, if anything does.
+    pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample, seen: Option<&Directions>) -> Self {
+        let passage = (!sample.delta && seen.is_none()).then_some(Passage::default());
+        let seen = seen.filter(|_| !sample.delta);
+        let guided = seen.map_or(0.0, |seen| seen.density(direction) / sample.pdf);
         Self { from, direction, pdf: sample.pdf, passage, guided: (guided, MOST_SURFACES) }
     }
 

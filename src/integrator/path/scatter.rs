@@ -7,10 +7,10 @@ use super::vertex::Arrival;
 use super::{Path, survival};
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::{DirectSample, EmitterPoint};
-use crate::integrator::caustics;
 use crate::integrator::light::{self, Vertex};
 use crate::integrator::links::{self, Link, Way};
 use crate::integrator::{CameraPath, Counters};
+use crate::integrator::{caustics, guide};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{FURTHER_EMITTER_SAMPLES, Numbers};
 use crate::scene::{Features, Scene, Side};
@@ -120,7 +120,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
         let asks = F & Features::CAUSTICS != 0 && side.traits.smooth;
         let links = scene.links.as_ref().filter(|links| asks && (links.everywhere || unaided));
-        let guide = scene.guide.as_ref().filter(|_| asks && unaided);
+        let seen = scene.guide.as_ref().filter(|_| asks && unaided).map(|guide| guide.at(point.p));
         let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
         if let Some(links) = links.filter(|_| most > 0) {
             let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.caustics {
@@ -146,10 +146,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
             }
         }
-        if let Some(guide) = guide.filter(|_| most > 0) {
+        if let Some(seen) = seen.filter(|_| most > 0) {
             let numbers = (sampler, state.depth, most as u32);
-            let found = guide.sample_emitters(scene, &vertex, numbers, λ, counters);
-            counters.guided += 1;
+            let found = guide::sample_emitters(scene, &vertex, seen, numbers, λ, counters);
             path.radiance += state.own_throughput::<F>(shared) * found;
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
@@ -166,8 +165,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if F & Features::CAUSTICS != 0 {
             // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
-            if links.is_some() || guide.is_some() {
-                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample, guide);
+            if links.is_some() || seen.is_some() {
+                *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample, seen);
             } else if side.traits.smooth {
                 *way = Way::NONE;
             } else {
