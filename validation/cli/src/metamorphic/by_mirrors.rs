@@ -1,16 +1,12 @@
 //! Emitter samples by mirrors change the noise and nothing else, whatever the mirror and what it shows.
 
 use super::Relation;
-use super::caustics::{ball, block, glass, room, with_integrator};
+use super::caustics::{ball, block, glass, globe, room, sheet, with_integrator};
 use super::through_glass::{relation, up_to};
 use crate::stage::*;
 
 pub fn relations() -> Vec<Relation> {
     let metal = || bsdf("conductor", "<string name=\"material\" value=\"none\"/>");
-    let sheet = |wears: &str| {
-        let steps = [scale([1.0; 3]), rotate('y', -60.0), translate([1.6, 0.3, 1.0])];
-        shape("rectangle", &steps, wears)
-    };
     let disk = |wears: &str| {
         shape("disk", &[scale([0.8; 3]), rotate('x', 70.0), translate([-0.6, 1.0, 0.9])], wears)
     };
@@ -24,7 +20,6 @@ pub fn relations() -> Vec<Relation> {
     // The lamp shines at the sheet alone.
     let hidden =
         shape("rectangle", &[scale([0.25; 3]), rotate('y', 90.0), translate([0.2, 0.3, 1.3])], &area(20.0));
-    let globe = sphere([-0.5, 0.0, 1.0], 0.25, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""));
     let within = sphere([-0.5, 0.0, 0.8], 0.7, &glass("")) + &sphere([-0.5, 0.0, 0.8], 0.3, &metal());
     let rough_floor = shape(
         "rectangle",
@@ -55,7 +50,7 @@ pub fn relations() -> Vec<Relation> {
             0.0,
             &(ball(&metal()) + &sheet(&metal()) + &disk(&tinted) + &block(&metal())),
         ),
-        relation("bulb_before_a_sheet", 1.0, &(globe.clone() + &sheet(&metal()))).at_length(),
+        relation("bulb_before_a_sheet", 1.0, &(globe() + &sheet(&metal()))).at_length(),
         relation("metal_within_glass", 1.0, &within).at_length(),
         relation("matte_within_a_block", 1.0, &embedded).samples(16384).at_length(),
         relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)),

@@ -9,10 +9,25 @@ pub(super) fn with_light_paths(share: f64, longest: i64) -> String {
     path(longest).replace("</integrator>", &(float("light_paths", share) + "</integrator>"))
 }
 
+/// The same with emitters sampled through glass and by mirrors at these vertices.
+pub(super) fn with_links(integrator: &str, at: &str) -> String {
+    integrator.replace("</integrator>", &format!("<string name=\"links\" value=\"{at}\"/></integrator>"))
+}
+
 /// The integrator that finds whatever it finds from the camera, and by no other way than scattering if that is through glass.
 pub(super) fn plain(longest: i64) -> String {
-    let never = "<string name=\"links\" value=\"never\"/></integrator>";
-    with_light_paths(0.0, longest).replace("</integrator>", never)
+    with_links(&with_light_paths(0.0, longest), "never")
+}
+
+/// What that finds is what this integrator does.
+pub(super) fn as_plain(
+    name: &str,
+    longest: i64,
+    integrator: String,
+    (camera, world): (&str, &str),
+) -> Relation {
+    let side = |integrator: String| vec![Term::new(scene(&[&integrator, camera, world]))];
+    Relation::expectation(name, side(plain(longest)), side(integrator)).samples(4096)
 }
 
 /// A matte floor and wall under a lamp, and this besides.
@@ -40,6 +55,37 @@ pub(super) fn vase(wears: &str) -> String {
     shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/vase.obj\"/>{wears}"))
 }
 
+/// A sheet beside the objects, upright and turned towards them.
+pub(super) fn sheet(wears: &str) -> String {
+    shape("rectangle", &[scale([1.0; 3]), rotate('y', -60.0), translate([1.6, 0.3, 1.0])], wears)
+}
+
+/// A lamp in a ball of glass.
+pub(super) fn globe() -> String {
+    sphere([-0.5, 0.0, 1.0], 0.25, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""))
+}
+
+/// Something matte in a ball of glass.
+pub(super) fn within() -> String {
+    sphere([-0.5, 0.0, 0.8], 0.7, &glass("")) + &sphere([-0.5, 0.0, 0.8], 0.4, &diffuse(0.6))
+}
+
+/// Matte, and half of all light passes.
+fn half_open(albedo: f64) -> String {
+    format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo))
+}
+
+/// An upright sheet that faces the camera.
+fn upright(y: f64, wears: &str) -> String {
+    let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, y, 0.8])];
+    shape("rectangle", &steps, wears)
+}
+
+/// Half hides the objects.
+pub(super) fn veil() -> String {
+    upright(-1.5, &half_open(0.4))
+}
+
 /// Edges of the longest path, where nothing else is said.
 const LONGEST: i64 = 6;
 
@@ -48,8 +94,7 @@ fn relation(name: &str, camera: &str, world: &str) -> Relation {
 }
 
 fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
-    let side = |integrator: String| vec![Term::new(scene(&[&integrator, camera, world]))];
-    Relation::expectation(name, side(plain(longest)), side(with_light_paths(1.0, longest))).samples(4096)
+    as_plain(name, longest, with_light_paths(1.0, longest), (camera, world))
 }
 
 /// The integrator of both sides with an option that ends its element.
@@ -111,13 +156,6 @@ pub fn relations() -> Vec<Relation> {
         format!("<bsdf type=\"blendbsdf\">{}{}{}</bsdf>", float("weight", 0.5), diffuse(0.5), mirror());
     let second =
         shape("rectangle", &[scale([0.3; 3]), rotate('y', 90.0), translate([-2.0, -0.5, 1.0])], &area(20.0));
-    let half_open =
-        |albedo: f64| format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo));
-    let upright = |y: f64, wears: &str| {
-        let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, y, 0.8])];
-        shape("rectangle", &steps, wears)
-    };
-    let veil = upright(-1.5, &half_open(0.4));
     let two_sided = |wears: &str| {
         format!("<bsdf type=\"twosided\"><boolean name=\"allow_transmission\" value=\"true\"/>{wears}</bsdf>")
     };
@@ -182,7 +220,7 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_polished_metal", &view, &room(&block(&relief(&polished)))).at_length(),
         relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192),
-        relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil))),
+        relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil()))),
         hidden(relation("behind_a_hidden_lamp", &view, &room(&(ball(&glass("")) + &plate)))),
         // A lamp that reflects, too, and that the camera looks through.
         hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor))))

@@ -28,13 +28,15 @@ struct Case {
     name: &'static str,
     pixels: u32,
     integrator: String,
+    /// To a camera path.
+    light_paths: f64,
     camera: String,
     world: String,
 }
 
 impl Case {
     fn new(name: &'static str, world: String) -> Self {
-        Self { name, pixels: 4, integrator: path(4), camera: camera(), world }
+        Self { name, pixels: 4, integrator: path(4), light_paths: 1.0, camera: camera(), world }
     }
 
     fn option(self, kind: &str, name: &str, value: &str) -> Self {
@@ -45,7 +47,8 @@ impl Case {
 
     fn relation(self) -> Relation {
         let side = |pixels: u32| {
-            let more = format!("<integer name=\"reuse\" value=\"{pixels}\"/>") + &float("light_paths", 1.0);
+            let more = format!("<integer name=\"reuse\" value=\"{pixels}\"/>")
+                + &float("light_paths", self.light_paths);
             let integrator = self.integrator.replace("</integrator>", &(more + "</integrator>"));
             let view = if correlated_edge(self.pixels) == 2 { one_of::<2> } else { one_of::<4> };
             vec![Term { view: Some(view), ..Term::new(scene(&[&integrator, &self.camera, &self.world])) }]
@@ -54,10 +57,10 @@ impl Case {
     }
 }
 
-/// What paths of this integrator see in a closed room.
-pub(super) fn shared(name: &'static str, integrator: &str, things: &str) -> Relation {
+/// What paths of this integrator see in a closed room, with so many light paths to each.
+pub(super) fn shared(name: &'static str, integrator: &str, light_paths: f64, things: &str) -> Relation {
     let world = closed_room(&diffuse(0.7)) + things;
-    Case { integrator: integrator.to_owned(), ..Case::new(name, world) }.relation()
+    Case { integrator: integrator.to_owned(), light_paths, ..Case::new(name, world) }.relation()
 }
 
 pub fn relations() -> Vec<Relation> {

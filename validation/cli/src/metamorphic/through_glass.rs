@@ -1,24 +1,21 @@
 //! Emitter samples through glass change the noise and nothing else, whatever the glass, the surface and the emitter behind it.
 
-use super::caustics::{ball, block, glass, plain, room, vase, with_integrator, with_light_paths};
+use super::Relation;
+use super::caustics::{
+    as_plain, ball, block, glass, room, sheet, vase, veil, with_integrator, with_light_paths, with_links,
+    within,
+};
 use super::still_life::*;
-use super::{Relation, Term};
 use crate::stage::*;
 
-/// At all vertices, without light paths or with as many as camera paths.
-fn through_glass(share: f64, longest: i64) -> String {
-    let everywhere = "<string name=\"links\" value=\"everywhere\"/></integrator>";
-    with_light_paths(share, longest).replace("</integrator>", everywhere)
-}
-
-/// In a scene that is given by what is in the room.
+/// At all vertices, without light paths or with so many to a camera path, in a scene that is given by what is in the room.
 pub(super) fn relation(name: &str, share: f64, things: &str) -> Relation {
     up_to(6, name, share, &room(things))
 }
 
 pub(super) fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relation {
-    let side = |integrator: String| vec![Term::new(scene(&[&integrator, &camera(), world]))];
-    Relation::expectation(name, side(plain(longest)), side(through_glass(share, longest))).samples(4096)
+    let everywhere = with_links(&with_light_paths(share, longest), "everywhere");
+    as_plain(name, longest, everywhere, (&camera(), world))
 }
 
 pub fn relations() -> Vec<Relation> {
@@ -34,7 +31,6 @@ pub fn relations() -> Vec<Relation> {
     let pane = |wears: &str| shape("rectangle", &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])], wears);
     // Between the pane and the lamp.
     let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
-    let within = sphere([-0.5, 0.0, 0.8], 0.7, &clear()) + &sphere([-0.5, 0.0, 0.8], 0.4, &diffuse(0.6));
     let tube = shape(
         "cylinder",
         &[translate([-0.5, 0.0, 0.0])],
@@ -42,20 +38,11 @@ pub fn relations() -> Vec<Relation> {
             .to_owned()
             + &float("radius", 0.4) + &clear()),
     );
-    let mirror = shape(
-        "rectangle",
-        &[scale([1.0; 3]), rotate('y', -60.0), translate([1.6, 0.3, 1.0])],
-        &bsdf("conductor", ""),
-    );
+    let mirror = sheet(&bsdf("conductor", ""));
     let rough = |kind: &str, more: &str| {
         let floor = [scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])];
         shape("rectangle", &floor, &bsdf(kind, &(float("alpha", 0.3) + more)))
     };
-    let veil = shape(
-        "rectangle",
-        &[scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])],
-        &format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(0.4)),
-    );
     let schlick = glass("<string name=\"fresnel\" value=\"schlick\"/>");
     let second = sphere([1.0, -0.5, 1.6], 0.3, &area(12.0));
     let four = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
@@ -67,7 +54,7 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_in_a_globe", 0.0, &globe).at_length(),
         relation("bulb_in_a_globe_and_light_paths", 1.0, &globe).at_length(),
         relation("seen_in_a_mirror", 1.0, &(globe.clone() + &mirror)).at_length(),
-        relation("matte_within_glass", 1.0, &within),
+        relation("matte_within_glass", 1.0, &within()),
         relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
         relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen)),
         relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))).at_length(),
@@ -87,7 +74,7 @@ pub fn relations() -> Vec<Relation> {
             &(globe.clone() + &rough("roughplastic", &grey("diffuse_reflectance", 0.5))),
         ),
         relation("two_lamps", 1.0, &(ball(&clear()) + &second)),
-        relation("behind_a_veil", 1.0, &(globe.clone() + &veil)),
+        relation("behind_a_veil", 1.0, &(globe.clone() + &veil())),
         with_integrator(relation("four_samples", 1.0, &globe), four).at_length(),
         // Through the glass the lamp is two edges from the floor, and the camera a third.
         up_to(3, "one_edge_too_far", 0.0, &room(&ball(&clear()))),
