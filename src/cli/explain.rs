@@ -26,6 +26,7 @@ impl Arguments {
         let mut emitters: Vec<&str> = scene.emitters.list.iter().map(|e| e.emitter.name()).collect();
         emitters.sort_unstable();
         emitters.dedup();
+        let path = scene.integrator.path();
         let mut document = serde_json::json!({
             "scene_hash": scene.hash,
             "color": scene.mode.name(),
@@ -49,6 +50,8 @@ impl Arguments {
                 Some(_) if scene.caustics.is_none() => "everywhere",
                 Some(_) => "unaided",
             },
+            "pixels_that_share": scene.integrator.reuse(),
+            "emitter_samples": path.map(|path| [path.first_emitter_samples, path.emitter_samples]),
             "emitter_count": scene.emitters.list.len(),
             "uses": scene.features.names(),
             "kernel": kernel.name,
@@ -69,9 +72,10 @@ impl Arguments {
                     let word = |v: &serde_json::Value| v.as_str().map_or_else(|| v.to_string(), String::from);
                     list.iter().map(word).collect::<Vec<_>>().join(", ")
                 }
+                serde_json::Value::Null => "none".into(),
                 other => other.to_string(),
             };
-            println!("{:<15} {value}", key.replace('_', " "));
+            println!("{:<17} {value}", key.replace('_', " "));
         }
         let figure = |(feature, percent): &(&str, Option<f64>)| match percent {
             Some(percent) => format!("{feature} {percent:+.2} %"),

@@ -1,7 +1,7 @@
 //! Which emitter to sample.
 
 use super::AnyEmitter;
-use crate::math::Discrete;
+use crate::math::{DVec2, Discrete};
 use crate::shape::Geometry;
 
 /// All emitters of a scene.
@@ -35,13 +35,14 @@ impl Emitters {
         Self { list, environment, choice }
     }
 
-    /// The emitter that u in [0, 1) falls on, its probability, and u to be used again.
+    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers to be used again;
+    /// see [`Discrete::sample_strip`].
     #[inline]
-    pub fn sample(&self, u: f64) -> Option<(usize, f64, f64)> {
+    pub fn sample(&self, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
         match self.list.len() {
             0 => None,
             1 => Some((0, 1.0, u)),
-            _ => Some(self.choice.sample(u)),
+            _ => Some(self.choice.sample_strip(u, digits)),
         }
     }
 

@@ -50,13 +50,16 @@ impl Direct {
         CameraPath { ray, λ, sampler, covered, .. }: &mut CameraPath,
         counters: &mut Counters,
     ) -> Spectrum {
-        let seen = Arrival { pdf: 1.0, delta: true, n: DVec3::ZERO };
         let mut ray = *ray;
         let (hit, shape, point) = loop {
             counters.rays += 1;
             let Some(hit) = scene.accel.closest(&ray) else {
                 let hidden = F & Features::ENVIRONMENT == 0 || self.hide_emitters;
-                return if hidden { Spectrum::ZERO } else { environment(scene, &ray, seen, 1, λ) };
+                return if hidden {
+                    Spectrum::ZERO
+                } else {
+                    environment(scene, &ray, Arrival::FROM_CAMERA, λ)
+                };
             };
             let (shape, point) = scene.surface::<F>(&ray, &hit);
             if !(self.hide_emitters && shape.emitter.is_some()) {
@@ -89,7 +92,7 @@ impl Direct {
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
-                let u = (u.one(4), u.pair(0));
+                let u = (u.pair(0), u.one(4));
                 let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _, _| 0.0);
                 let Some(light) = light else { continue };
                 counters.rays += 1;

@@ -75,12 +75,12 @@ pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
     n: DVec3,
-    (choice, u): (f64, DVec2),
+    (u, digits): (DVec2, f64),
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
 ) -> Option<Proposal> {
-    let (index, probability, _) = scene.emitters.sample(choice)?;
+    let (index, probability, u) = scene.emitters.sample(u, digits)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let light = entry.emitter.sample(shape, (vertex.point.p, n), u, λ)?;

@@ -55,6 +55,8 @@ impl Default for AnyIntegrator {
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
     pub rays: u64,
+    /// Of these, between pixels that share and what they share; see [`path::reuse`].
+    pub shared: u64,
     /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
     pub cut: u64,
     /// Guided emitter samples; see [`guide`].
@@ -174,12 +176,12 @@ impl AnyIntegrator {
         self.path().map_or(1, |path| path.reuse)
     }
 
-    /// Settles [`reuse`](Self::reuse).
-    pub fn set_reuse(&mut self, pixels: u32) {
+    /// The settings of [`path`](Self::path), to be settled.
+    pub fn path_mut(&mut self) -> Option<&mut Path> {
         match self {
-            Self::Path(path) => path.reuse = pixels,
-            Self::Aov(aov) => aov.nested.iter_mut().for_each(|nested| nested.set_reuse(pixels)),
-            Self::Direct(_) | Self::Depth(_) => {}
+            Self::Path(path) => Some(path),
+            Self::Aov(aov) => aov.nested.as_mut()?.path_mut(),
+            Self::Direct(_) | Self::Depth(_) => None,
         }
     }
 

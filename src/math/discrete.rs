@@ -1,5 +1,7 @@
 //! Choosing one of n with given probabilities.
 
+use super::DVec2;
+
 /// A discrete distribution over indices, sampled by search in its running sum.
 #[derive(Clone, Debug, Default)]
 pub struct Discrete {
@@ -77,13 +79,58 @@ impl Discrete {
         }
         let below = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
         let probability = self.cumulative[i] - below;
-        (i, probability, ((u - below) / probability).min(1.0 - f64::EPSILON / 2.0))
+        (i, probability, ((u - below) / probability).min(BELOW_ONE))
     }
+
+    /// The index that the first of two numbers in [0, 1) falls on, its probability, and the two to be used again.
+    ///
+    /// Of points that are well spread over the square a strip falls to each index, over which they are well spread as well. Had another number
+    /// chosen, each index would be left with any of them. What the choice takes from the first number `digits`, in [0, 1), give back:
+    /// 32 bits more.
+    #[inline]
+    pub fn sample_strip(&self, u: DVec2, digits: f64) -> (usize, f64, DVec2) {
+        let (index, probability, rest) = self.sample(with_digits(u.x, digits));
+        (index, probability, DVec2::new(rest, u.y))
+    }
+}
+
+/// The largest number below 1.
+pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// A number of 32 bits in [0, 1) with those of another behind its own, as far as there is room.
+#[inline]
+pub fn with_digits(u: f64, digits: f64) -> f64 {
+    (u + digits * (1.0 / 4294967296.0)).min(BELOW_ONE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_strip_falls_to_each_index_and_is_spread_over_the_square_again() {
+        let d = Discrete::new([1.0, 0.0, 3.0]);
+        let n = 64;
+        let points = (0..n * n).map(|i| (f64::from(i % n) / f64::from(n), f64::from(i / n) / f64::from(n)));
+        let mut counts = [[[0; 2]; 2]; 3];
+        for (x, y) in points {
+            let (index, probability, rest) = d.sample_strip(DVec2::new(x, y), 0.5);
+            assert!(probability == d.probability(index) && rest.y == y);
+            counts[index][usize::from(rest.x >= 0.5)][usize::from(y >= 0.5)] += 1;
+        }
+        assert_eq!(counts, [[[256; 2]; 2], [[0; 2]; 2], [[768; 2]; 2]]);
+    }
+
+    #[test]
+    fn digits_fill_what_a_choice_takes() {
+        let word = 1.0 / 4294967296.0;
+        assert_eq!(with_digits(0.5, 0.25), 0.5 + 0.25 * word);
+        assert_eq!(with_digits(1.0 - word, 1.0 - word), BELOW_ONE);
+        // A hundred thousand emitters leave 15 bits of 32, and all of these.
+        let d = Discrete::new(std::iter::repeat_n(1.0, 100_000));
+        let rest = |digits: f64| d.sample_strip(DVec2::new(0.3, 0.0), digits).2.x;
+        assert!((rest(0.5) - rest(0.0) - 0.5 * word * 1e5).abs() < 1e-6 * word * 1e5, "{}", rest(0.5));
+    }
 
     #[test]
     fn the_guide_leads_to_where_bisection_does() {

@@ -1,86 +1,119 @@
-//! Whether pixels share what their paths find, where the scene leaves that to a pilot.
+//! How many pixels share what their paths find, and how many emitter samples the first vertex of a path takes, where the scene
+//! leaves that to a pilot.
 //!
-//! Sharing multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: where light has
-//! met several matte surfaces. The pilot makes the same cells of pixels each way, counts the rays, and takes the geometric mean of v over
-//! cells, which a rare bright path cannot sway. Its samples are thrown away and are a function of the scene alone, so the
-//! choice cannot bias an image, and every part of a render makes the same.
+//! Either multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: sharing where light has
+//! met several matte surfaces, and more emitter samples where what is left then is direct light, which nobody shares. The
+//! pilot makes the same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells' relative
+//! deviations, over which a rare bright path has less sway than over variances. Its samples are thrown away and are a
+//! function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
 
 use super::sample::Camera;
-use super::scattered;
-use crate::integrator::path::reuse::{AUTO, CELL, cell};
+use super::{scattered, share};
+use crate::integrator::path::reuse::{CELL, cell};
 use crate::integrator::{Counters, kernel_for};
+use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
+use rayon::prelude::*;
+
+/// What is to be settled.
+#[derive(Clone, Copy)]
+struct Choice {
+    /// That share.
+    pixels: u32,
+    /// Emitter samples of the first vertex.
+    samples: u32,
+}
 
 /// Numbers of pixels to choose from, and what each must make of the product of variance and cost of the one before. Correlated errors
 /// are a price as well, which a smaller gain is not worth.
-const CHOICES: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
+const PIXELS: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
 
-/// What handing on light from one pixel to another costs, in rays, where no ray is needed.
-const HANDING_ON: f64 = 0.02;
+/// The same of emitter samples, as multiples of what other vertices take.
+const SAMPLES: [(u32, f64); 2] = [(2, 0.95), (4, 0.95)];
+
+/// What sharing costs, in rays a path: at all, and for each receiver.
+const SHARING: f64 = 1.8;
+const HANDING_ON: f64 = 0.035;
+
+/// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at vertices.
+const VISIBILITY: f64 = 0.5;
 
 /// Cells and samples of the pilot: about a tenth of a second.
 const CELLS: u64 = 32;
-const SAMPLES: u64 = 32;
+const CAMERA_SAMPLES: u64 = 32;
 
-/// Samples that are summed before sums are compared: what stratification does away with is no gain of sharing.
+/// Samples that are summed before sums are compared: what stratification does away with is no gain.
 const BLOCK: u64 = 8;
 
-/// Settles how many pixels share, by a pilot if the scene's file or a command line leaves it to that.
+/// Settles both, by a pilot if the scene's file or a command line leaves them to that, once all else is settled. Light paths take what they
+/// make as well out of what pixels share; so where emitters are sampled through glass at all vertices, which relieves light paths, these may go.
 pub fn settle(scene: &mut Scene) {
-    let mut pixels = scene.integrator.reuse();
-    if pixels == AUTO {
-        let mut measured = |pixels: u32| {
-            set(scene, pixels);
-            measure(scene, pixels)
-        };
-        let mut best = (1, measured(1));
-        for (more, worth) in CHOICES {
-            let measured = measured(more);
-            if relative_error(&measured, &best.1) > worth {
-                break;
+    let Some(path) = scene.integrator.path() else { return };
+    let (free, usual) = (path.free, path.emitter_samples);
+    let mut choice = Choice { pixels: path.reuse, samples: path.first_emitter_samples };
+    if free.reuse {
+        let steps = PIXELS.map(|(pixels, worth)| (Choice { pixels, ..choice }, worth));
+        let alone = (choice, measure(scene, choice));
+        let mut best = climb(scene, alone, &steps);
+        if scene.links.as_ref().is_some_and(|links| links.everywhere) && share::is_free(scene) {
+            let caustics = scene.caustics.take();
+            let without = climb(scene, best, &steps);
+            if without.1 < best.1 {
+                best = without;
+            } else {
+                scene.caustics = caustics;
             }
-            best = (more, measured);
+            scene.settle_caustics();
         }
-        pixels = best.0;
+        if free.first_emitter_samples {
+            let several =
+                |times: u32| Choice { samples: (times * usual).min(MOST_EMITTER_SAMPLES), ..best.0 };
+            best = climb(scene, best, &SAMPLES.map(|(times, worth)| (several(times), worth)));
+        }
+        choice = best.0;
     }
-    set(scene, pixels);
+    set(scene, choice);
+    if choice.pixels > 1 {
+        share::raise(scene);
+    }
 }
 
-fn set(scene: &mut Scene, pixels: u32) {
-    scene.integrator.set_reuse(pixels);
+/// The last of the choices that each are worth their step, with the product of variance and cost.
+fn climb(scene: &mut Scene, mut best: (Choice, f64), steps: &[(Choice, f64)]) -> (Choice, f64) {
+    for &(choice, worth) in steps {
+        let next = (choice, measure(scene, choice));
+        let pays = next.1 < worth * best.1;
+        if !pays {
+            break;
+        }
+        best = next;
+    }
+    best
+}
+
+fn set(scene: &mut Scene, choice: Choice) {
+    let Some(path) = scene.integrator.path_mut() else { return };
+    (path.reuse, path.first_emitter_samples) = (choice.pixels, choice.samples);
     scene.features.0 &= !Features::REUSE;
-    scene.features.0 |= if pixels > 1 { Features::REUSE } else { 0 };
+    scene.features.0 |= if choice.pixels > 1 { Features::REUSE } else { 0 };
 }
 
-/// What the pilot saw: the variance of each cell, and the cost in rays.
-struct Measured {
-    variances: Vec<f64>,
-    cost: f64,
-}
-
-/// The product of variance and cost, over the same of the other.
-fn relative_error(ours: &Measured, other: &Measured) -> f64 {
-    let ratios = ours.variances.iter().zip(&other.variances).map(|(a, b)| a / b);
-    let logarithms: Vec<f64> = ratios.map(libm::log).filter(|ratio| ratio.is_finite()).collect();
-    if logarithms.is_empty() {
-        return f64::INFINITY;
-    }
-    let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
-    libm::exp(mean) * ours.cost / other.cost
-}
-
-fn measure(scene: &Scene, pixels: u32) -> Measured {
+/// The product of variance and cost, up to a factor that all choices have.
+fn measure(scene: &mut Scene, choice: Choice) -> f64 {
+    set(scene, choice);
+    let scene = &*scene;
     let camera = Camera::new(scene, 0, kernel_for(scene.features));
     let film = scene.sensor.film.crop;
     let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
     let channels = camera.channel_names().len();
-    let mut counters = Counters::default();
-    let variance = |i: u64| {
+    // Relative deviation of a cell, and the cost of its paths in rays.
+    let of_cell = |i: u64| {
+        let mut counters = Counters::default();
         let at = scattered(i, u64::from(columns * rows)) as u32;
         let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
         // Green stands for all colours. Of every pixel: the sum, the sum of squares of blocks, the block at hand.
         let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
-        for sample in 0..SAMPLES {
+        for sample in 0..CAMERA_SAMPLES {
             let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
             let mut values = vec![0.0; channels * which.len()];
             camera.samples(&which, &mut counters, &mut values);
@@ -94,13 +127,17 @@ fn measure(scene: &Scene, pixels: u32) -> Measured {
                 }
             }
         }
-        let scatter = |[sum, squares, _]: &[f64; 3]| squares - sum * sum / (SAMPLES / BLOCK) as f64;
-        sums.iter().map(|sum| scatter(sum).max(0.0)).sum()
+        let scatter = |[sum, squares, _]: &[f64; 3]| squares - sum * sum / (CAMERA_SAMPLES / BLOCK) as f64;
+        let deviation = sums.iter().map(|sum| scatter(sum).max(0.0)).sum::<f64>().sqrt();
+        let light: f64 = sums.iter().map(|sum| sum[0]).sum();
+        let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64;
+        (if light > 0.0 { deviation / light } else { 0.0 }, cost)
     };
-    let variances = (0..CELLS).map(variance).collect();
-    let paths = CELLS * SAMPLES * u64::from(CELL * CELL);
-    let handed_on = if pixels > 1 { paths * u64::from(pixels) } else { 0 };
-    Measured { variances, cost: counters.rays as f64 + HANDING_ON * handed_on as f64 }
+    let cells: Vec<(f64, f64)> = (0..CELLS).into_par_iter().map(of_cell).collect();
+    let (deviation, rays) = cells.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
+    let sharing = if choice.pixels > 1 { SHARING + HANDING_ON * f64::from(choice.pixels) } else { 0.0 };
+    let paths = (CELLS * CAMERA_SAMPLES * u64::from(CELL * CELL)) as f64;
+    deviation * deviation * (rays + sharing * paths)
 }
 
 #[cfg(test)]
@@ -108,29 +145,75 @@ mod tests {
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
-    /// Pixels that share in a closed box or an open one, lit from within.
-    fn chosen(sides: &str, wears: &str, reuse: &str) -> u32 {
+    /// Pixels that share, emitter samples of the first vertex and light paths, in a closed box or an open one with this inside.
+    fn chosen(sides: &str, wears: &str, options: &str, inside: &str) -> (u32, u32, u32) {
         let text = format!(
-            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="8"/>{reuse}</integrator>
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="8"/>{options}</integrator>
                 <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, -3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
                     <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film></sensor>
                 <shape type="{sides}"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>{wears}</shape>
-                <shape type="sphere"><point name="center" x="2" y="3" z="0"/><float name="radius" value="0.7"/>
-                    <emitter type="area"/></shape></scene>"#
+                {inside}</scene>"#
         );
         let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
-        scene.integrator.reuse()
+        let samples = scene.integrator.path().map_or(0, |path| path.first_emitter_samples);
+        (scene.integrator.reuse(), samples, scene.caustics.as_ref().map_or(0, |caustics| caustics.paths))
     }
+
+    fn ball(x: f64, radius: f64, wears: &str) -> String {
+        format!(
+            r#"<shape type="sphere"><point name="center" x="{x}" y="{}" z="0"/><float name="radius" value="{radius}"/>{wears}</shape>"#,
+            1.5 * x
+        )
+    }
+
+    const LAMP: &str = r#"<emitter type="area"/>"#;
+    const BRIGHT: &str = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>"#;
+    const ASKED: &str = r#"<integer name="reuse" value="0"/>"#;
 
     #[test]
     fn pixels_share_where_light_has_met_several_walls() {
-        let bright = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>"#;
         let metal = r#"<bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf>"#;
-        let asked = r#"<integer name="reuse" value="0"/>"#;
-        assert_eq!(chosen("cube", bright, asked), 64);
-        assert_eq!(chosen("cube", metal, asked), 1);
-        assert_eq!(chosen("rectangle", bright, asked), 1);
-        assert_eq!(chosen("cube", bright, ""), 1);
-        assert_eq!(chosen("cube", metal, r#"<integer name="reuse" value="4"/>"#), 4);
+        let pixels = |sides, wears, reuse| chosen(sides, wears, reuse, &ball(2.0, 0.7, LAMP)).0;
+        assert_eq!(pixels("cube", BRIGHT, ASKED), 64);
+        assert_eq!(pixels("cube", metal, ASKED), 1);
+        assert_eq!(pixels("rectangle", BRIGHT, ASKED), 1);
+        assert_eq!(pixels("cube", BRIGHT, ""), 1);
+        assert_eq!(pixels("cube", metal, r#"<integer name="reuse" value="4"/>"#), 4);
+    }
+
+    #[test]
+    fn the_first_vertex_asks_more_often_where_direct_light_is_what_is_left() {
+        let lamps: String = (0..6)
+            .map(|i| {
+                format!(
+                    r#"<shape type="sphere"><point name="center" x="{}" y="{}" z="1"/><float name="radius" value="0.1"/>
+                        <emitter type="area"><rgb name="radiance" value="20"/></emitter></shape>
+                    <shape type="sphere"><point name="center" x="{}" y="0" z="1.5"/><float name="radius" value="0.3"/></shape>"#,
+                    i - 3,
+                    (i % 3) - 1,
+                    f64::from(i) - 2.6
+                )
+            })
+            .collect();
+        let samples = |wears: &str, options: &str| chosen("cube", wears, options, &lamps).1;
+        let dark = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.1"/></bsdf>"#;
+        assert_eq!(samples(dark, ASKED), 4);
+        assert_eq!(samples(dark, ""), 1);
+        assert_eq!(samples(dark, r#"<integer name="emitter_samples" value="3"/>"#), 3);
+        let told = ASKED.to_owned() + r#"<integer name="first_emitter_samples" value="1"/>"#;
+        assert_eq!(samples(dark, &told), 1);
+    }
+
+    #[test]
+    fn light_paths_give_way_to_sharing_where_links_do_their_work() {
+        let glass = r#"<bsdf type="dielectric"/>"#;
+        let (globe, aside) = (ball(2.0, 0.9, glass), ball(-2.0, 0.9, glass));
+        let choice =
+            |options: &str, glass: &str| chosen("cube", BRIGHT, options, &(ball(2.0, 0.3, LAMP) + glass));
+        let (pixels, _, light_paths) = choice(ASKED, &globe);
+        assert!(pixels > 1 && light_paths == 0, "{pixels} {light_paths}");
+        assert!(choice("", &globe).2 > 0 && choice(ASKED, &aside).2 > 0);
+        let told = ASKED.to_owned() + r#"<float name="light_paths" value="1"/>"#;
+        assert_eq!(choice(&told, &globe).2, 64 * 48);
     }
 }

@@ -38,7 +38,7 @@ const AT_ONCE: f64 = (1 << 19) as f64;
 
 /// Settles the number of light paths of a scene whose file does not.
 pub fn settle(scene: &mut Scene) {
-    if scene.integrator.path().is_none_or(|path| path.light_paths.is_some()) {
+    if !is_free(scene) {
         return;
     }
     let brought =
@@ -50,15 +50,29 @@ pub fn settle(scene: &mut Scene) {
         part = brought(scene).unwrap_or(part);
     }
     if part > 0.0 {
-        let sharing = if scene.integrator.reuse() > 1 { MORE_WHERE_PIXELS_SHARE } else { 1.0 };
-        let share = (sharing * nearest_power_of_two(part.sqrt())).clamp(FEWEST, MOST);
-        let pixels = scene.sensor.film.crop.pixels();
-        let share = share.min(AT_ONCE / pixels as f64);
-        scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
+        set(scene, nearest_power_of_two(part.sqrt()));
     } else {
         scene.caustics = None;
         scene.settle_caustics();
     }
+}
+
+fn set(scene: &mut Scene, share: f64) {
+    let pixels = scene.sensor.film.crop.pixels();
+    let share = share.clamp(FEWEST, MOST).min(AT_ONCE / pixels as f64);
+    scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
+}
+
+/// Gives a scene whose pixels share the more light paths that it then is best with, if its file leaves that open.
+pub fn raise(scene: &mut Scene) {
+    let Some(caustics) = scene.caustics.as_ref().filter(|_| is_free(scene)) else { return };
+    let share = f64::from(caustics.paths) / scene.sensor.film.crop.pixels() as f64;
+    set(scene, MORE_WHERE_PIXELS_SHARE * share);
+}
+
+/// Whether a scene's file leaves open how many light paths there are.
+pub fn is_free(scene: &Scene) -> bool {
+    scene.integrator.path().is_some_and(|path| path.light_paths.is_none())
 }
 
 /// The power of two nearest to x in (0, 1], by ratio; not below [`FEWEST`].

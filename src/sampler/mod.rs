@@ -78,8 +78,10 @@ pub struct Sampler {
 pub const CAMERA: u32 = 0;
 /// The blocks of the vertices begin here.
 pub const FIRST_VERTEX: u32 = 1;
-/// The blocks of further emitter samples begin here, beyond any vertex.
-pub const FURTHER_EMITTER_SAMPLES: u32 = 1 << 30;
+/// How many emitter samples a vertex can take.
+pub const MOST_EMITTER_SAMPLES: u32 = 1024;
+/// The blocks of emitter samples, where a vertex takes several, begin here, beyond any vertex.
+const EMITTER_SAMPLES: u32 = 1 << 30;
 
 /// The blocks of guided emitter samples begin here.
 pub const GUIDED: u32 = 1 << 29;
@@ -113,6 +115,14 @@ impl Sampler {
     #[inline]
     pub fn at(self, sample: u32) -> Self {
         Self { sample, ..self }
+    }
+
+    /// The numbers of one of `count` emitter samples at a vertex with so many edges behind it. Those of all camera samples
+    /// are one sequence, better spread than `count` of their own.
+    #[inline]
+    pub fn emitter_sample(&self, depth: u32, which: u32, count: u32) -> Numbers {
+        let number = u64::from(self.sample) * u64::from(count) + u64::from(which);
+        self.at(number as u32).block(EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + (number >> 32) as u32)
     }
 
     /// The numbers of one block.
@@ -209,6 +219,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn emitter_samples_of_all_camera_samples_are_one_net() {
+        for count in [2, 4] {
+            let mut cells = std::collections::BTreeSet::new();
+            for (sample, which) in (0..64 / count).flat_map(|sample| (0..count).map(move |i| (sample, i))) {
+                let sampler = Sampler::new(Kind::Sobol, 1, (3, 5), sample);
+                let p = sampler.emitter_sample(2, which, count).pair(0) * 8.0;
+                cells.insert((p.x as u32, p.y as u32));
+            }
+            assert_eq!(cells.len(), 64, "{count}");
+        }
+        // Nor does the sequence end where 32 bits do.
+        let last = Sampler::new(Kind::Sobol, 1, (3, 5), u32::MAX);
+        let first = Sampler::new(Kind::Sobol, 1, (3, 5), u32::MAX - 2);
+        assert_ne!(last.emitter_sample(0, 0, 1024).0, first.emitter_sample(0, 0, 1024).0);
+        assert_ne!(
+            Sampler::new(Kind::Sobol, 1, (3, 5), 0).emitter_sample(0, 7, 1024).0,
+            Sampler::new(Kind::Sobol, 1, (3, 5), 1 << 22).emitter_sample(0, 7, 1024).0
+        );
     }
 
     #[test]

@@ -133,9 +133,9 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         hash,
     };
     scene.settle_caustics();
-    reuse::settle(&mut scene);
     share::settle(&mut scene);
     guide::settle(&mut scene);
+    reuse::settle(&mut scene);
     Ok(scene)
 }
 

@@ -1,6 +1,7 @@
 //! Directions from an emitter towards what is specular.
 
 use crate::math::bounds::{NOTHING, union};
+use crate::math::discrete::{BELOW_ONE, with_digits};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, length, warp};
 
 /// How many balls stand for all casters: their densities are summed at every light path's beginning and end.
@@ -84,26 +85,33 @@ impl Aim {
         }
     }
 
-    /// A direction from the point p of an emitter with normal n. `choice` and `u` are numbers in [0, 1).
-    pub fn sample(&self, p: DVec3, n: DVec3, choice: f64, u: DVec2) -> DVec3 {
-        let cosine = || Frame::about(n).to_world(warp::cosine_hemisphere(u));
+    /// A direction from the point p of an emitter with normal n, by three numbers in [0, 1); a strip of the first two falls to each cone, as in
+    /// [`Discrete::sample_strip`](crate::math::Discrete::sample_strip).
+    pub fn sample(&self, p: DVec3, n: DVec3, u: DVec2, digits: f64) -> DVec3 {
+        let cosine = |x: f64| Frame::about(n).to_world(warp::cosine_hemisphere(DVec2::new(x, u.y)));
+        let choice = with_digits(u.x, digits);
         if choice < UNAIMED {
-            return cosine();
+            return cosine(choice / UNAIMED);
         }
         let total: f64 = (0..self.balls.len()).map(|k| Self::weight(&self.cone(k, p, n))).sum();
-        let mut rest = (choice - UNAIMED) / (1.0 - UNAIMED) * total;
+        let aimed = (choice - UNAIMED) / (1.0 - UNAIMED);
+        let mut rest = aimed * total;
         for k in 0..self.balls.len() {
             let cone = self.cone(k, p, n);
             let weight = Self::weight(&cone);
             if rest < weight {
+                let x = (rest / weight).min(BELOW_ONE);
                 return match cone {
-                    None => cosine(),
-                    Some(cone) => Frame::about(cone.axis).to_world(warp::cone(u, cone.one_minus_cos)),
+                    None => cosine(x),
+                    Some(cone) => {
+                        Frame::about(cone.axis).to_world(warp::cone(DVec2::new(x, u.y), cone.one_minus_cos))
+                    }
                 };
             }
             rest -= weight;
         }
-        cosine()
+        // No ball is in front, or rounding has left a little beyond the last.
+        cosine(aimed)
     }
 
     /// The density of [`Aim::sample`] in sr⁻¹; zero behind the emitter.
@@ -162,7 +170,7 @@ mod tests {
             let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
             for i in 0..N {
                 let u = Sampler::new(Kind::Independent, 7, (0, 0), i).block(0);
-                let w = aim.sample(p, n, u.one(4), u.pair(0));
+                let w = aim.sample(p, n, u.pair(0), u.one(4));
                 let density = aim.density(p, n, w);
                 let cos = w.dot(n);
                 if cos <= 0.0 {

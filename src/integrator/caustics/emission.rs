@@ -51,12 +51,12 @@ impl Emission {
         u: Numbers,
         λ: &Wavelengths,
     ) -> Option<Start> {
-        let (index, _, _) = self.choice.sample(u.one(5));
+        let (index, _, place) = self.choice.sample_strip(u.pair(0), u.one(5));
         let entry = &emitters.list[index];
         let shape = &shapes[entry.shape? as usize];
-        let start = shape.geometry.sample_area(u.pair(0));
+        let start = shape.geometry.sample_area(place);
         let end = EmitterPoint { emitter: index, p: start.p, n: start.n };
-        let w = self.aim.sample(end.p, end.n, u.one(6), u.pair(1));
+        let w = self.aim.sample(end.p, end.n, u.pair(1), u.one(6));
         let density = self.density_at(end, start.pdf, w);
         if density == 0.0 {
             return None;

@@ -154,13 +154,13 @@ fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
-    (mirror, choice, u): (Option<(usize, f64)>, f64, DVec2),
+    (mirror, u, digits): (Option<(usize, f64)>, DVec2, f64),
     (count, most): (f64, usize),
     λ: &Wavelengths,
     light_paths: impl Fn(&Link, f64, EmitterPoint) -> f64,
     counters: &mut Counters,
 ) -> Option<Proposal> {
-    let (index, probability, _) = scene.emitters.sample(choice)?;
+    let (index, probability, u) = scene.emitters.sample(u, digits)?;
     let entry = &scene.emitters.list[index];
     if !matches!(entry.emitter, AnyEmitter::Area(_)) {
         return None;

@@ -9,8 +9,10 @@ mod vertex;
 
 use super::AnyIntegrator;
 use super::links::Where;
+use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
+use reuse::AUTO;
 pub use vertex::{Arrival, environment, side_towards};
 
 pub const NAME: &str = "path";
@@ -46,12 +48,24 @@ pub struct Path {
     pub hide_emitters: bool,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
+    /// The same at the first vertex that is more than a mirror or smooth glass.
+    pub first_emitter_samples: u32,
     /// Light paths to a camera path, where there are caustics; see [`caustics`](super::caustics). By default a pilot decides.
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
+    /// What a pilot is to decide; see [`crate::render::reuse`].
+    pub free: Free,
     /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
     pub links: Where,
+}
+
+/// What is left to a pilot.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Free {
+    pub reuse: bool,
+    /// No number of emitter samples was given for the first vertex.
+    pub first_emitter_samples: bool,
 }
 
 /// How many light paths to a camera path there can be.
@@ -64,8 +78,10 @@ impl Default for Path {
             rr_depth: 5,
             hide_emitters: false,
             emitter_samples: 1,
+            first_emitter_samples: 1,
             light_paths: None,
             reuse: 1,
+            free: Free::default(),
             links: Where::Auto,
         }
     }
@@ -78,7 +94,10 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let rr_depth = params.integer("rr_depth", 5, 1..=i64::from(u32::MAX), about)? as u32;
     let hide_emitters = params.boolean("hide_emitters", false, "emitters are not seen directly")?;
     let about = "emitter samples at every vertex (an extension)";
-    let emitter_samples = params.integer("emitter_samples", 1, 1..=1024, about)? as u32;
+    let most = i64::from(MOST_EMITTER_SAMPLES);
+    let emitter_samples = params.integer("emitter_samples", 1, 1..=most, about)? as u32;
+    let about = "emitter samples at the first vertex that is more than a mirror or smooth glass: by default `emitter_samples`, or, where a pilot decides on `reuse`, what it finds best (an extension)";
+    let first = params.integer("first_emitter_samples", AUTO.into(), 1..=most, about)? as u32;
     let max_depth = u32::try_from(max_depth).unwrap_or(u32::MAX);
     let about =
         "light paths to a camera path, where there are caustics; 0 leaves all to camera paths (an extension)";
@@ -89,7 +108,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     }
     let about = "neighbouring pixels that share what their paths find: a power of two up to 64, or 0 for a pilot to decide (an extension)";
     let reuse = params.integer("reuse", 1, 0..=64, about)? as u32;
-    if reuse != reuse::AUTO && !reuse::PIXELS.contains(&reuse) {
+    if reuse != AUTO && !reuse::PIXELS.contains(&reuse) {
         return Err(params.error(
             "reuse",
             "no such number of pixels",
@@ -99,13 +118,16 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
     let links = params.choice("links", &Where::NAMES, about)?;
     let links = Where::named(links).unwrap_or(Where::Auto);
+    let free = Free { reuse: reuse == AUTO, first_emitter_samples: first == AUTO };
     Ok(AnyIntegrator::Path(Path {
         max_depth,
         rr_depth,
         hide_emitters,
         emitter_samples,
+        first_emitter_samples: if free.first_emitter_samples { emitter_samples } else { first },
         light_paths,
-        reuse,
+        reuse: if free.reuse { 1 } else { reuse },
+        free,
         links,
     }))
 }

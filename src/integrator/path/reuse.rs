@@ -166,6 +166,7 @@ impl Exchange {
         self.occluded.clear();
         self.occluded.resize(self.rays.len(), false);
         counters.rays += self.rays.len() as u64;
+        counters.shared += self.rays.len() as u64;
         scene.accel.occluded_all(&self.rays, &mut self.occluded);
         let asked = self.shares.iter_mut().filter(|share| !share.is_seen);
         asked.zip(&self.occluded).for_each(|(share, occluded)| share.is_seen = !occluded);

@@ -12,7 +12,7 @@ use crate::integrator::links::{self, Link, Way};
 use crate::integrator::{CameraPath, Counters};
 use crate::integrator::{caustics, guide};
 use crate::math::{DVec3, Ray};
-use crate::sampler::{FURTHER_EMITTER_SAMPLES, Numbers};
+use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::Spectrum;
@@ -82,16 +82,17 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         // What the camera's ray knows only of the first vertex.
         let first = Some(path.ray).filter(|_| state.depth == 0);
-        let numbers = |which: u32| match which {
-            0 => u,
-            further => sampler.block(FURTHER_EMITTER_SAMPLES + state.depth * 1024 + further),
+        let numbers = |which: u32, count: u32| match count {
+            1 => u,
+            count => sampler.emitter_sample(state.depth, which, count),
         };
+        let samples = if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
         let mut gathers_about = DVec3::ZERO;
         if side.traits.smooth {
             if F & Features::ENVIRONMENT != 0 {
                 gathers_about = vertex.gathers_about();
             }
-            let counts = (settings.emitter_samples as f64, 1.0);
+            let counts = (f64::from(samples), 1.0);
             let focuses = state.depth > 0 && side.traits.focuses();
             let ratio = if focuses { state.light_ratio } else { 0.0 };
             let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.caustics {
@@ -108,15 +109,18 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             let shares = F & Features::REUSE != 0 && state.shares && !alone;
             let throughput = if shares { state.throughput } else { state.own_throughput::<F>(shared) };
             let owner = (index, shares);
-            for which in 0..settings.emitter_samples {
-                let u = numbers(which);
-                let u = (u.one(4), u.pair(0));
+            for which in 0..samples {
+                let u = numbers(which, samples);
+                let u = (u.pair(0), u.one(4));
                 let found = light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths);
                 if let Some(light) = found {
                     shadows.push(owner, light.ray, throughput * light.radiance);
                 }
             }
         }
+        // What casters throw is for the pixel alone if light paths make it as well.
+        let casts_to_all = F & Features::REUSE != 0 && state.shares && scene.caustics.is_none();
+        let throughput = if casts_to_all { state.throughput } else { state.own_throughput::<F>(shared) };
         let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
         let asks = F & Features::CAUSTICS != 0 && side.traits.smooth;
         let links = scene.links.as_ref().filter(|links| asks && (links.everywhere || unaided));
@@ -131,17 +135,15 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
                 _ => 0.0,
             };
-            // Like all that casters throw, this is for the pixel alone.
-            let throughput = state.own_throughput::<F>(shared);
             let effort = (settings.emitter_samples as f64, most);
             for which in 0..settings.emitter_samples {
-                let u = numbers(which);
+                let u = numbers(which, settings.emitter_samples);
                 for mirror in links.techniques(point.p, u.one(7)) {
-                    let which = (mirror, u.one(4), u.pair(0));
+                    let which = (mirror, u.pair(0), u.one(4));
                     let found =
                         links::sample_emitter(scene, &vertex, which, effort, λ, light_paths, counters);
                     if let Some(light) = found {
-                        shadows.push((index, false), light.ray, throughput * light.radiance);
+                        shadows.push((index, casts_to_all), light.ray, throughput * light.radiance);
                     }
                 }
             }
@@ -149,7 +151,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if let Some(seen) = seen.filter(|_| most > 0) {
             let numbers = (sampler, state.depth, most as u32);
             let found = guide::sample_emitters(scene, &vertex, seen, numbers, λ, counters);
-            path.radiance += state.own_throughput::<F>(shared) * found;
+            let sum = if casts_to_all { &mut shared.radiance } else { &mut path.radiance };
+            *sum += throughput * found;
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
@@ -175,7 +178,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;
-        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about };
+        state.arrival =
+            Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about, emitter_samples: samples };
         state.direct_view &= sample.null;
         state.mirrored &= sample.delta;
         state.depth += 1;

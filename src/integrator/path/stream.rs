@@ -6,7 +6,7 @@ use super::shadows::Shadows;
 use super::vertex::Arrival;
 use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters};
-use crate::math::{DVec3, Ray};
+use crate::math::Ray;
 use crate::sampler::{FIRST_VERTEX, ManyNumbers};
 use crate::scene::{Features, Scene};
 use crate::shape::Hit;
@@ -42,7 +42,7 @@ impl State {
     const START: Self = Self {
         throughput: Spectrum::ONE,
         eta2: 1.0,
-        arrival: Arrival { pdf: 1.0, delta: true, n: DVec3::ZERO },
+        arrival: Arrival::FROM_CAMERA,
         depth: 0,
         direct_view: true,
         mirrored: true,

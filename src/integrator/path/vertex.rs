@@ -24,6 +24,12 @@ pub struct Arrival {
     pub delta: bool,
     /// What the vertex before gathers light about; see [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing surrounds the scene.
     pub n: DVec3,
+    /// That the vertex before took.
+    pub emitter_samples: u32,
+}
+
+impl Arrival {
+    pub const FROM_CAMERA: Self = Self { pdf: 1.0, delta: true, n: DVec3::ZERO, emitter_samples: 1 };
 }
 
 impl Path {
@@ -41,7 +47,7 @@ impl Path {
         let λ = &mut path.λ;
         let Some(hit) = hit else {
             if F & Features::ENVIRONMENT != 0 && !(self.hide_emitters && state.direct_view) {
-                let light = environment(scene, ray, state.arrival, self.emitter_samples, λ);
+                let light = environment(scene, ray, state.arrival, λ);
                 let found = if state.shares { &mut shared.radiance } else { &mut path.radiance };
                 *found += state.throughput * light;
             }
@@ -58,9 +64,9 @@ impl Path {
             let entry = &scene.emitters.list[emitter as usize];
             let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
             if !emitted.is_zero() {
-                let count = self.emitter_samples as f64;
                 let by_emitter = if state.arrival.delta {
                     if F & Features::CAUSTICS != 0 {
+                        let count = f64::from(self.emitter_samples);
                         way.rival(scene, (emitter as usize, &point), count, λ, counters)
                     } else {
                         0.0
@@ -68,7 +74,7 @@ impl Path {
                 } else {
                     let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
                     let chosen = scene.emitters.probability(emitter as usize);
-                    chosen * pdf * count / state.arrival.pdf
+                    chosen * pdf * f64::from(state.arrival.emitter_samples) / state.arrival.pdf
                 };
                 let by_light_path = match &scene.caustics {
                     Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
@@ -128,13 +134,7 @@ pub fn side_towards(shape: &Shape, cos: f64) -> Side {
 
 /// Light from the environment along a ray that met nothing.
 #[inline]
-pub fn environment(
-    scene: &Scene,
-    ray: &Ray,
-    arrival: Arrival,
-    emitter_samples: u32,
-    λ: &Wavelengths,
-) -> Spectrum {
+pub fn environment(scene: &Scene, ray: &Ray, arrival: Arrival, λ: &Wavelengths) -> Spectrum {
     let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
     let emitter = &scene.emitters.list[index].emitter;
     let Some((radiance, pdf)) = emitter.distant_radiance(ray.direction, arrival.n, λ) else {
@@ -143,6 +143,6 @@ pub fn environment(
     if arrival.delta {
         return radiance;
     }
-    let rival = scene.emitters.probability(index) * pdf * emitter_samples as f64;
+    let rival = scene.emitters.probability(index) * pdf * f64::from(arrival.emitter_samples);
     radiance * power_heuristic(arrival.pdf, rival) as f32
 }

@@ -160,7 +160,7 @@ fn the_count_is_that_of_the_last_look_with_its_margin() {
 #[test]
 fn an_image_whose_pixels_share_paths_knows_that_their_errors_are_correlated() {
     let mut scene = scene(LIT);
-    scene.integrator.set_reuse(16);
+    scene.integrator.path_mut().unwrap().reuse = 16;
     crate::render::reuse::settle(&mut scene);
     let settings = Settings { samples: 0..16, ..settings(&scene, 0) };
     let (image, _) = render(&scene, &settings, &Progress::default()).expect("it renders");

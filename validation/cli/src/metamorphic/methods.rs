@@ -35,6 +35,11 @@ pub fn relations() -> Vec<Relation> {
     };
     let four =
         path(4).replace("</integrator>", "<integer name=\"emitter_samples\" value=\"4\"/></integrator>");
+    let four_first = four.replace("emitter_samples", "first_emitter_samples");
+    let first_four_by = |light: &str, name: &str| {
+        let side = |integrator: &str| vec![Term::new(with_light(light).replace(&path(4), integrator))];
+        Relation::expectation(name, side(&path(4)), side(&four_first))
+    };
     let by_point_light =
         |integrator: &str| vec![Term::new(with_light(&point_light(0.5, 3.0)).replace(&path(4), integrator))];
     let sampler = |kind: &str| {
@@ -46,6 +51,8 @@ pub fn relations() -> Vec<Relation> {
         Relation::expectation("roulette_from_1", plain(), roulette(1)),
         Relation::expectation("roulette_from_3", plain(), roulette(3)),
         Relation::expectation("four_emitter_samples", plain(), by(&four)),
+        Relation::expectation("four_first_emitter_samples", plain(), by(&four_first)),
+        first_four_by(&constant(1.0), "four_first_samples_of_surroundings"),
         Relation::expectation(
             "four_samples_of_a_point_light",
             by_point_light(&path(4)),

@@ -3,7 +3,7 @@
 //! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and light that a
 //! wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
 
-use super::caustics::vase;
+use super::caustics::{globe, sheet, vase, with_links};
 use super::still_life::*;
 use super::{Relation, Term, chosen};
 use crate::stage::*;
@@ -127,6 +127,11 @@ pub fn relations() -> Vec<Relation> {
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
+    // Without light paths pixels share what emitter samples through glass and by mirrors find.
+    let links = with_links(&path(6), "everywhere");
+    let sheet = sheet(&bsdf("twosided", &mirror));
+    relations.push(shared("links", &links, 0.0, &(globe() + &sheet)));
+    relations.push(shared("links_beside_light_paths", &links, 1.0, &(globe() + &sheet)));
     relations.push(hidden_lamp.relation().samples(8192));
     relations.push(sixteen.relation().samples(8192).at_length());
     // What is black to one pixel's receiver must not end for the others.
