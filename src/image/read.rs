@@ -34,19 +34,19 @@ fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
     Ok(Pixels { width, height, channels: 3, values: image.into_rgb32f().into_raw(), encoded: false })
 }
 
-/// More pixels than a byte of JPEG can hold: a block of 8×8 takes at least a bit.
-const JPEG_PIXELS: u64 = 512;
+/// More pixels than a byte of JPEG or BMP can hold: a block of 8×8 takes at least a bit there, and a run of 255 two bytes here.
+const PIXELS_A_BYTE: u64 = 512;
 
 fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
     let reader =
         image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
-    let is_jpeg = reader.format() == Some(image::ImageFormat::Jpeg);
+    let pads = matches!(reader.format(), Some(image::ImageFormat::Jpeg | image::ImageFormat::Bmp));
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
-    if is_jpeg {
-        // The decoder makes grey of what is missing, however much that is.
+    if pads {
+        // Their decoders make up what is missing, however much that is.
         let (width, height) = decoder.dimensions();
         let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
-        if u64::from(width) * u64::from(height) > JPEG_PIXELS * bytes {
+        if u64::from(width) * u64::from(height) > PIXELS_A_BYTE * bytes {
             return Err(format!("it claims {width} × {height} pixels, and has {bytes} bytes"));
         }
     }
@@ -88,10 +88,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_jpeg_that_claims_more_than_it_can_hold_is_refused() {
-        let file =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/fuzz/regressions/claims-too-many.jpg");
-        assert!(pixels(&file).err().unwrap().contains("55299 × 194 pixels"));
+    fn what_claims_more_than_it_can_hold_is_refused() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/fuzz/regressions");
+        for (file, claim) in
+            [("claims-too-many.jpg", "55299 × 194 pixels"), ("claims-too-many.bmp", "3 × 16777214 pixels")]
+        {
+            assert!(pixels(&folder.join(file)).err().unwrap().contains(claim), "{file}");
+        }
     }
 
     #[test]
