@@ -18,7 +18,7 @@ mod contract;
 #[cfg(test)]
 mod prism;
 
-use crate::math::{DVec2, DVec3};
+use crate::math::{BELOW_ONE, DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
 use crate::scene::params::{Params, Usage};
@@ -295,7 +295,7 @@ impl AnyMaterial {
 /// A number of [low, high) stretched to [0, 1), so that a nested choice can use it again.
 #[inline]
 fn rescale(lobe: f64, low: f64, high: f64) -> f64 {
-    ((lobe - low) / (high - low)).min(1.0 - f64::EPSILON / 2.0)
+    ((lobe - low) / (high - low)).min(BELOW_ONE)
 }
 
 /// ω mirrored at the normal.

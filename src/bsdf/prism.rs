@@ -1,7 +1,7 @@
 //! A ray through a prism of the scene files, by the scene's own search, surfaces and material, against Snell's law.
 
 use super::Bsdf;
-use crate::math::{DVec2, DVec3, Ray, length};
+use crate::math::{BELOW_ONE, DVec2, DVec3, Ray, length};
 use crate::scene::{Features, Scene, load_text};
 use crate::spectrum::materials::Dispersion;
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -32,8 +32,8 @@ fn refracted(scene: &Scene, ray: &Ray, λ: &mut Wavelengths) -> Ray {
     let frame = point.frame(false);
     let current = *λ;
     let bsdf = scene.materials[shape.sides[0].material as usize].at(&point, &current);
-    // The greatest number below 1 chooses the last lobe, which is refraction.
-    let lobe = 1.0 - f64::EPSILON / 2.0;
+    // The largest number below 1 chooses the last lobe, which is refraction.
+    let lobe = BELOW_ONE;
     let sample = bsdf.sample(frame.to_local(-ray.direction), lobe, DVec2::ZERO).expect("a direction");
     assert_eq!(sample.dispersed, !λ.is_collapsed());
     if sample.dispersed {

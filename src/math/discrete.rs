@@ -1,6 +1,6 @@
 //! Choosing one of n with given probabilities.
 
-use super::DVec2;
+use super::{BELOW_ONE, DVec2};
 
 /// A discrete distribution over indices, sampled by search in its running sum.
 #[derive(Clone, Debug, Default)]
@@ -94,9 +94,6 @@ impl Discrete {
     }
 }
 
-/// The largest number below 1.
-pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
-
 /// A number of 32 bits in [0, 1) with those of another behind its own, as far as there is room.
 #[inline]
 pub fn with_digits(u: f64, digits: f64) -> f64 {
@@ -157,7 +154,7 @@ mod tests {
         }
         assert_eq!(counts, [0, 250, 0, 750, 0]);
         assert_eq!(d.sample(0.0).0, 1);
-        assert_eq!(d.sample(1.0 - f64::EPSILON / 2.0).0, 3);
+        assert_eq!(d.sample(BELOW_ONE).0, 3);
     }
 
     #[test]

@@ -20,5 +20,8 @@ pub use glam::{DVec2, DVec3};
 pub use ray::Ray;
 pub use transform::Transform;
 
+/// The largest number below 1.
+pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// π⁻¹, the normalisation of the cosine over the hemisphere.
 pub const INV_PI: f64 = std::f64::consts::FRAC_1_PI;

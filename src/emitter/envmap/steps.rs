@@ -4,6 +4,8 @@
 //! would wait in a far cache fit into a near one. Probabilities are rounded to whole steps, none of what is possible to
 //! zero; since the rounded ones are what densities are made of, nothing is approximate but how well choices follow weights.
 
+use crate::math::BELOW_ONE;
+
 /// How many steps are dealt out.
 const STEPS: u16 = u16::MAX;
 
@@ -39,7 +41,7 @@ pub fn pick(starts: &[u16], u: f64) -> Option<Choice> {
     let begun: u16 = starts.iter().map(|start| u16::from(*start <= x as u16)).sum();
     let index = usize::from(begun).checked_sub(1)?;
     let (begin, steps) = span(starts, index);
-    let rest = ((x - begin) / steps).min(1.0 - f64::EPSILON / 2.0);
+    let rest = ((x - begin) / steps).min(BELOW_ONE);
     Some(Choice { index, probability: steps / f64::from(STEPS), rest })
 }
 
@@ -97,7 +99,7 @@ mod tests {
     fn the_ends_of_the_range_choose_what_is_possible() {
         let starts = dealt(&[0.0, 0.1, 0.0, 0.3, 0.0]);
         let index = |u: f64| pick(&starts, u).map(|choice| choice.index);
-        assert_eq!((index(0.0), index(1.0 - f64::EPSILON / 2.0)), (Some(1), Some(3)));
+        assert_eq!((index(0.0), index(BELOW_ONE)), (Some(1), Some(3)));
         assert_eq!(pick(&dealt(&[0.0, 0.0]), 0.5), None);
         assert_eq!(pick(&dealt(&[7.0]), 0.25), Some(Choice { index: 0, probability: 1.0, rest: 0.25 }));
     }

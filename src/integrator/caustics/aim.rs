@@ -1,8 +1,8 @@
 //! Directions from an emitter towards what is specular.
 
 use crate::math::bounds::{NOTHING, union};
-use crate::math::discrete::{BELOW_ONE, with_digits};
-use crate::math::{DVec2, DVec3, Frame, INV_PI, length, warp};
+use crate::math::discrete::with_digits;
+use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, INV_PI, length, warp};
 
 /// How many balls stand for all casters: their densities are summed at every light path's beginning and end.
 const BALLS: usize = 16;

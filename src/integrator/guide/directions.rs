@@ -1,6 +1,6 @@
 //! Directions that were seen, as a density that can be sampled.
 
-use crate::math::{DVec2, DVec3, INV_PI, warp};
+use crate::math::{BELOW_ONE, DVec2, DVec3, INV_PI, warp};
 
 /// A square is divided where so many directions lie in it.
 const DIVIDED: usize = 16;
@@ -92,7 +92,7 @@ fn first(u: &mut f64, a: f64, b: f64) -> bool {
     let part = a / (a + b);
     let chosen = *u < part;
     *u = if chosen { *u / part } else { (*u - part) / (1.0 - part) };
-    *u = u.min(1.0 - f64::EPSILON / 2.0);
+    *u = u.min(BELOW_ONE);
     chosen
 }
 

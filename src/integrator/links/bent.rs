@@ -14,7 +14,7 @@ use super::passage::{Turn, turn};
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::path::side_towards;
-use crate::math::{DVec2, DVec3, Frame, Ray, length};
+use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Ray, length};
 use crate::scene::{Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -22,7 +22,7 @@ use crate::spectrum::{Spectrum, Wavelengths};
 pub const REFLECTED: f64 = 0.0;
 
 /// The number for the choice of a lobe that is above every probability of reflection.
-const NOT_REFLECTED: f64 = 1.0 - f64::EPSILON / 2.0;
+const NOT_REFLECTED: f64 = BELOW_ONE;
 
 /// A ray after the last surface, with its derivatives by two angles of its first direction.
 pub struct Bent {
