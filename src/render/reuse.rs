@@ -55,13 +55,13 @@ pub fn settle(scene: &mut Scene) {
         let steps = PIXELS.map(|(pixels, worth)| (Choice { pixels, ..choice }, worth));
         let alone = (choice, measure(scene, choice));
         let mut best = climb(scene, alone, &steps);
-        if scene.links.as_ref().is_some_and(|links| links.everywhere) && share::is_free(scene) {
-            let caustics = scene.caustics.take();
+        let relieved = scene.links.as_ref().is_some_and(|links| links.everywhere) && share::is_free(scene);
+        if let Some(caustics) = scene.caustics.take_if(|_| relieved) {
             let without = climb(scene, best, &steps);
             if without.1 < best.1 {
                 best = without;
             } else {
-                scene.caustics = caustics;
+                scene.caustics = Some(caustics);
             }
             scene.settle_caustics();
         }
