@@ -79,6 +79,8 @@ pub struct Traits {
     pub textured: bool,
     /// Refraction may separate the wavelengths.
     pub dispersive: bool,
+    /// All that it does is to reflect, in the frame that it is given and with a density.
+    pub rough: bool,
     /// Lets light through.
     pub transmits: bool,
     /// Has a lobe that is narrow, but not without density.
@@ -108,6 +110,7 @@ impl Traits {
             anisotropic: self.anisotropic || other.anisotropic,
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
+            rough: self.rough && other.rough,
             transmits: self.transmits || other.transmits,
             glossy: self.glossy || other.glossy,
             refracts: self.refracts && other.refracts,
@@ -236,6 +239,11 @@ macro_rules! materials {
             #[inline]
             fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
                 match self { $(Self::$Model(bsdf) => bsdf.sample(wo, lobe, u)),* }
+            }
+
+            #[inline]
+            fn albedo(&self) -> Option<Spectrum> {
+                match self { $(Self::$Model(bsdf) => bsdf.albedo()),* }
             }
         }
 

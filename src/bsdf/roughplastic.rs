@@ -72,7 +72,7 @@ impl Material for RoughPlastic {
     }
 
     fn traits(&self) -> Traits {
-        Traits { smooth: true, textured: self.coat.varies(), ..Traits::default() }
+        Traits { smooth: true, rough: true, textured: self.coat.varies(), ..Traits::default() }
     }
 }
 

@@ -1,9 +1,13 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
+mod exchange;
+mod lobes;
+mod questions;
 mod receivers;
 pub mod reuse;
 mod scatter;
 mod shadows;
+mod shared;
 mod stream;
 mod vertex;
 

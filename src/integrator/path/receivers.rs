@@ -1,10 +1,11 @@
 //! The receivers of a group, four to a register, and which of them see a source.
 
-use super::reuse::{Receiver, Shared, Source};
+use super::shared::{Receiver, Shared, Source};
 use crate::math::DVec3;
 use crate::math::simd::{F64x4, dot};
 use crate::scene::Scene;
 use crate::shape::accel::Shaft;
+use crate::spectrum::Spectrum;
 
 /// Receivers that follow one another and lie side by side, if not all are in sight.
 const RUN: usize = 16;
@@ -12,10 +13,12 @@ const RUN: usize = 16;
 /// From so many receivers on a [`Shaft`] is worth trying: it costs about as much as five rays.
 const MANY: usize = 8;
 
-/// The matte points that the pixels of a group see; at most 64.
+/// The points that the pixels of a group see; at most 64.
 #[derive(Default)]
 pub struct Receivers {
     blocks: Vec<Block>,
+    /// [`Receiver::weight`] of each, side by side.
+    weights: Vec<Spectrum>,
     whole: Shaft,
     runs: [Shaft; 4],
     /// A bit for each receiver with as many edges before it, by their number.
@@ -40,6 +43,9 @@ impl Receivers {
         self.blocks.clear();
         let block = |four| Block { p: vectors(four, &|r| r.p), n: vectors(four, &|r| r.n) };
         self.blocks.extend(group.chunks(4).map(block));
+        self.weights.clear();
+        let weight = |shared: &Shared| shared.receiver.as_ref().map_or(Spectrum::ZERO, |r| r.weight);
+        self.weights.extend(group.iter().map(weight));
         self.alike.clear();
         for (i, receiver) in group.iter().enumerate().filter_map(|(i, s)| Some((i, s.receiver.as_ref()?))) {
             match self.alike.iter_mut().find(|alike| alike.0 == receiver.edges) {
@@ -53,6 +59,10 @@ impl Receivers {
                 shaft.begin(points(run));
             }
         }
+    }
+
+    pub fn weight(&self, path: usize) -> Spectrum {
+        self.weights[path]
     }
 
     /// The geometry term between the source of a path and each receiver that may have a share and faces it, without visibility; a bit for

@@ -1,7 +1,7 @@
 //! Scattering at a vertex: light that it asks for, and where the path goes on.
 
-use super::reuse::{Receiver, Shared, Source};
 use super::shadows::Shadows;
+use super::shared::Shared;
 use super::stream::State;
 use super::vertex::Arrival;
 use super::{Path, survival};
@@ -14,7 +14,6 @@ use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Side};
 use crate::shape::SurfacePoint;
-use crate::spectrum::Spectrum;
 
 /// Scattering at a vertex, for a material still to be named.
 pub struct Scatter<'a, const F: u32> {
@@ -62,22 +61,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let bsdf = material.at(point, λ);
         let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
         vertex.wo = vertex.to_local(wo);
-        if F & Features::REUSE != 0 && settings.reuse > 1 && vertex.wo.z > 0.0 {
-            let n = vertex.to_world(DVec3::Z);
-            match (&shared.receiver, bsdf.albedo()) {
-                (None, Some(albedo)) if state.mirrored && state.depth + 1 < settings.rr_depth => {
-                    let albedo = state.throughput * albedo;
-                    if !albedo.is_zero() && !λ.is_collapsed() {
-                        let edges = state.depth;
-                        shared.receiver = Some(Receiver { p: point.p, n, primitive, albedo, edges });
-                    }
-                }
-                (Some(receiver), Some(_)) if state.depth == receiver.edges + 1 => {
-                    shared.source = Some(Source { p: point.p, n, ng: point.ng, primitive });
-                    (state.throughput, state.eta2, state.shares) = (Spectrum::ONE, 1.0, true);
-                }
-                _ => {}
-            }
+        if F & Features::REUSE != 0 && settings.reuse > 1 {
+            shared.arrive(&vertex, settings.rr_depth, state, λ);
         }
         // What the camera's ray knows only of the first vertex.
         let first = Some(path.ray).filter(|_| state.depth == 0);
@@ -174,6 +159,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             } else {
                 way.follow(vertex.wo, side, primitive, &sample);
             }
+        }
+        if F & Features::REUSE != 0 {
+            shared.leave(state, sample.wi);
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;

@@ -1,6 +1,6 @@
 //! Light that waits to be tested for visibility.
 
-use super::reuse::Shared;
+use super::shared::Shared;
 use super::stream::STREAM;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;

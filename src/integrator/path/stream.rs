@@ -1,8 +1,9 @@
 //! Paths that take each step together.
 
 use super::Path;
-use super::reuse::{Exchange, Shared};
+use super::exchange::Exchange;
 use super::shadows::Shadows;
+use super::shared::Shared;
 use super::vertex::Arrival;
 use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters};
@@ -34,7 +35,7 @@ pub struct State {
     /// see [`caustics`](crate::integrator::caustics).
     pub light_ratio: f64,
     pub from_caster: bool,
-    /// What is found from here on is shared with other pixels; the throughput begins at the source.
+    /// What is found from here on is shared with other pixels; the throughput begins anew.
     pub shares: bool,
 }
 
@@ -54,11 +55,7 @@ impl State {
     /// What light from here on is multiplied with for the path's own pixel.
     #[inline(always)]
     pub fn own_throughput<const F: u32>(&self, shared: &Shared) -> Spectrum {
-        if F & Features::REUSE != 0 && self.shares {
-            self.throughput * shared.albedo()
-        } else {
-            self.throughput
-        }
+        if F & Features::REUSE != 0 && self.shares { self.throughput * shared.own } else { self.throughput }
     }
 }
 
@@ -121,7 +118,7 @@ impl Path {
         states.clear();
         states.resize(paths.len(), State::START);
         if F & Features::REUSE != 0 {
-            shared.clear();
+            shared.iter_mut().for_each(Shared::clear);
         }
         shared.resize(paths.len(), Shared::NOTHING);
         if F & Features::CAUSTICS != 0 {

@@ -1,8 +1,9 @@
 //! What no expectation shows: settings that change the noise alone.
 
 use super::LONG;
+use super::exchange::Exchange;
 use super::receivers::Receivers;
-use super::reuse::{Exchange, Receiver, Shared, Source};
+use super::shared::{Receiver, Shared, Source};
 use crate::image::Image;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::frame::unit;
@@ -53,11 +54,11 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
 }
 
 #[test]
-fn receivers_share_with_their_like_on_the_side_that_is_matte() {
+fn receivers_share_with_their_like_on_the_side_that_scatters() {
     let receiver = |x: f64, edges: u32| {
         let (p, n) = (DVec3::new(x, 0.0, 0.0), DVec3::Z);
         Shared {
-            receiver: Some(Receiver { p, n, primitive: 0, albedo: Spectrum::ONE, edges }),
+            receiver: Some(Receiver { p, n, primitive: 0, weight: Spectrum::ONE, lobes: None, edges }),
             ..Shared::NOTHING
         }
     };
@@ -66,7 +67,7 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     receivers.begin(&group);
     let mut weights = [0.0; 64];
     let mut facing = |path: usize, n: DVec3| {
-        let source = Source { p: DVec3::new(0.0, 0.0, 2.0), n, ng: n, primitive: 1 };
+        let source = Source { p: DVec3::new(0.0, 0.0, 2.0), n, ng: n, primitive: 1, lobes: None };
         let facing = receivers.weights(path, &source, &mut weights);
         // The cosine at the floor, that at the source, and the distance.
         for (i, x) in [-1.0, -0.5, 0.5, 1.0f64].into_iter().enumerate() {
@@ -120,10 +121,12 @@ fn sources_do_not_hide_themselves() {
                 p: place(j, 0.0),
                 n: up,
                 primitive: 0,
-                albedo: Spectrum::ONE,
+                weight: Spectrum::ONE,
+                lobes: None,
                 edges: 0,
             }),
-            source: Some(Source { p: place(j + 4, 2.0), n: -up, ng: -up, primitive: 1 }),
+            source: Some(Source { p: place(j + 4, 2.0), n: -up, ng: -up, primitive: 1, lobes: None }),
+            own: Spectrum::ONE,
             radiance: Spectrum::ONE,
         });
         let mut paths = vec![camera; 4];

@@ -1,8 +1,8 @@
 //! What happens where a path has arrived: light that it meets, and what the surface there is.
 
-use super::reuse::Shared;
 use super::scatter::Scatter;
 use super::shadows::Shadows;
+use super::shared::Shared;
 use super::stream::State;
 use super::{MAX_VERTICES, Path};
 use crate::emitter::EmitterPoint;
@@ -88,7 +88,7 @@ impl Path {
                 if F & Features::REUSE == 0 || !state.shares {
                     path.radiance += light;
                 } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
-                    path.radiance += shared.albedo() * light;
+                    path.radiance += shared.own * light;
                 } else {
                     shared.radiance += light;
                 }

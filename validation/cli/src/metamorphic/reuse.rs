@@ -98,6 +98,10 @@ pub fn relations() -> Vec<Relation> {
          <string name=\"filename\" value=\"textures/normals.png\"/></texture>{}</bsdf>",
         diffuse(0.7)
     );
+    let metal = |alpha: &str| {
+        let [u, v] = [format!("alpha_u\" value=\"{alpha}"), "alpha_v\" value=\"0.4".to_owned()];
+        bsdf("roughconductor", &format!("<float name=\"{u}\"/><float name=\"{v}\"/>"))
+    };
     let plastic = bsdf("roughplastic", &(float("alpha", 0.2) + &grey("diffuse_reflectance", 0.5)));
     let wide = camera().replace("<rfilter type=\"box\"/>", "<rfilter type=\"gaussian\"/>");
     let case = Case::new;
@@ -120,12 +124,27 @@ pub fn relations() -> Vec<Relation> {
             room(&(sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass))),
         ),
     ];
+    // Rough receivers and rough sources, and both at once.
+    let brushed = room(&(ball(&metal("0.2")) + &screen(&metal("0.1"))));
+    let polished = closed_room(&metal("0.3")) + &ball(&diffuse(0.5)) + &screen(&mirror);
+    let rough = [
+        Case { pixels: 16, ..case("brushed_metal", brushed.clone()) },
+        Case { pixels: 16, light_paths: 0.0, integrator: path(6), ..case("metal_walls", polished) },
+        Case { integrator: path(-1), ..case("metal_roulette", brushed.clone()) }
+            .option("integer", "rr_depth", "3"),
+        Case {
+            integrator: path(-1),
+            ..case("metal_beside_glass", brushed + &sphere([0.6, -0.6, 0.4], 0.3, &glass))
+        }
+        .option("integer", "rr_depth", "3"),
+    ];
     let open = Case { pixels: 16, ..case("open", objects(&[]).concat() + &constant(1.0)) };
     let checkered = case("checks", closed_room(checks) + &ball(checks));
     let hidden_lamp = case("hidden_lamp", room(&(matte.clone() + &screen(&area(1.0)))));
     let hidden_lamp = hidden_lamp.option("boolean", "hide_emitters", "true");
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
+    relations.extend(rough.map(|case| case.relation().samples(4096)));
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
     // Without light paths pixels share what emitter samples through glass and by mirrors find.
     let links = with_links(&path(6), "everywhere");

@@ -1,0 +1,74 @@
+//! Receivers and sources that are rough.
+
+use super::exchange::Part;
+use super::shared::{Lobes, Receiver, Shared, Source};
+use crate::bsdf::{AnyBsdf, Bsdf};
+use crate::math::frame::unit;
+use crate::math::{DVec3, Frame, length};
+use crate::scene::Scene;
+use crate::spectrum::Wavelengths;
+
+/// The rough receivers of a group.
+pub struct Lobed<'a> {
+    pub λ: &'a Wavelengths,
+    /// As many as the group has; none if all are matte.
+    of: Vec<Option<At<'a>>>,
+}
+
+/// How a receiver or a source scatters.
+pub struct At<'a> {
+    lobes: &'a Lobes,
+    frame: Frame,
+    bsdf: AnyBsdf<'a>,
+}
+
+impl<'a> Lobed<'a> {
+    /// Of a group whose paths have these wavelengths.
+    pub fn new(scene: &'a Scene, group: &'a [Shared], λ: &'a Wavelengths) -> Self {
+        let lobes = |shared: &'a Shared| shared.receiver.as_ref()?.lobes.as_ref();
+        let some = group.iter().any(|shared| lobes(shared).is_some());
+        let at = |shared: &'a Shared| lobes(shared).map(|lobes| At::new(scene, lobes, λ));
+        Self { λ, of: if some { group.iter().map(at).collect() } else { vec![] } }
+    }
+
+    /// Whether all are matte.
+    pub fn is_empty(&self) -> bool {
+        self.of.is_empty()
+    }
+
+    pub fn at(&self, receiver: usize) -> Option<&At<'a>> {
+        self.of.get(receiver)?.as_ref()
+    }
+}
+
+impl<'a> At<'a> {
+    pub fn new(scene: &'a Scene, lobes: &'a Lobes, λ: &'a Wavelengths) -> Self {
+        Self {
+            lobes,
+            frame: lobes.point.frame(lobes.side.traits.anisotropic),
+            bsdf: scene.materials[lobes.side.material as usize].at(&lobes.point, λ),
+        }
+    }
+
+    fn to_local(&self, w: DVec3) -> DVec3 {
+        self.lobes.side.turn(self.frame.to_local(w))
+    }
+
+    /// What this receiver has of a source, if that is matte.
+    pub fn receives(&self, receiver: &Receiver, source: &Source) -> Part {
+        let way = source.p - receiver.p;
+        let distance = length(way);
+        let w = way / distance;
+        let scattered = self.bsdf.evaluate(self.lobes.fixed, self.to_local(w));
+        let geometry = std::f64::consts::PI * source.ng.dot(w).abs() / (distance * distance);
+        Part { weight: receiver.weight * scattered.value, geometry, density: scattered.pdf * geometry }
+    }
+
+    /// What of that this source, since it is not, sends a receiver.
+    pub fn sends(&self, receiver: &Receiver, source: &Source, part: &mut Part) {
+        let towards = self.to_local(unit(receiver.p - source.p));
+        let scattered = self.bsdf.evaluate(towards, self.lobes.fixed);
+        part.weight *= scattered.value;
+        part.density *= scattered.pdf;
+    }
+}

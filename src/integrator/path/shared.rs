@@ -1,0 +1,117 @@
+//! What a path has to share, and from where on.
+
+use super::stream::State;
+use crate::bsdf::Bsdf;
+use crate::integrator::light::Vertex;
+use crate::math::DVec3;
+use crate::scene::Side;
+use crate::shape::SurfacePoint;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// A point that a pixel sees, directly or by mirrors and smooth glass.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    pub p: DVec3,
+    /// World, unit length, on the side that is seen.
+    pub n: DVec3,
+    pub primitive: u32,
+    /// What becomes of light on its way from here to the camera, and of a matte point what it does itself.
+    pub weight: Spectrum,
+    /// `None` of a matte point.
+    pub lobes: Option<Lobes>,
+    /// Of the path from the camera, besides the one that ends here. Only receivers with as many share, for what a source is
+    /// known to send depends on how many are left.
+    pub edges: u32,
+}
+
+/// A point that a path came to from a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    pub p: DVec3,
+    /// World, on the side where the path came from: its shading normal, on whose side it scatters.
+    pub n: DVec3,
+    /// World, of the surface itself, on either side: areas are its.
+    pub ng: DVec3,
+    pub primitive: u32,
+    /// `None` of a matte point.
+    pub lobes: Option<Lobes>,
+}
+
+/// How a receiver or a source scatters that is rough.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobes {
+    pub point: SurfacePoint,
+    pub side: Side,
+    /// Local, the direction that is the same whoever shares: from a receiver to where its path came from, from a source to where its path
+    /// goes on.
+    pub fixed: DVec3,
+}
+
+/// What a path has to share.
+#[derive(Clone, Copy, Debug)]
+pub struct Shared {
+    pub receiver: Option<Receiver>,
+    pub source: Option<Source>,
+    /// What becomes of what is shared on its way to the path's own pixel.
+    pub own: Spectrum,
+    /// The radiance that leaves a matte source or comes to a rough one, as far as it is known.
+    pub radiance: Spectrum,
+}
+
+impl Shared {
+    pub const NOTHING: Self =
+        Self { receiver: None, source: None, own: Spectrum::ZERO, radiance: Spectrum::ZERO };
+
+    /// Makes it [`Shared::NOTHING`], but does not write what is not there.
+    pub fn clear(&mut self) {
+        (self.receiver, self.source, self.radiance) = (None, None, Spectrum::ZERO);
+    }
+
+    /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is shared.
+    pub fn arrive<B: Bsdf>(
+        &mut self, vertex: &Vertex<B>, rr_depth: u32, state: &mut State, λ: &Wavelengths
+    ) {
+        let Vertex { point, primitive, side, .. } = *vertex;
+        let albedo = vertex.bsdf.albedo();
+        let faces = vertex.wo.z > 0.0 && (albedo.is_some() || side.traits.rough);
+        // What is shared must not have been through roulette, whose chances depend on the pixel.
+        let goes_on = state.depth + 1 < rr_depth;
+        let lobes = || albedo.is_none().then_some(Lobes { point: *point, side, fixed: vertex.wo });
+        let begins = match (&self.receiver, &self.source) {
+            (None, _) if faces && state.mirrored && goes_on => {
+                let weight = state.throughput * albedo.unwrap_or(Spectrum::ONE);
+                if !weight.is_zero() && !λ.is_collapsed() {
+                    let (p, n, edges) = (point.p, vertex.to_world(DVec3::Z), state.depth);
+                    self.receiver = Some(Receiver { p, n, primitive, weight, lobes: lobes(), edges });
+                }
+                false
+            }
+            (Some(receiver), _) if state.depth == receiver.edges + 1 => {
+                if faces && (albedo.is_some() || goes_on) {
+                    let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
+                    self.source = Some(Source { p, n, ng, primitive, lobes: lobes() });
+                }
+                albedo.is_some() && faces
+            }
+            (Some(receiver), Some(Source { lobes: Some(_), .. })) => {
+                state.depth == receiver.edges + 2 && side.traits.smooth
+            }
+            _ => false,
+        };
+        if begins {
+            self.own = state.throughput;
+            (state.throughput, state.eta2, state.shares) = (Spectrum::ONE, 1.0, true);
+        }
+    }
+
+    /// Notes in which direction (local) the path goes on from a source.
+    #[inline(always)]
+    pub fn leave(&mut self, state: &State, wi: DVec3) {
+        let is_next = |receiver: &Receiver| state.depth == receiver.edges + 1;
+        if self.receiver.as_ref().is_some_and(is_next)
+            && let Some(Source { lobes: Some(lobes), .. }) = &mut self.source
+        {
+            lobes.fixed = wi;
+        }
+    }
+}
