@@ -54,7 +54,7 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
 }
 
 #[test]
-fn receivers_share_with_their_like_on_the_side_that_scatters() {
+fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     let receiver = |x: f64, edges: u32| {
         let (p, n) = (DVec3::new(x, 0.0, 0.0), DVec3::Z);
         Shared {
