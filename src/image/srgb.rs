@@ -1,10 +1,25 @@
 //! The transfer curve of sRGB (IEC 61966-2-1).
 
 use crate::math::function::pow;
+use std::sync::LazyLock;
 
 /// Encoded to linear; both 0 to 1.
 pub fn decode(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { pow((encoded + 0.055) / 1.055, 2.4) }
+}
+
+/// What the codes of eight bits mean, by [`decode`].
+static CODES: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| decode(f64::from(of_code(i as u8))) as f32));
+
+fn of_code(code: u8) -> f32 {
+    f32::from(code) / 255.0
+}
+
+/// [`decode`] of a picture's channel. Most are of eight bits: a power for each would be half of what it takes to load a textured scene.
+pub fn decode_channel(encoded: f32) -> f32 {
+    let code = (encoded * 255.0 + 0.5) as u8;
+    if of_code(code) == encoded { CODES[usize::from(code)] } else { decode(f64::from(encoded)) as f32 }
 }
 
 #[cfg(test)]
@@ -16,6 +31,17 @@ mod tests {
         assert!((decode(0.5) - 0.214_041).abs() < 1e-6);
         for code in 0..=255u8 {
             assert_eq!(crate::image::encode_srgb(decode(code as f64 / 255.0) as f32), code);
+        }
+    }
+
+    #[test]
+    fn channels_are_decoded_alike_whether_looked_up_or_not() {
+        for i in 0..=65_535u16 {
+            let encoded = f32::from(i) / 65_535.0;
+            assert_eq!(decode_channel(encoded), decode(f64::from(encoded)) as f32, "{i}");
+        }
+        for odd in [-0.5f32, -0.0, 1.5, 300.0, f32::from_bits(of_code(100).to_bits() + 1)] {
+            assert_eq!(decode_channel(odd), decode(f64::from(odd)) as f32, "{odd}");
         }
     }
 }

@@ -34,7 +34,7 @@ impl Pixels {
 
     /// The linear values of a texel: one channel three times over, or three.
     pub fn linear(&self, texel: usize, raw: bool) -> [f32; 3] {
-        let decode = |v: f32| if self.encoded && !raw { srgb::decode(v as f64) as f32 } else { v };
+        let decode = |v: f32| if self.encoded && !raw { srgb::decode_channel(v) } else { v };
         match self.channels {
             1 => [decode(self.values[texel]); 3],
             _ => [0, 1, 2].map(|c| decode(self.values[3 * texel + c])),
