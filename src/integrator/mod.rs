@@ -57,7 +57,7 @@ pub struct Counters {
     pub rays: u64,
     /// Of these, between pixels that share and what they share; see [`path::reuse`].
     pub shared: u64,
-    /// How often sharing asked a rough surface how it scatters.
+    /// Pairs of a receiver and a source that were looked at one by one, for something rough in their group.
     pub evaluations: u64,
     /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
     pub cut: u64,

@@ -38,7 +38,7 @@ const HANDING_ON: f64 = 0.035;
 /// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at vertices.
 const VISIBILITY: f64 = 0.5;
 
-/// What it costs to ask a rough surface how it scatters.
+/// What it costs to ask how a receiver and a source scatter of which one is rough.
 const EVALUATION: f64 = 0.25;
 
 /// Cells and samples of the pilot: about a tenth of a second.

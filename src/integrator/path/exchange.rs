@@ -1,12 +1,12 @@
 //! How a group's sources are handed on to its receivers.
 
 use super::lobes::{At, Lobed};
+use super::part::Part;
 use super::questions::Questions;
 use super::receivers::Receivers;
 use super::shared::{Shared, Source};
 use crate::integrator::{CameraPath, Counters};
 use crate::scene::Scene;
-use crate::spectrum::Spectrum;
 
 /// What handing on needs, kept for the next group.
 #[derive(Default)]
@@ -14,24 +14,6 @@ pub struct Exchange {
     receivers: Receivers,
     parts: Vec<(usize, Part)>,
     questions: Questions,
-}
-
-/// The part that a receiver has of the light of a source, not yet divided by the sum of densities. As if π were 1: it cancels.
-#[derive(Clone, Copy)]
-pub struct Part {
-    /// What scatters it on its way to the camera.
-    pub weight: Spectrum,
-    /// The rest, of which a number of the weight's might not hold the range.
-    pub geometry: f64,
-    /// With which the receiver's own path would have come to the source, in area, and gone on.
-    pub density: f64,
-}
-
-impl Part {
-    /// Of a matte source for a matte receiver.
-    fn matte(weight: Spectrum, geometry: f64) -> Self {
-        Self { weight, geometry, density: geometry }
-    }
 }
 
 impl Exchange {
@@ -47,6 +29,7 @@ impl Exchange {
         for receiving in paths.chunk_by_mut(|a, b| a.group == b.group) {
             let group = &shared[first..first + receiving.len()];
             self.receivers.begin(group);
+            // Path 0 may have lost lanes since, but nothing rough asks which are alive.
             let λ = receiving[0].λ;
             let lobed = Lobed::new(scene, group, &λ);
             for (j, path) in group.iter().enumerate() {
@@ -75,25 +58,17 @@ impl Exchange {
         // A path knows of itself that it met its source, whatever rounding says.
         let own = 1 << j;
         let in_sight = receivers.in_sight(scene, source) | own;
-        let source = (first, j, source);
-        if lobed.is_empty() && source.2.lobes.is_none() {
+        let from = (first, j, source);
+        if lobed.is_empty() && source.lobes.is_none() {
             if facing & own == 0 {
                 weights[j] = f64::MIN_POSITIVE;
             }
-            let parts = bits(facing | own).map(|i| (i, Part::matte(receivers.weight(i), weights[i])));
-            if (facing | own) & !in_sight == 0 {
-                hand_on(receiving, group[j].radiance, parts);
-            } else {
-                questions.ask(group, source, (in_sight, true), parts);
-            }
-            return;
-        }
-        rough_parts(scene, (group, lobed), (j, source.2), (facing, &weights), parts, counters);
-        let parts = parts.iter().copied();
-        if parts.clone().all(|(i, _)| in_sight >> i & 1 == 1) {
-            hand_on(receiving, group[j].radiance, parts);
+            let weight = |i: usize| Some(group[i].receiver.as_ref()?.weight);
+            let parts = bits(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
+            questions.offer(receiving, group, from, (in_sight, true), parts);
         } else {
-            questions.ask(group, source, (in_sight, false), parts);
+            rough_parts(scene, (group, lobed), (j, source), (facing, &weights), parts, counters);
+            questions.offer(receiving, group, from, (in_sight, false), parts.iter().copied());
         }
     }
 }
@@ -124,14 +99,6 @@ fn rough_parts(
     counters.evaluations += u64::from(facing.count_ones());
     if parts.iter().all(|(i, _)| *i != j) {
         parts.push((j, Part::matte(group[j].own, f64::MIN_POSITIVE)));
-    }
-}
-
-/// Parts light among receivers.
-fn hand_on(paths: &mut [CameraPath], light: Spectrum, parts: impl Iterator<Item = (usize, Part)> + Clone) {
-    let all = 1.0 / parts.clone().map(|(_, part)| part.density).sum::<f64>();
-    for (receiver, part) in parts {
-        paths[receiver].radiance += part.weight * light * (part.geometry * all) as f32;
     }
 }
 

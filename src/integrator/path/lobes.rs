@@ -1,6 +1,6 @@
 //! Receivers and sources that are rough.
 
-use super::exchange::Part;
+use super::part::Part;
 use super::shared::{Lobes, Receiver, Shared, Source};
 use crate::bsdf::{AnyBsdf, Bsdf};
 use crate::math::frame::unit;

@@ -2,6 +2,7 @@
 
 mod exchange;
 mod lobes;
+mod part;
 mod questions;
 mod receivers;
 pub mod reuse;

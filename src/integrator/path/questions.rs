@@ -1,7 +1,8 @@
 //! Which receivers see a source.
 
-use super::exchange::Part;
+use super::part::{Part, hand_on};
 use super::shared::{Shared, Source};
+use super::stream::STREAM;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::ray::{Ends, way_between};
 use crate::math::{Ray, length};
@@ -18,25 +19,42 @@ pub struct Questions {
     occluded: Vec<bool>,
 }
 
-/// What a receiver may have of a source; there are thousands at a time.
+/// What a receiver may have of a source; there are thousands at a time, so their numbers are small.
 struct Share {
     source: u8,
     receiver: u8,
     is_seen: bool,
-    has_weight: bool,
+    /// Its place among the weights, if it is not that of the receiver.
+    weight: Option<u16>,
     geometry: f64,
     density: f64,
 }
 
+const _: () = assert!(STREAM <= 1 << u8::BITS && STREAM * STREAM <= 1 << u16::BITS);
+
+impl Share {
+    fn part(&self, shared: &[Shared], weights: &[Spectrum]) -> (usize, Part) {
+        let receiver = usize::from(self.receiver);
+        let of_receiver = || shared[receiver].receiver.as_ref().map_or(Spectrum::ZERO, |of| of.weight);
+        let weight = self.weight.map_or_else(of_receiver, |place| weights[usize::from(place)]);
+        (receiver, Part { weight, geometry: self.geometry, density: self.density })
+    }
+}
+
 impl Questions {
-    /// Asks about those that are not known to be in sight; all are matte or not.
-    pub fn ask(
+    /// Hands parts on at once if all receivers are known to see the source, else asks about the others first. All parts are matte or not.
+    pub fn offer(
         &mut self,
+        receiving: &mut [CameraPath],
         group: &[Shared],
         (first, j, source): (usize, usize, &Source),
         (in_sight, matte): (u64, bool),
-        parts: impl Iterator<Item = (usize, Part)>,
+        parts: impl Iterator<Item = (usize, Part)> + Clone,
     ) {
+        if parts.clone().all(|(i, _)| in_sight >> i & 1 == 1) {
+            hand_on(receiving, group[j].radiance, parts);
+            return;
+        }
         for (i, Part { weight, geometry, density }) in parts {
             let is_seen = in_sight >> i & 1 == 1;
             let Some(receiver) = group[i].receiver.as_ref() else { continue };
@@ -47,12 +65,10 @@ impl Questions {
                 let ray = Ray::leaving(receiver.p, way / distance, end, receiver.primitive);
                 self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
             }
-            if !matte {
-                self.weights.push(weight);
-            }
-            // A stream is no longer.
+            let place = (!matte).then_some(self.weights.len() as u16);
+            self.weights.extend(place.map(|_| weight));
             let (source, receiver) = ((first + j) as u8, (first + i) as u8);
-            self.shares.push(Share { source, receiver, is_seen, has_weight: !matte, geometry, density });
+            self.shares.push(Share { source, receiver, is_seen, weight: place, geometry, density });
         }
     }
 
@@ -72,21 +88,13 @@ impl Questions {
         scene.accel.occluded_all(rays, occluded);
         let asked = shares.iter_mut().filter(|share| !share.is_seen);
         asked.zip(occluded).for_each(|(share, occluded)| share.is_seen = !*occluded);
-        let mut weights = weights.drain(..);
         for shares in shares.chunk_by(|a, b| a.source == b.source) {
+            let seen = shares.iter().filter(|share| share.is_seen);
             let light = shared[usize::from(shares[0].source)].radiance;
-            let seen = |share: &&Share| share.is_seen;
-            let all = 1.0 / shares.iter().filter(seen).map(|share| share.density).sum::<f64>();
-            for share in shares {
-                let receiver = usize::from(share.receiver);
-                let own = shared[receiver].receiver.as_ref().map(|receiver| receiver.weight);
-                let Some(weight) = (if share.has_weight { weights.next() } else { own }) else { continue };
-                if share.is_seen {
-                    paths[receiver].radiance += weight * light * (share.geometry * all) as f32;
-                }
-            }
+            hand_on(paths, light, seen.map(|share| share.part(shared, weights)));
         }
         rays.clear();
         shares.clear();
+        weights.clear();
     }
 }

@@ -5,7 +5,6 @@ use crate::math::DVec3;
 use crate::math::simd::{F64x4, dot};
 use crate::scene::Scene;
 use crate::shape::accel::Shaft;
-use crate::spectrum::Spectrum;
 
 /// Receivers that follow one another and lie side by side, if not all are in sight.
 const RUN: usize = 16;
@@ -17,8 +16,6 @@ const MANY: usize = 8;
 #[derive(Default)]
 pub struct Receivers {
     blocks: Vec<Block>,
-    /// [`Receiver::weight`] of each, side by side.
-    weights: Vec<Spectrum>,
     whole: Shaft,
     runs: [Shaft; 4],
     /// A bit for each receiver with as many edges before it, by their number.
@@ -43,9 +40,6 @@ impl Receivers {
         self.blocks.clear();
         let block = |four| Block { p: vectors(four, &|r| r.p), n: vectors(four, &|r| r.n) };
         self.blocks.extend(group.chunks(4).map(block));
-        self.weights.clear();
-        let weight = |shared: &Shared| shared.receiver.as_ref().map_or(Spectrum::ZERO, |r| r.weight);
-        self.weights.extend(group.iter().map(weight));
         self.alike.clear();
         for (i, receiver) in group.iter().enumerate().filter_map(|(i, s)| Some((i, s.receiver.as_ref()?))) {
             match self.alike.iter_mut().find(|alike| alike.0 == receiver.edges) {
@@ -59,10 +53,6 @@ impl Receivers {
                 shaft.begin(points(run));
             }
         }
-    }
-
-    pub fn weight(&self, path: usize) -> Spectrum {
-        self.weights[path]
     }
 
     /// The geometry term between the source of a path and each receiver that may have a share and faces it, without visibility; a bit for

@@ -62,11 +62,6 @@ impl Shared {
     pub const NOTHING: Self =
         Self { receiver: None, source: None, own: Spectrum::ZERO, radiance: Spectrum::ZERO };
 
-    /// Makes it [`Shared::NOTHING`], but does not write what is not there.
-    pub fn clear(&mut self) {
-        (self.receiver, self.source, self.radiance) = (None, None, Spectrum::ZERO);
-    }
-
     /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is shared.
     pub fn arrive<B: Bsdf>(
         &mut self, vertex: &Vertex<B>, rr_depth: u32, state: &mut State, λ: &Wavelengths

@@ -118,7 +118,7 @@ impl Path {
         states.clear();
         states.resize(paths.len(), State::START);
         if F & Features::REUSE != 0 {
-            shared.iter_mut().for_each(Shared::clear);
+            shared.clear();
         }
         shared.resize(paths.len(), Shared::NOTHING);
         if F & Features::CAUSTICS != 0 {

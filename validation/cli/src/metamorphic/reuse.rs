@@ -98,10 +98,7 @@ pub fn relations() -> Vec<Relation> {
          <string name=\"filename\" value=\"textures/normals.png\"/></texture>{}</bsdf>",
         diffuse(0.7)
     );
-    let metal = |alpha: &str| {
-        let [u, v] = [format!("alpha_u\" value=\"{alpha}"), "alpha_v\" value=\"0.4".to_owned()];
-        bsdf("roughconductor", &format!("<float name=\"{u}\"/><float name=\"{v}\"/>"))
-    };
+    let metal = |alpha| bsdf("roughconductor", &(float("alpha_u", alpha) + &float("alpha_v", 0.4)));
     let plastic = bsdf("roughplastic", &(float("alpha", 0.2) + &grey("diffuse_reflectance", 0.5)));
     let wide = camera().replace("<rfilter type=\"box\"/>", "<rfilter type=\"gaussian\"/>");
     let case = Case::new;
@@ -125,8 +122,8 @@ pub fn relations() -> Vec<Relation> {
         ),
     ];
     // Rough receivers and rough sources, and both at once.
-    let brushed = room(&(ball(&metal("0.2")) + &screen(&metal("0.1"))));
-    let polished = closed_room(&metal("0.3")) + &ball(&diffuse(0.5)) + &screen(&mirror);
+    let brushed = room(&(ball(&metal(0.2)) + &screen(&metal(0.1))));
+    let polished = closed_room(&metal(0.3)) + &ball(&diffuse(0.5)) + &screen(&mirror);
     let rough = [
         Case { pixels: 16, ..case("brushed_metal", brushed.clone()) },
         Case { pixels: 16, light_paths: 0.0, integrator: path(6), ..case("metal_walls", polished) },
