@@ -80,6 +80,9 @@ struct SceneArguments {
     /// longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
+    /// Light paths of each group of pixels that share, up to their number: more that all of them can see
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
+    shared_light_paths: Option<u32>,
     /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that these have shown
     #[arg(long, value_name = "WHERE", value_parser = Where::NAMES)]
     links: Option<String>,
@@ -111,6 +114,7 @@ impl SceneArguments {
             sampler: self.sampler.clone(),
             light_paths: self.light_paths,
             reuse: self.reuse,
+            shared_light_paths: self.shared_light_paths,
             links: self.links.clone(),
         };
         Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
@@ -131,6 +135,7 @@ impl SceneArguments {
             "--reuse",
             self.reuse.map(|pixels| if pixels == AUTO { "auto".into() } else { pixels.to_string() }),
         );
+        say("--shared-light-paths", self.shared_light_paths.map(|count| count.to_string()));
         say("--links", self.links.clone());
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());

@@ -93,7 +93,8 @@ impl Direct {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
                 let u = (u.pair(0), u.one(4));
-                let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _, _| 0.0);
+                let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _, _| 0.0)
+                    .map(|(light, _)| light);
                 let Some(light) = light else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {

@@ -1,7 +1,7 @@
 //! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
 
 use crate::bsdf::Bsdf;
-use crate::emitter::DirectSample;
+use crate::emitter::{DirectSample, EmitterPoint};
 use crate::math::ray::Ends;
 use crate::math::{DVec2, DVec3, Frame, Ray};
 use crate::scene::{Scene, Side};
@@ -64,6 +64,15 @@ pub struct Proposal {
     pub radiance: Spectrum,
 }
 
+/// How an emitter sample was made.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    pub emitter: usize,
+    pub light: DirectSample,
+    /// Of its direction, all samples of both techniques together, in sr⁻¹.
+    pub density: f64,
+}
+
 /// One emitter sample out of `count`, weighted against `rivals` BSDF samples: an estimate of the direct light that
 /// this technique has to contribute, up to visibility.
 ///
@@ -79,7 +88,7 @@ pub fn sample_emitter<B: Bsdf>(
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
-) -> Option<Proposal> {
+) -> Option<(Proposal, Sampled)> {
     let (index, probability, u) = scene.emitters.sample(u, digits)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
@@ -96,10 +105,21 @@ pub fn sample_emitter<B: Bsdf>(
         power_heuristic_of_three(rivals * scattered.pdf / own, light_paths(index, &light, own))
     };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
-    Some(Proposal {
+    let proposal = Proposal {
         ray: if entry.shape.is_some() { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
         radiance: scattered.value * light.radiance * (weight / (pdf * count)) as f32,
-    })
+    };
+    Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
+}
+
+/// The density with which emitter samples of a path's vertices come to this point of an emitter, all together, from p in direction w and at this distance.
+pub fn density_of_samples(scene: &Scene, end: EmitterPoint, (p, w, distance): (DVec3, DVec3, f64)) -> f64 {
+    let entry = &scene.emitters.list[end.emitter];
+    let (Some(shape), Some(path)) = (entry.shape, scene.integrator.path()) else { return 0.0 };
+    let there = SurfacePoint::plain(end.p, end.n, end.n);
+    let pdf =
+        entry.emitter.surface_pdf(&scene.shapes[shape as usize].geometry, &Ray::free(p, w), distance, &there);
+    scene.emitters.probability(end.emitter) * pdf * f64::from(path.emitter_samples)
 }
 
 #[cfg(test)]

@@ -59,6 +59,8 @@ pub struct Counters {
     pub shared: u64,
     /// Pairs of a receiver and a source that were looked at one by one, for something rough in their group.
     pub evaluations: u64,
+    /// That light paths have found for groups of pixels.
+    pub light_sources: u64,
     /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
     pub cut: u64,
     /// Guided emitter samples; see [`guide`].

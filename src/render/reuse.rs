@@ -9,7 +9,7 @@
 
 use super::sample::Camera;
 use super::{scattered, share};
-use crate::integrator::path::reuse::{CELL, cell};
+use crate::integrator::path::reuse::{CELL, LightSources, cell};
 use crate::integrator::{Counters, kernel_for};
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
@@ -20,6 +20,8 @@ use rayon::prelude::*;
 struct Choice {
     /// That share.
     pixels: u32,
+    /// Of each group of these.
+    light_paths: u32,
     /// Emitter samples of the first vertex.
     samples: u32,
 }
@@ -27,6 +29,9 @@ struct Choice {
 /// Numbers of pixels to choose from, and what each must make of the product of variance and cost of the one before. Correlated errors
 /// are a price as well, which a smaller gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
+
+/// How many pixels there are to a shared light path, and what light paths must make of the product.
+const LIGHT_PATHS: (u32, f64) = (8, 0.9);
 
 /// The same of emitter samples, as multiples of what other vertices take.
 const SAMPLES: [(u32, f64); 2] = [(2, 0.95), (4, 0.95)];
@@ -53,7 +58,8 @@ const BLOCK: u64 = 8;
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
     let (free, usual) = (path.free, path.emitter_samples);
-    let mut choice = Choice { pixels: path.reuse, samples: path.first_emitter_samples };
+    let (pixels, light_paths) = (path.reuse, path.shared_light_paths);
+    let mut choice = Choice { pixels, light_paths, samples: path.first_emitter_samples };
     if free.reuse {
         let steps = PIXELS.map(|(pixels, worth)| (Choice { pixels, ..choice }, worth));
         let alone = (choice, measure(scene, choice));
@@ -67,6 +73,11 @@ pub fn settle(scene: &mut Scene) {
                 scene.caustics = Some(caustics);
             }
             scene.settle_caustics();
+        }
+        let (each, worth) = LIGHT_PATHS;
+        if free.shared_light_paths && best.0.pixels >= each {
+            let with = Choice { light_paths: best.0.pixels / each, ..best.0 };
+            best = climb(scene, best, &[(with, worth)]);
         }
         if free.first_emitter_samples {
             let several =
@@ -96,7 +107,13 @@ fn climb(scene: &mut Scene, mut best: (Choice, f64), steps: &[(Choice, f64)]) ->
 
 fn set(scene: &mut Scene, choice: Choice) {
     let Some(path) = scene.integrator.path_mut() else { return };
-    (path.reuse, path.first_emitter_samples) = (choice.pixels, choice.samples);
+    let light_paths = choice.light_paths.min(if choice.pixels > 1 { choice.pixels } else { 0 });
+    (path.reuse, path.shared_light_paths) = (choice.pixels, light_paths);
+    path.first_emitter_samples = choice.samples;
+    scene.light_sources = match light_paths {
+        0 => None,
+        some => LightSources::new(some, &scene.shapes, &scene.emitters),
+    };
     scene.features.0 &= !Features::REUSE;
     scene.features.0 |= if choice.pixels > 1 { Features::REUSE } else { 0 };
 }
@@ -109,7 +126,7 @@ fn measure(scene: &mut Scene, choice: Choice) -> f64 {
     let film = scene.sensor.film.crop;
     let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
     let channels = camera.channel_names().len();
-    // Relative deviation of a cell, and the cost of its paths in rays.
+    // Relative deviation of a cell, the cost of its paths in rays, and sources that light paths found.
     let of_cell = |i: u64| {
         let mut counters = Counters::default();
         let at = scattered(i, u64::from(columns * rows)) as u32;
@@ -135,13 +152,15 @@ fn measure(scene: &mut Scene, choice: Choice) -> f64 {
         let light: f64 = sums.iter().map(|sum| sum[0]).sum();
         let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
             + EVALUATION * counters.evaluations as f64;
-        (if light > 0.0 { deviation / light } else { 0.0 }, cost)
+        let lit = counters.light_sources as f64;
+        [if light > 0.0 { deviation / light } else { 0.0 }, cost, lit]
     };
-    let cells: Vec<(f64, f64)> = (0..CELLS).into_par_iter().map(of_cell).collect();
-    let (deviation, rays) = cells.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
+    let cells: Vec<[f64; 3]> = (0..CELLS).into_par_iter().map(of_cell).collect();
+    let [deviation, rays, lit] = [0, 1, 2].map(|i| cells.iter().map(|cell| cell[i]).sum::<f64>());
     let sharing = if choice.pixels > 1 { SHARING + HANDING_ON * f64::from(choice.pixels) } else { 0.0 };
     let paths = (CELLS * CAMERA_SAMPLES * u64::from(CELL * CELL)) as f64;
-    deviation * deviation * (rays + sharing * paths)
+    let sources = lit * HANDING_ON * f64::from(choice.pixels);
+    deviation * deviation * (rays + sharing * paths + sources)
 }
 
 #[cfg(test)]

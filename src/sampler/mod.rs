@@ -83,6 +83,9 @@ pub const MOST_EMITTER_SAMPLES: u32 = 1024;
 /// The blocks of emitter samples, where a vertex takes several, begin here, beyond any vertex.
 const EMITTER_SAMPLES: u32 = 1 << 30;
 
+/// The blocks of light paths for groups of pixels begin here.
+pub const LIGHT_SOURCES: u32 = 1 << 28;
+
 /// The blocks of guided emitter samples begin here.
 pub const GUIDED: u32 = 1 << 29;
 
@@ -121,8 +124,15 @@ impl Sampler {
     /// are one sequence, better spread than `count` of their own.
     #[inline]
     pub fn emitter_sample(&self, depth: u32, which: u32, count: u32) -> Numbers {
+        let (sampler, beyond) = self.one_of(which, count);
+        sampler.block(EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + beyond)
+    }
+
+    /// One of `count` that stand for this sample, those of all samples being one sequence, and how many times that is longer than samplers can count.
+    #[inline]
+    pub fn one_of(&self, which: u32, count: u32) -> (Self, u32) {
         let number = u64::from(self.sample) * u64::from(count) + u64::from(which);
-        self.at(number as u32).block(EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + (number >> 32) as u32)
+        (self.at(number as u32), (number >> 32) as u32)
     }
 
     /// The numbers of one block.

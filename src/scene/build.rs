@@ -126,6 +126,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         sensor,
         integrator,
         caustics,
+        light_sources: None,
         links,
         guide: None,
         mode,

@@ -25,6 +25,7 @@ use crate::integrator::AnyIntegrator;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::guide::Guide;
 use crate::integrator::links::Links;
+use crate::integrator::path::reuse::LightSources;
 use crate::math::{DVec3, Ray};
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
@@ -92,6 +93,8 @@ pub struct Overrides {
     pub light_paths: Option<f64>,
     /// Pixels that share what their paths find.
     pub reuse: Option<u32>,
+    /// Light paths of each group of them.
+    pub shared_light_paths: Option<u32>,
     /// Where emitters are sampled through glass and by mirrors.
     pub links: Option<String>,
 }
@@ -109,6 +112,8 @@ pub struct Scene {
     pub integrator: AnyIntegrator,
     /// How caustics are found, where light paths help.
     pub caustics: Option<Caustics>,
+    /// How light paths find sources for pixels that share, if they do; see [`crate::render::reuse`].
+    pub light_sources: Option<LightSources>,
     /// Where emitters are sampled through glass and by mirrors, if they are.
     pub links: Option<Links>,
     /// Along which ways emitters are sampled instead, if light paths have shown some.

@@ -23,6 +23,9 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     if let Some(pixels) = overrides.reuse {
         set(child(root, "integrator", "path")?, "reuse", &pixels.to_string());
     }
+    if let Some(count) = overrides.shared_light_paths {
+        set(child(root, "integrator", "path")?, "shared_light_paths", &count.to_string());
+    }
     if let Some(place) = &overrides.links {
         set_as("string", child(root, "integrator", "path")?, "links", place);
     }

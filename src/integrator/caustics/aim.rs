@@ -61,6 +61,11 @@ impl Aim {
         Self { balls: groups.iter().map(ball).collect() }
     }
 
+    /// Aimed at nothing: by the cosine.
+    pub fn everywhere() -> Self {
+        Self { balls: vec![] }
+    }
+
     fn cone(&self, ball: usize, p: DVec3, n: DVec3) -> Option<Cone> {
         let (centre, radius) = self.balls[ball];
         let towards = centre - p;
@@ -90,6 +95,9 @@ impl Aim {
     pub fn sample(&self, p: DVec3, n: DVec3, u: DVec2, digits: f64) -> DVec3 {
         let cosine = |x: f64| Frame::about(n).to_world(warp::cosine_hemisphere(DVec2::new(x, u.y)));
         let choice = with_digits(u.x, digits);
+        if self.balls.is_empty() {
+            return cosine(choice);
+        }
         if choice < UNAIMED {
             return cosine(choice / UNAIMED);
         }

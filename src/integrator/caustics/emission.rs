@@ -34,13 +34,22 @@ impl Emission {
     pub fn new(emitters: &Emitters, shapes: &[Shape], instances: &Instances) -> Option<Self> {
         let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.bounds());
         let casters: Vec<_> = own.chain(instances.bounds_of_groups_with(is_caster)).collect();
+        if casters.is_empty() { None } else { Self::aimed(emitters, shapes, Aim::new(&casters)) }
+    }
+
+    /// Aimed at nothing. `None` where nothing shines.
+    pub fn everywhere(emitters: &Emitters, shapes: &[Shape]) -> Option<Self> {
+        Self::aimed(emitters, shapes, Aim::everywhere())
+    }
+
+    fn aimed(emitters: &Emitters, shapes: &[Shape], aim: Aim) -> Option<Self> {
         let power = |entry: &crate::emitter::select::Entry| match (&entry.emitter, entry.shape) {
             (AnyEmitter::Area(area), Some(shape)) => area.power(&shapes[shape as usize].geometry),
             _ => 0.0,
         };
         let choice = Discrete::new(emitters.list.iter().map(power));
-        let some = choice.total() > 0.0 && choice.total().is_finite() && !casters.is_empty();
-        some.then(|| Self { choice, aim: Aim::new(&casters) })
+        let some = choice.total() > 0.0 && choice.total().is_finite();
+        some.then_some(Self { choice, aim })
     }
 
     /// Takes the pairs 0 and 1 and the dimensions 5 and 6.

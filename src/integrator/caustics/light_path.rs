@@ -4,7 +4,7 @@ use super::Caustics;
 use crate::bsdf::Bsdf;
 use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
-use crate::integrator::light::{Vertex, power_heuristic_of_three};
+use crate::integrator::light::{Vertex, density_of_samples, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::{side_towards, survival};
 use crate::math::{DVec2, DVec3, Ray};
@@ -133,7 +133,7 @@ impl Caustics {
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
-                path.by_emitter = self.emitter_pdf(scene, path, &point, hit.t) / back.pdf;
+                path.by_emitter = density_of_samples(scene, path.end, (point.p, to_light, hit.t)) / back.pdf;
             }
         }
         if path.throughput.is_zero() {
@@ -152,17 +152,6 @@ impl Caustics {
             }
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
-    }
-
-    /// The density with which the first surface on the way would have chosen the first edge by sampling emitters.
-    fn emitter_pdf(&self, scene: &Scene, path: &LightPath, first: &SurfacePoint, t: f64) -> f64 {
-        let EmitterPoint { emitter, p, n } = path.end;
-        let entry = &scene.emitters.list[emitter];
-        let Some(shape) = entry.shape else { return 0.0 };
-        let back = Ray::free(first.p, -path.ray.direction);
-        let end = SurfacePoint::plain(p, n, n);
-        let pdf = entry.emitter.surface_pdf(&scene.shapes[shape as usize].geometry, &back, t, &end);
-        scene.emitters.probability(emitter) * pdf * f64::from(self.settings.emitter_samples)
     }
 
     /// What the camera gets of the light at a vertex if nothing is between them.

@@ -1,14 +1,8 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
-mod exchange;
-mod lobes;
-mod part;
-mod questions;
-mod receivers;
 pub mod reuse;
 mod scatter;
 mod shadows;
-mod shared;
 mod stream;
 mod vertex;
 
@@ -59,6 +53,8 @@ pub struct Path {
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
+    /// Light paths of each group of pixels that share; see [`reuse`].
+    pub shared_light_paths: u32,
     /// What a pilot is to decide; see [`crate::render::reuse`].
     pub free: Free,
     /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
@@ -69,6 +65,8 @@ pub struct Path {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Free {
     pub reuse: bool,
+    /// No number of shared light paths was given.
+    pub shared_light_paths: bool,
     /// No number of emitter samples was given for the first vertex.
     pub first_emitter_samples: bool,
 }
@@ -86,6 +84,7 @@ impl Default for Path {
             first_emitter_samples: 1,
             light_paths: None,
             reuse: 1,
+            shared_light_paths: 0,
             free: Free::default(),
             links: Where::Auto,
         }
@@ -120,10 +119,16 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
             "expected a power of two up to 64, or 0",
         ));
     }
+    let about = "light paths of each group of pixels that share: no more than there are pixels; −1 means none, or, where a pilot decides on `reuse`, what it finds best (an extension)";
+    let shared_light_paths = params.integer("shared_light_paths", -1, -1..=64, about)?;
     let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
     let links = params.choice("links", &Where::NAMES, about)?;
     let links = Where::named(links).unwrap_or(Where::Auto);
-    let free = Free { reuse: reuse == AUTO, first_emitter_samples: first == AUTO };
+    let free = Free {
+        reuse: reuse == AUTO,
+        shared_light_paths: shared_light_paths < 0,
+        first_emitter_samples: first == AUTO,
+    };
     Ok(AnyIntegrator::Path(Path {
         max_depth,
         rr_depth,
@@ -132,6 +137,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         first_emitter_samples: if free.first_emitter_samples { emitter_samples } else { first },
         light_paths,
         reuse: if free.reuse { 1 } else { reuse },
+        shared_light_paths: u32::try_from(shared_light_paths).unwrap_or(0),
         free,
         links,
     }))

@@ -1,13 +1,13 @@
 //! Scattering at a vertex: light that it asks for, and where the path goes on.
 
+use super::reuse::{Shared, Tail};
 use super::shadows::Shadows;
-use super::shared::Shared;
 use super::stream::State;
 use super::vertex::Arrival;
 use super::{Path, survival};
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::{DirectSample, EmitterPoint};
-use crate::integrator::light::{self, Vertex};
+use crate::integrator::light::{self, Proposal, Sampled, Vertex};
 use crate::integrator::links::{self, Link, Way};
 use crate::integrator::{CameraPath, Counters, caustics, guide};
 use crate::math::{DVec3, Ray};
@@ -62,7 +62,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let mut vertex = Vertex { point, primitive, frame: &frame, bsdf: &bsdf, wo: DVec3::ZERO, side };
         vertex.wo = vertex.to_local(wo);
         if F & Features::REUSE != 0 && settings.reuse > 1 {
-            shared.arrive(&vertex, settings.rr_depth, state, λ);
+            shared.arrive(&vertex, settings, state, λ);
+            state.tail.arrive(shared.source.as_ref(), &vertex);
         }
         // What the camera's ray knows only of the first vertex.
         let first = Some(path.ray).filter(|_| state.depth == 0);
@@ -97,8 +98,17 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let u = numbers(which, samples);
                 let u = (u.pair(0), u.one(4));
                 let found = light::sample_emitter(scene, &vertex, gathers_about, u, counts, λ, light_paths);
-                if let Some(light) = found {
-                    shadows.push(owner, light.ray, throughput * light.radiance);
+                let Some((Proposal { ray, radiance }, sampled)) = found else { continue };
+                let rivals = || {
+                    let Sampled { emitter, light, density } = sampled;
+                    let end = EmitterPoint { emitter, p: point.p + light.wi * light.distance, n: light.n };
+                    let factor = |tail: &Tail| tail.factor(&vertex, vertex.to_local(light.wi), density);
+                    state.tail.rivals(scene, factor, end, -light.wi)
+                };
+                let rivals = if F & Features::REUSE != 0 && shares { rivals() } else { None };
+                match rivals {
+                    Some(rivals) => shadows.contest(index, rivals, ray, throughput * radiance),
+                    None => shadows.push(owner, ray, throughput * radiance),
                 }
             }
         }
@@ -162,6 +172,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         if F & Features::REUSE != 0 {
             shared.leave(state, sample.wi);
+            state.tail.leave(&vertex, &sample);
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;

@@ -1,6 +1,6 @@
 //! Light that waits to be tested for visibility.
 
-use super::shared::Shared;
+use super::reuse::{Contested, Rivals, Shared};
 use super::stream::STREAM;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
@@ -12,7 +12,11 @@ use crate::spectrum::Spectrum;
 pub struct Shadows {
     pub rays: Vec<Ray>,
     light: Vec<(usize, bool, Spectrum)>,
+    /// What else finds some of what is shared, by its place.
+    rivals: Vec<(usize, Rivals)>,
     occluded: Vec<bool>,
+    /// What is shared of that and has arrived.
+    pub contested: Vec<Contested>,
 }
 
 impl Shadows {
@@ -22,6 +26,12 @@ impl Shadows {
     pub fn push(&mut self, (path, shares): (usize, bool), ray: Ray, light: Spectrum) {
         self.rays.push(ray);
         self.light.push((path, shares, light));
+    }
+
+    /// Light that is shared and that light paths find as well.
+    pub fn contest(&mut self, path: usize, rivals: Rivals, ray: Ray, light: Spectrum) {
+        self.rivals.push((self.light.len(), rivals));
+        self.push((path, true), ray, light);
     }
 
     /// Adds what arrives, in the order in which it was pushed.
@@ -35,6 +45,13 @@ impl Shadows {
         counters.rays += self.rays.len() as u64;
         self.occluded.resize(self.rays.len(), false);
         scene.accel.occluded_all(&self.rays, &mut self.occluded);
+        // Contested light goes where it is parted.
+        for (place, rivals) in self.rivals.drain(..) {
+            let (path, _, light) = self.light[place];
+            if !std::mem::replace(&mut self.occluded[place], true) {
+                self.contested.push(Contested { path, rivals, light });
+            }
+        }
         for ((path, shares, light), occluded) in self.light.drain(..).zip(&self.occluded) {
             match occluded {
                 true => {}

@@ -1,9 +1,8 @@
 //! Paths that take each step together.
 
 use super::Path;
-use super::exchange::Exchange;
+use super::reuse::{Exchange, Shared, Tail};
 use super::shadows::Shadows;
-use super::shared::Shared;
 use super::vertex::Arrival;
 use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters};
@@ -37,6 +36,8 @@ pub struct State {
     pub from_caster: bool,
     /// What is found from here on is shared with other pixels; the throughput begins anew.
     pub shares: bool,
+    /// How likely light paths make what is shared.
+    pub tail: Tail,
 }
 
 impl State {
@@ -50,6 +51,7 @@ impl State {
         light_ratio: 1.0,
         from_caster: false,
         shares: false,
+        tail: Tail::NONE,
     };
 
     /// What light from here on is multiplied with for the path's own pixel.
@@ -103,7 +105,8 @@ impl Path {
             }
             let (now, later) = paths.split_at_mut(end);
             self.trace_stream::<F>(scene, now, &mut stream, counters);
-            stream.exchange.share(scene, now, &stream.shared, counters);
+            let Stream { exchange, shared, shadows, .. } = &mut stream;
+            exchange.share((scene, self.max_depth), now, (shared, &mut shadows.contested), counters);
             paths = later;
         }
     }

@@ -1,17 +1,10 @@
 //! What no expectation shows: settings that change the noise alone.
 
 use super::LONG;
-use super::exchange::Exchange;
-use super::receivers::Receivers;
-use super::shared::{Receiver, Shared, Source};
 use crate::image::Image;
-use crate::integrator::{CameraPath, Counters};
-use crate::math::frame::unit;
-use crate::math::{DVec3, Ray, Transform};
 use crate::render::{Progress, Report, Settings, render};
-use crate::sampler::{Kind, Sampler};
 use crate::scene::load_text;
-use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
+use crate::spectrum::ColorMode;
 
 /// A scene in RGB with so many samples a pixel.
 fn rendered(text: &str, samples: u64) -> (Image, Report) {
@@ -51,98 +44,6 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
     // What sampling the surface adds is a hundredth; each variance is known to one in fifty.
     let ratio = variance(8) / variance(1);
     assert!((ratio - 0.125).abs() < 0.02, "{ratio}");
-}
-
-#[test]
-fn receivers_share_with_their_like_on_the_side_that_is_matte() {
-    let receiver = |x: f64, edges: u32| {
-        let (p, n) = (DVec3::new(x, 0.0, 0.0), DVec3::Z);
-        Shared {
-            receiver: Some(Receiver { p, n, primitive: 0, weight: Spectrum::ONE, lobes: None, edges }),
-            ..Shared::NOTHING
-        }
-    };
-    let group = [(-1.0, 0), (-0.5, 1), (0.5, 0), (1.0, 1)].map(|(x, edges)| receiver(x, edges));
-    let mut receivers = Receivers::default();
-    receivers.begin(&group);
-    let mut weights = [0.0; 64];
-    let mut facing = |path: usize, n: DVec3| {
-        let source = Source { p: DVec3::new(0.0, 0.0, 2.0), n, ng: n, primitive: 1, lobes: None };
-        let facing = receivers.weights(path, &source, &mut weights);
-        // The cosine at the floor, that at the source, and the distance.
-        for (i, x) in [-1.0, -0.5, 0.5, 1.0f64].into_iter().enumerate() {
-            let way = DVec3::new(-x, 0.0, 2.0);
-            let geometry = (way.z * n.dot(way)).abs() / way.dot(way).powi(2);
-            assert!((weights[i] / geometry - 1.0).abs() < 1e-12, "{i}");
-        }
-        facing
-    };
-    let ceiling = -DVec3::Z;
-    let to_the_left = unit(DVec3::new(-1.0, 0.0, -0.1));
-    assert_eq!([0, 1].map(|path| facing(path, ceiling)), [0b0101, 0b1010]);
-    assert_eq!([0, 1].map(|path| facing(path, to_the_left)), [0b0001, 0b0010]);
-}
-
-/// A ray that ended on its source's surface would be stopped there as often as rounding says, and neighbours would go without.
-#[test]
-fn sources_do_not_hide_themselves() {
-    let axis = DVec3::new(1.0, 2.0, 3.0);
-    let turn = Transform::rotate(axis, 25.0).unwrap();
-    let placed = |kind: &str, scale: f64, z: f64| {
-        format!(
-            r#"<shape type="{kind}"><transform name="to_world"><scale value="{scale}"/><translate z="{z}"/>
-                <rotate x="1" y="2" z="3" angle="25"/></transform></shape>"#
-        )
-    };
-    // A floor and a ceiling with something beyond both, or no ray would ask them.
-    let things =
-        [("rectangle", 2.0, 0.0), ("rectangle", 2.0, 2.0), ("sphere", 0.5, -3.0), ("sphere", 0.5, 5.0)];
-    let things: String = things.map(|(kind, scale, z)| placed(kind, scale, z)).concat();
-    let text = format!(r#"<scene version="3.0.0"><sensor type="perspective"/>{things}</scene>"#);
-    let scene = load_text("t", &text, ColorMode::Rgb).unwrap();
-    let up = turn.vector(DVec3::Z);
-    let part = |i: u32, step: f64| (f64::from(i) * step).fract() - 0.5;
-    let camera = CameraPath {
-        ray: Ray::free(DVec3::ZERO, DVec3::Z),
-        λ: Wavelengths::rgb(),
-        sampler: Sampler::new(Kind::Sobol, 0, (0, 0), 0),
-        group: 0,
-        radiance: Spectrum::ZERO,
-        covered: false,
-    };
-    let mut exchange = Exchange::default();
-    for i in 0..1000 {
-        let place = |j: u32, z: f64| {
-            let i = 8 * i + j;
-            turn.point(DVec3::new(2.0 * part(i, 0.618_033_989), 2.0 * part(i, 0.754_877_666), z))
-        };
-        let group = [0, 1, 2, 3].map(|j| Shared {
-            receiver: Some(Receiver {
-                p: place(j, 0.0),
-                n: up,
-                primitive: 0,
-                weight: Spectrum::ONE,
-                lobes: None,
-                edges: 0,
-            }),
-            source: Some(Source { p: place(j + 4, 2.0), n: -up, ng: -up, primitive: 1, lobes: None }),
-            own: Spectrum::ONE,
-            radiance: Spectrum::ONE,
-        });
-        let mut paths = vec![camera; 4];
-        exchange.share(&scene, &mut paths, &group, &mut Counters::default());
-        // Both cosines are the height over the distance.
-        let weight = |receiver: u32, source: u32| {
-            (place(source + 4, 2.0) - place(receiver, 0.0)).length_squared().powi(2).recip()
-        };
-        for receiver in 0..4 {
-            let part =
-                |source: u32| weight(receiver, source) / (0..4).map(|r| weight(r, source)).sum::<f64>();
-            let expected: f64 = (0..4).map(part).sum();
-            let found = f64::from(paths[receiver as usize].radiance.0[0]);
-            assert!((found - expected).abs() < 1e-6, "{i} {receiver}: {found} for {expected}");
-        }
-    }
 }
 
 /// Alpha of a picture through three surfaces that let all light pass, at every depth of paths.

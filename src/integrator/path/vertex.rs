@@ -1,8 +1,8 @@
 //! What happens where a path has arrived: light that it meets, and what the surface there is.
 
+use super::reuse::{Contested, Shared};
 use super::scatter::Scatter;
 use super::shadows::Shadows;
-use super::shared::Shared;
 use super::stream::State;
 use super::{MAX_VERTICES, Path};
 use crate::emitter::EmitterPoint;
@@ -90,7 +90,12 @@ impl Path {
                 } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
                     path.radiance += shared.own * light;
                 } else {
-                    shared.radiance += light;
+                    let end = EmitterPoint { emitter: emitter as usize, p: point.p, n: point.ng };
+                    let factor = |_: &_| 1.0 / (1.0 + by_emitter);
+                    match state.tail.rivals(scene, factor, end, -ray.direction) {
+                        Some(rivals) => shadows.contested.push(Contested { path: index, rivals, light }),
+                        None => shared.radiance += light,
+                    }
                 }
             }
         }

@@ -131,9 +131,32 @@ pub fn relations() -> Vec<Relation> {
             .option("integer", "rr_depth", "3"),
         Case {
             integrator: path(-1),
-            ..case("metal_beside_glass", brushed + &sphere([0.6, -0.6, 0.4], 0.3, &glass))
+            ..case("metal_beside_glass", brushed.clone() + &sphere([0.6, -0.6, 0.4], 0.3, &glass))
         }
         .option("integer", "rr_depth", "3"),
+    ];
+    // Light paths of a group find sources as well: few and many, short and long, by rough surfaces, and beside what they leave to others.
+    let lit = |case: Case, light_paths: u32| {
+        let name = "shared_light_paths";
+        Case { integrator: path(-1), pixels: 16, ..case }.option("integer", name, &light_paths.to_string())
+    };
+    let limited = |case: Case| Case { integrator: case.integrator.replace("-1", "4"), ..case };
+    let bare = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0));
+    let lit_cases = [
+        limited(lit(case("lit", room(&matte)), 2)),
+        limited(lit(case("lit_glass_and_mirror", room(&(ball(&glass) + &screen(&mirror)))), 4)),
+    ];
+    let brighter = [
+        lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
+        lit(case("lit_metal", brushed.clone()), 4),
+        lit(case("lit_under_the_sky", objects(&[]).concat() + &lamp(4.0) + &constant(0.1)), 4),
+    ];
+    let lit_at_length = [
+        lit(case("lit_by_many", room(&matte)), 16).option("integer", "rr_depth", "3"),
+        lit(case("lit_smooth_normals", room(&vase(&diffuse(0.8)))), 4),
+        lit(case("lit_relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))), 4),
+        Case { light_paths: 0.0, ..lit(case("lit_metal_alone", brushed), 4) },
+        lit(case("lit_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))), 4),
     ];
     let open = Case { pixels: 16, ..case("open", objects(&[]).concat() + &constant(1.0)) };
     let checkered = case("checks", closed_room(checks) + &ball(checks));
@@ -141,6 +164,9 @@ pub fn relations() -> Vec<Relation> {
     let hidden_lamp = hidden_lamp.option("boolean", "hide_emitters", "true");
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
+    relations.extend(lit_cases.map(Case::relation));
+    relations.extend(brighter.map(|case| case.relation().samples(4096)));
+    relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.extend(rough.map(|case| case.relation().samples(4096)));
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
     // Without light paths pixels share what emitter samples through glass and by mirrors find.

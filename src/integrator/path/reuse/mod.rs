@@ -22,8 +22,26 @@
 //!
 //! Mirrors and smooth glass before xᵢ only change with what its light is multiplied, but then only points that are as many edges from the camera share.
 //!
+//! **Light paths** may find more sources for a group, and light that matte ones send: `light_sources.rs` says why, `rivals.rs` derives the weights.
+//!
 //! What stays with its own path: all light up to yᵢ, and to a rough yᵢ; paths by surfaces of any other kind; and beyond yᵢ the light that
 //! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
+
+mod connections;
+mod exchange;
+mod light_path;
+mod light_sources;
+mod lobes;
+mod part;
+mod questions;
+mod receivers;
+mod rivals;
+mod shared;
+
+pub use exchange::Exchange;
+pub use light_sources::LightSources;
+pub use rivals::{Contested, Rivals, Tail};
+pub use shared::Shared;
 
 /// Edge in pixels of the cells of the film within which pixels share paths.
 pub const CELL: u32 = 8;
@@ -82,40 +100,4 @@ pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> Group {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::BTreeMap;
-
-    #[test]
-    fn groups_are_runs_of_a_cell_and_part_the_film() {
-        let film = (21, 13);
-        for pixels in PIXELS {
-            for sample in [0, 1, 6] {
-                let mut seen = BTreeMap::new();
-                for corner in (0..3).flat_map(|x| (0..2).map(move |y| (x * CELL, y * CELL))) {
-                    let cell: Vec<_> = cell(corner, sample, film).collect();
-                    let groups: Vec<Group> = cell.iter().map(|of| group(of.0, of.1, pixels)).collect();
-                    let mut distinct = groups.clone();
-                    distinct.dedup();
-                    let runs = distinct.len();
-                    distinct.sort_by_key(|group| group.number);
-                    distinct.dedup();
-                    assert_eq!(runs, distinct.len(), "a group in two pieces");
-                    for (of, group) in cell.iter().zip(groups) {
-                        assert_eq!((of.1, group.sample, group.corner()), (sample, sample, corner));
-                        assert_eq!(seen.insert(of.0, group), None);
-                        let edge = correlated_edge(pixels);
-                        let partners =
-                            cell.iter().filter(|other| super::group(other.0, sample, pixels) == group);
-                        let near = |a: u32, b: u32| a / edge == b / edge;
-                        assert!(partners.clone().all(|p| near(p.0.0, of.0.0) && near(p.0.1, of.0.1)));
-                        assert!(partners.count() <= pixels as usize);
-                    }
-                }
-                assert_eq!(seen.len(), (film.0 * film.1) as usize);
-                let full = seen.values().filter(|group| group.cell == (0, 0) && group.number == 0).count();
-                assert_eq!(full, pixels as usize);
-            }
-        }
-    }
-}
+mod tests;

@@ -55,9 +55,8 @@ impl Receivers {
         }
     }
 
-    /// The geometry term between the source of a path and each receiver that may have a share and faces it, without visibility; a bit for
-    /// each of these.
-    pub fn weights(&self, path: usize, source: &Source, weights: &mut [f64; 64]) -> u64 {
+    /// The geometry term between a source and each receiver, without visibility; a bit for each that faces it and is one of these.
+    pub fn weights(&self, of: u64, source: &Source, weights: &mut [f64; 64]) -> u64 {
         let spread = |v: DVec3| v.to_array().map(F64x4::splat);
         let (p, n, ng) = (spread(source.p), spread(source.n), spread(source.ng));
         let (zero, most) = (F64x4::splat(0.0), F64x4::splat(f64::MAX));
@@ -71,8 +70,17 @@ impl Receivers {
             facing |= u64::from(faces.bits()) << (4 * i);
             weights[4 * i..4 * i + 4].copy_from_slice(&weight.to_array());
         }
-        let alike = self.alike.iter().find(|alike| alike.1 >> path & 1 == 1);
-        facing & alike.map_or(0, |alike| alike.1)
+        facing & of
+    }
+
+    /// A bit for each receiver that has as many edges before it as that of a path.
+    pub fn like(&self, path: usize) -> u64 {
+        self.alike.iter().find(|alike| alike.1 >> path & 1 == 1).map_or(0, |alike| alike.1)
+    }
+
+    /// The same for each number of edges.
+    pub fn all_alike(&self) -> Vec<(u32, u64)> {
+        self.alike.clone()
     }
 
     /// A bit for each receiver that sees the source for sure.

@@ -1,9 +1,12 @@
 //! What a path has to share, and from where on.
 
-use super::stream::State;
+use super::super::Path;
+use super::super::stream::State;
+use super::rivals::Tail;
 use crate::bsdf::Bsdf;
 use crate::integrator::light::Vertex;
-use crate::math::DVec3;
+use crate::math::ray::{Ends, way_between};
+use crate::math::{DVec3, Ray, length};
 use crate::scene::Side;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -24,6 +27,13 @@ pub struct Receiver {
     pub edges: u32,
 }
 
+impl Receiver {
+    /// Asks whether anything is between.
+    pub fn ray_to(&self, source: &Source) -> Ray {
+        between((self.p, self.primitive), source.p)
+    }
+}
+
 /// A point that a path came to from a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
@@ -33,8 +43,24 @@ pub struct Source {
     /// World, of the surface itself, on either side: areas are its.
     pub ng: DVec3,
     pub primitive: u32,
+    /// Of a matte point; else one.
+    pub albedo: Spectrum,
     /// `None` of a matte point.
     pub lobes: Option<Lobes>,
+}
+
+impl Source {
+    /// Asks whether anything is between.
+    pub fn ray_to(&self, other: &Source) -> Ray {
+        between((self.p, self.primitive), other.p)
+    }
+}
+
+fn between((p, primitive): (DVec3, u32), end: DVec3) -> Ray {
+    let way = end - p;
+    let distance = length(way);
+    let ray = Ray::leaving(p, way / distance, way_between(distance, p, end), primitive);
+    Ray { ends: Ends::OnSurfaces, ..ray }
 }
 
 /// How a receiver or a source scatters that is rough.
@@ -54,7 +80,7 @@ pub struct Shared {
     pub source: Option<Source>,
     /// What becomes of what is shared on its way to the path's own pixel.
     pub own: Spectrum,
-    /// The radiance that leaves a matte source or comes to a rough one, as far as it is known.
+    /// Besides what is [contested](super::rivals::Contested): the radiance that leaves a matte source or comes to a rough one, as far as it is known.
     pub radiance: Spectrum,
 }
 
@@ -64,13 +90,17 @@ impl Shared {
 
     /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is shared.
     pub fn arrive<B: Bsdf>(
-        &mut self, vertex: &Vertex<B>, rr_depth: u32, state: &mut State, λ: &Wavelengths
+        &mut self,
+        vertex: &Vertex<B>,
+        settings: &Path,
+        state: &mut State,
+        λ: &Wavelengths,
     ) {
         let Vertex { point, primitive, side, .. } = *vertex;
         let albedo = vertex.bsdf.albedo();
         let faces = vertex.wo.z > 0.0 && (albedo.is_some() || side.traits.rough);
         // What is shared must not have been through roulette, whose chances depend on the pixel.
-        let goes_on = state.depth + 1 < rr_depth;
+        let goes_on = state.depth + 1 < settings.rr_depth;
         let lobes = || albedo.is_none().then_some(Lobes { point: *point, side, fixed: vertex.wo });
         let begins = match (&self.receiver, &self.source) {
             (None, _) if faces && state.mirrored && goes_on => {
@@ -84,7 +114,8 @@ impl Shared {
             (Some(receiver), _) if state.depth == receiver.edges + 1 => {
                 if faces && (albedo.is_some() || goes_on) {
                     let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
-                    self.source = Some(Source { p, n, ng, primitive, lobes: lobes() });
+                    let (albedo, lobes) = (albedo.unwrap_or(Spectrum::ONE), lobes());
+                    self.source = Some(Source { p, n, ng, primitive, albedo, lobes });
                 }
                 albedo.is_some() && faces
             }
@@ -96,6 +127,10 @@ impl Shared {
         if begins {
             self.own = state.throughput;
             (state.throughput, state.eta2, state.shares) = (Spectrum::ONE, 1.0, true);
+            let matte = self.source.is_some_and(|source| source.lobes.is_none());
+            if settings.shared_light_paths > 0 && matte {
+                state.tail = Tail::BEGINS;
+            }
         }
     }
 

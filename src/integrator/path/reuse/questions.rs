@@ -1,11 +1,12 @@
 //! Which receivers see a source.
 
-use super::part::{Part, hand_on};
-use super::shared::{Shared, Source};
-use super::stream::STREAM;
+use super::super::stream::STREAM;
+use super::exchange::{Group, Offer};
+use super::part::{Light, Part, hand_on};
+use super::rivals::{Contested, MOST_EDGES};
+use super::shared::Shared;
 use crate::integrator::{CameraPath, Counters};
-use crate::math::ray::{Ends, way_between};
-use crate::math::{Ray, length};
+use crate::math::Ray;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
@@ -14,6 +15,8 @@ use crate::spectrum::Spectrum;
 pub struct Questions {
     rays: Vec<Ray>,
     shares: Vec<Share>,
+    /// What sources send, as far as receivers have been asked about.
+    lights: Vec<Light>,
     /// [`Part::weight`] of the shares that have another than their receivers.
     weights: Vec<Spectrum>,
     occluded: Vec<bool>,
@@ -21,7 +24,7 @@ pub struct Questions {
 
 /// What a receiver may have of a source; there are thousands at a time, so their numbers are small.
 struct Share {
-    source: u8,
+    light: u16,
     receiver: u8,
     is_seen: bool,
     /// Its place among the weights, if it is not that of the receiver.
@@ -30,7 +33,9 @@ struct Share {
     density: f64,
 }
 
-const _: () = assert!(STREAM <= 1 << u8::BITS && STREAM * STREAM <= 1 << u16::BITS);
+// A group has no more light paths than pixels at most, each of which finds no more sources than it has edges.
+const _: () =
+    assert!(STREAM <= 1 << u8::BITS && STREAM * STREAM * (1 + MOST_EDGES as usize) <= 1 << u16::BITS);
 
 impl Share {
     fn part(&self, shared: &[Shared], weights: &[Spectrum]) -> (usize, Part) {
@@ -46,29 +51,27 @@ impl Questions {
     pub fn offer(
         &mut self,
         receiving: &mut [CameraPath],
-        group: &[Shared],
-        (first, j, source): (usize, usize, &Source),
+        Group { first, shared, contested, .. }: Group,
+        Offer { source, light, .. }: Offer,
         (in_sight, matte): (u64, bool),
         parts: impl Iterator<Item = (usize, Part)> + Clone,
     ) {
         if parts.clone().all(|(i, _)| in_sight >> i & 1 == 1) {
-            hand_on(receiving, group[j].radiance, parts);
+            hand_on(receiving, (&light, contested), parts);
             return;
         }
+        let number = self.lights.len() as u16;
+        self.lights.push(light);
         for (i, Part { weight, geometry, density }) in parts {
             let is_seen = in_sight >> i & 1 == 1;
-            let Some(receiver) = group[i].receiver.as_ref() else { continue };
+            let Some(receiver) = shared[i].receiver.as_ref() else { continue };
             if !is_seen {
-                let way = source.p - receiver.p;
-                let distance = length(way);
-                let end = way_between(distance, receiver.p, source.p);
-                let ray = Ray::leaving(receiver.p, way / distance, end, receiver.primitive);
-                self.rays.push(Ray { ends: Ends::OnSurfaces, ..ray });
+                self.rays.push(receiver.ray_to(source));
             }
             let place = (!matte).then_some(self.weights.len() as u16);
             self.weights.extend(place.map(|_| weight));
-            let (source, receiver) = ((first + j) as u8, (first + i) as u8);
-            self.shares.push(Share { source, receiver, is_seen, weight: place, geometry, density });
+            let receiver = (first + i) as u8;
+            self.shares.push(Share { light: number, receiver, is_seen, weight: place, geometry, density });
         }
     }
 
@@ -77,10 +80,10 @@ impl Questions {
         &mut self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        shared: &[Shared],
+        (shared, contested): (&[Shared], &[Contested]),
         counters: &mut Counters,
     ) {
-        let Self { rays, shares, weights, occluded } = self;
+        let Self { rays, shares, lights, weights, occluded } = self;
         occluded.clear();
         occluded.resize(rays.len(), false);
         counters.rays += rays.len() as u64;
@@ -88,13 +91,17 @@ impl Questions {
         scene.accel.occluded_all(rays, occluded);
         let asked = shares.iter_mut().filter(|share| !share.is_seen);
         asked.zip(occluded).for_each(|(share, occluded)| share.is_seen = !*occluded);
-        for shares in shares.chunk_by(|a, b| a.source == b.source) {
+        for shares in shares.chunk_by(|a, b| a.light == b.light) {
             let seen = shares.iter().filter(|share| share.is_seen);
-            let light = shared[usize::from(shares[0].source)].radiance;
-            hand_on(paths, light, seen.map(|share| share.part(shared, weights)));
+            hand_on(
+                paths,
+                (&lights[usize::from(shares[0].light)], contested),
+                seen.map(|share| share.part(shared, weights)),
+            );
         }
         rays.clear();
         shares.clear();
+        lights.clear();
         weights.clear();
     }
 }

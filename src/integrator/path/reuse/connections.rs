@@ -1,0 +1,73 @@
+//! Connections between sources of camera paths and sources of light paths.
+
+use super::light_sources::{LightSources, Lit};
+use super::rivals::{Contested, MOST_EDGES, Rivals};
+use super::shared::{Shared, Source};
+use crate::integrator::Counters;
+use crate::math::{INV_PI, Ray};
+use crate::scene::Scene;
+
+/// What connecting needs, kept for the next time.
+#[derive(Default)]
+pub struct Connections {
+    rays: Vec<Ray>,
+    proposed: Vec<Contested>,
+    occluded: Vec<bool>,
+}
+
+impl Connections {
+    /// Proposes to connect the matte source of each path of a group, the first of which has this number, with the sources of one of the group's light paths.
+    pub fn propose(
+        &mut self,
+        (light_sources, max_depth): (&LightSources, u32),
+        first: usize,
+        group: &[Shared],
+        lit: &[Lit],
+    ) {
+        for (j, path) in group.iter().enumerate() {
+            let (Some(receiver), Some(source)) = (&path.receiver, &path.source) else { continue };
+            if source.lobes.is_some() {
+                continue;
+            }
+            let of = j as u32 % light_sources.paths;
+            let longest = MOST_EDGES.min(max_depth.saturating_sub(receiver.edges + 2));
+            for lit in lit.iter().filter(|lit| lit.owner.1 == of && lit.edges < longest) {
+                if let Some(rivals) = rivals(source, lit, light_sources.paths) {
+                    // Times r: what a camera path would have found.
+                    let scale = lit.scale * lit.rivals.by_light;
+                    let light = source.albedo * lit.radiance * scale as f32;
+                    self.rays.push(source.ray_to(&lit.source));
+                    self.proposed.push(Contested { path: first + j, rivals, light });
+                }
+            }
+        }
+    }
+
+    /// Adds the light of those that are free, and forgets.
+    pub fn settle(&mut self, scene: &Scene, contested: &mut Vec<Contested>, counters: &mut Counters) {
+        let Self { rays, proposed, occluded } = self;
+        occluded.clear();
+        occluded.resize(rays.len(), false);
+        counters.rays += rays.len() as u64;
+        counters.shared += rays.len() as u64;
+        scene.accel.occluded_all(rays, occluded);
+        contested.extend(proposed.drain(..).zip(occluded).filter(|(_, is)| !**is).map(|(of, _)| of));
+        rays.clear();
+    }
+}
+
+/// Of the way from a source of a camera path by one of a light path. `None` where neither sees the other.
+fn rivals(source: &Source, lit: &Lit, light_paths: u32) -> Option<Rivals> {
+    let way = lit.source.p - source.p;
+    let squared = way.length_squared();
+    let w = way / squared.sqrt();
+    let (cos, cos_lit) = (source.n.dot(w), -lit.source.n.dot(w));
+    if !(cos > 0.0 && cos_lit > 0.0) {
+        return None;
+    }
+    // The densities, in area, with which either would be sampled from the other.
+    let to_lit = INV_PI * cos * lit.source.ng.dot(w).abs() / squared;
+    let to_source = INV_PI * cos_lit * source.ng.dot(w).abs() / squared;
+    let by_light = lit.rivals.by_light * to_source / to_lit;
+    (by_light > 0.0 && by_light.is_finite()).then(|| Rivals::new(by_light, to_source, light_paths))
+}

@@ -1,0 +1,187 @@
+//! How a group's sources are handed on to its receivers.
+
+use super::connections::Connections;
+use super::light_sources::Lit;
+use super::lobes::{At, Lobed};
+use super::part::{Light, Part};
+use super::questions::Questions;
+use super::receivers::Receivers;
+use super::rivals::Contested;
+use super::shared::{Shared, Source};
+use crate::integrator::{CameraPath, Counters};
+use crate::scene::Scene;
+
+/// What handing on needs, kept for the next group.
+#[derive(Default)]
+pub struct Exchange {
+    receivers: Receivers,
+    parts: Vec<(usize, Part)>,
+    questions: Questions,
+    lit: Vec<Lit>,
+    connections: Connections,
+}
+
+/// A group of paths.
+#[derive(Clone, Copy)]
+pub struct Group<'a> {
+    /// The number of its first path.
+    pub first: usize,
+    pub shared: &'a [Shared],
+    /// Of all groups.
+    pub contested: &'a [Contested],
+    lobed: &'a Lobed<'a>,
+}
+
+/// A source, for those of a group's receivers that have a bit.
+pub struct Offer<'a> {
+    pub source: &'a Source,
+    pub light: Light,
+    /// Of the path that found it, if a camera path did.
+    own: Option<usize>,
+    receivers: u64,
+}
+
+impl Exchange {
+    /// Hands on what every path found to all whose receivers see its source, and to these the sources of light paths. Contested light comes in the order in
+    /// which each path found it.
+    pub fn share(
+        &mut self,
+        (scene, max_depth): (&Scene, u32),
+        paths: &mut [CameraPath],
+        (shared, contested): (&[Shared], &mut Vec<Contested>),
+        counters: &mut Counters,
+    ) {
+        self.find(scene, max_depth, paths, (shared, contested), counters);
+        let lit = std::mem::take(&mut self.lit);
+        let (mut first, mut contested_before, mut lit_before) = (0, 0, 0);
+        for (number, receiving) in paths.chunk_by_mut(|a, b| a.group == b.group).enumerate() {
+            let shared = &shared[first..first + receiving.len()];
+            self.receivers.begin(shared);
+            // Path 0 may have lost lanes since, but nothing rough asks which are alive.
+            let λ = receiving[0].λ;
+            let group = Group { first, shared, contested, lobed: &Lobed::new(scene, shared, &λ) };
+            for (j, path) in shared.iter().enumerate() {
+                let own = contested[contested_before..].iter().take_while(|of| of.path == first + j).count();
+                let range = contested_before..contested_before + own;
+                contested_before = range.end;
+                let has_light = !path.radiance.is_zero() || own > 0;
+                if let Some(source) = path.source.as_ref().filter(|_| has_light) {
+                    let light = Light::ByCamera(path.radiance, range);
+                    let offer = Offer { source, light, own: Some(j), receivers: self.receivers.like(j) };
+                    self.propose(scene, receiving, group, offer, counters);
+                }
+            }
+            let alike = self.receivers.all_alike();
+            let of_group = lit[lit_before..].iter().take_while(|lit| lit.owner.0 == number).count();
+            for lit in &lit[lit_before..lit_before + of_group] {
+                for &(edges, receivers) in &alike {
+                    if edges + 2 + lit.edges <= max_depth {
+                        let light = Light::ByLight(lit.radiance, lit.scale, lit.rivals);
+                        let offer = Offer { source: &lit.source, light, own: None, receivers };
+                        self.propose(scene, receiving, group, offer, counters);
+                    }
+                }
+            }
+            lit_before += of_group;
+            first += shared.len();
+        }
+        self.lit = lit;
+        self.questions.settle(scene, paths, (shared, contested), counters);
+        contested.clear();
+    }
+
+    /// Finds what light paths know.
+    fn find(
+        &mut self,
+        scene: &Scene,
+        max_depth: u32,
+        paths: &[CameraPath],
+        (shared, contested): (&[Shared], &mut Vec<Contested>),
+        counters: &mut Counters,
+    ) {
+        let Some(light_sources) = &scene.light_sources else { return };
+        let groups = || paths.chunk_by(|a, b| a.group == b.group);
+        light_sources.find(scene, groups().map(|of| (of[0].sampler, of[0].λ)), &mut self.lit, counters);
+        let mut first = 0;
+        for (number, size) in groups().map(<[_]>::len).enumerate() {
+            let begin = self.lit.partition_point(|lit| lit.owner.0 < number);
+            let end = self.lit.partition_point(|lit| lit.owner.0 <= number);
+            let group = &shared[first..first + size];
+            self.connections.propose((light_sources, max_depth), first, group, &self.lit[begin..end]);
+            first += size;
+        }
+        self.connections.settle(scene, contested, counters);
+        // Each path's own are in order already, and stay so.
+        contested.sort_by_key(|of| of.path);
+    }
+
+    /// A share of a source for each receiver that faces it: at once if all of them are in sight, else once the
+    /// rays have been traced that ask.
+    fn propose(
+        &mut self,
+        scene: &Scene,
+        receiving: &mut [CameraPath],
+        group: Group,
+        offer: Offer,
+        counters: &mut Counters,
+    ) {
+        let Self { receivers, parts, questions, .. } = self;
+        let mut weights = [0.0; 64];
+        let facing = receivers.weights(offer.receivers, offer.source, &mut weights);
+        // A path knows of itself that it met its source, whatever rounding says.
+        let own = offer.own.map_or(0, |j| 1 << j);
+        if facing | own == 0 {
+            return;
+        }
+        let in_sight = receivers.in_sight(scene, offer.source) | own;
+        if group.lobed.is_empty() && offer.source.lobes.is_none() {
+            if let Some(j) = offer.own.filter(|_| facing & own == 0) {
+                weights[j] = f64::MIN_POSITIVE;
+            }
+            let weight = |i: usize| Some(group.shared[i].receiver.as_ref()?.weight);
+            let parts = bits(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
+            questions.offer(receiving, group, offer, (in_sight, true), parts);
+        } else {
+            rough_parts(scene, group, &offer, (facing, &weights), parts, counters);
+            questions.offer(receiving, group, offer, (in_sight, false), parts.iter().copied());
+        }
+    }
+}
+
+/// The parts of a source, where it or a receiver is rough.
+fn rough_parts(
+    scene: &Scene,
+    Group { shared, lobed, .. }: Group,
+    Offer { source, own, .. }: &Offer,
+    (facing, weights): (u64, &[f64; 64]),
+    parts: &mut Vec<(usize, Part)>,
+    counters: &mut Counters,
+) {
+    let onward = source.lobes.as_ref().map(|lobes| At::new(scene, lobes, lobed.λ));
+    let part = |i: usize| {
+        let receiver = shared[i].receiver.as_ref()?;
+        let mut part = match lobed.at(i) {
+            None => Part::matte(receiver.weight, weights[i]),
+            Some(at) => at.receives(receiver, source),
+        };
+        if let Some(onward) = &onward {
+            onward.sends(receiver, source, &mut part);
+        }
+        (part.density > 0.0 && part.density.is_finite()).then_some((i, part))
+    };
+    parts.clear();
+    parts.extend(bits(facing).filter_map(part));
+    counters.evaluations += u64::from(facing.count_ones());
+    if let Some(j) = own.filter(|j| parts.iter().all(|(i, _)| i != j)) {
+        parts.push((j, Part::matte(shared[j].own, f64::MIN_POSITIVE)));
+    }
+}
+
+/// The places of the ones.
+fn bits(mut left: u64) -> impl Iterator<Item = usize> + Clone {
+    std::iter::from_fn(move || {
+        let first = left.trailing_zeros();
+        left &= left.wrapping_sub(1);
+        (first < 64).then_some(first as usize)
+    })
+}

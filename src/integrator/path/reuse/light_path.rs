@@ -1,0 +1,142 @@
+//! What happens along a light path that finds sources.
+
+use super::light_sources::{LightSources, Lit};
+use super::rivals::Rivals;
+use super::shared::Source;
+use crate::bsdf::Bsdf;
+use crate::emitter::EmitterPoint;
+use crate::integrator::caustics::further;
+use crate::integrator::light::{Vertex, density_of_samples};
+use crate::integrator::path::{side_towards, survival};
+use crate::math::{DVec3, Ray};
+use crate::sampler::{LIGHT_SOURCES, Numbers, Sampler};
+use crate::scene::{Features, Scene};
+use crate::shape::Hit;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// Edges before roulette begins.
+const SURE_EDGES: u32 = 2;
+
+/// A light path on its way.
+pub struct LightPath {
+    pub ray: Ray,
+    owner: (usize, u32),
+    sampler: Sampler,
+    /// Of its numbers.
+    first_block: u32,
+    λ: Wavelengths,
+    end: EmitterPoint,
+    emitted: Spectrum,
+    /// What has become of the light since it left.
+    throughput: Spectrum,
+    /// cos / density at the emitter, over the number of light paths: a lane might not hold it.
+    scale: f64,
+    /// c, as far as it is known.
+    ratio: f64,
+    /// The density of the ray's direction, if it comes from something matte; else zero.
+    from_matte: f64,
+}
+
+impl LightPath {
+    /// `None` where no light leaves. The sampler is that of the group.
+    pub fn begin(
+        sources: &LightSources,
+        scene: &Scene,
+        owner: (usize, u32),
+        sampler: Sampler,
+        λ: Wavelengths,
+    ) -> Option<Self> {
+        let (sampler, beyond) = sampler.one_of(owner.1, sources.paths);
+        let first_block = LIGHT_SOURCES + (beyond << 4);
+        let start =
+            sources.emission.sample(&scene.emitters, &scene.shapes, sampler.block(first_block), &λ)?;
+        let scale = start.cos / (start.density * f64::from(sources.paths));
+        Some(Self {
+            ray: start.ray,
+            owner,
+            sampler,
+            first_block,
+            λ,
+            end: start.end,
+            emitted: start.radiance,
+            throughput: Spectrum::ONE,
+            scale,
+            ratio: 1.0 / scale,
+            from_matte: 0.0,
+        })
+    }
+
+    /// Where the numbers of the vertex after so many edges come from.
+    pub fn numbers(&self, edges: u32) -> (&Sampler, u32) {
+        (&self.sampler, self.first_block + edges)
+    }
+
+    /// Notes a source where the ray has arrived after so many edges, and scatters; whether the path goes on.
+    pub fn step(
+        &mut self,
+        sources: &LightSources,
+        scene: &Scene,
+        (edges, hit, u): (u32, Hit, Numbers),
+        found: &mut Vec<Lit>,
+    ) -> bool {
+        let (shape, point) = scene.surface::<{ Features::ALL }>(&self.ray, &hit);
+        let to_light = -self.ray.direction;
+        let side = side_towards(shape, point.ns.dot(to_light));
+        let left_to_others = edges == 1 && side.traits.focuses() && scene.caustics.is_some();
+        if side.traits.one_way || !side.traits.smooth || left_to_others {
+            return false;
+        }
+        let frame = point.frame(side.traits.anisotropic);
+        let bsdf = scene.materials[side.material as usize].at(&point, &self.λ);
+        let (primitive, wo) = (hit.primitive, DVec3::ZERO);
+        let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
+        vertex.wo = vertex.to_local(to_light);
+        let cos_light = point.ng.dot(to_light).abs();
+        let by_emitter = match edges {
+            1 => density_of_samples(scene, self.end, (point.p, to_light, hit.t)),
+            _ => 0.0,
+        };
+        let albedo = bsdf.albedo().filter(|_| vertex.wo.z > 0.0);
+        if let Some(albedo) = albedo {
+            let scattered = bsdf.evaluate(DVec3::Z, vertex.wo);
+            let radiance = self.throughput * self.emitted * scattered.value;
+            if !radiance.is_zero() {
+                let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
+                let by_light = self.ratio * cos_light / (scattered.pdf + by_emitter);
+                found.push(Lit {
+                    owner: self.owner,
+                    source: Source { p, n, ng, primitive, albedo, lobes: None },
+                    edges,
+                    radiance,
+                    scale: self.scale / cos_light,
+                    rivals: Rivals::new(
+                        by_light,
+                        self.from_matte * cos_light / (hit.t * hit.t),
+                        sources.paths,
+                    ),
+                });
+            }
+        }
+        let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)).filter(|sample| !sample.delta) else {
+            return false;
+        };
+        let to_camera = vertex.to_world(sample.wi);
+        let cos_camera = point.ng.dot(to_camera).abs();
+        let back = bsdf.evaluate(sample.wi, vertex.wo);
+        self.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
+        self.ratio *= further(sample.pdf, back.pdf + by_emitter, cos_camera, cos_light);
+        self.from_matte = if albedo.is_some() { sample.pdf } else { 0.0 };
+        if self.throughput.is_zero() {
+            return false;
+        }
+        if edges >= SURE_EDGES {
+            let survival = survival(self.λ.mean(self.throughput) as f64, edges);
+            if u.one(6) >= survival {
+                return false;
+            }
+            self.throughput *= (1.0 / survival.min(1.0)) as f32;
+        }
+        self.ray = Ray::leaving(point.p, to_camera, f64::INFINITY, primitive);
+        true
+    }
+}

@@ -1,0 +1,94 @@
+//! Sources that light paths find.
+//!
+//! Where a lamp shines at a wall, most of a room's light comes from a spot that few camera paths meet. So each group of pixels has light paths of its
+//! own. Every matte point that they come to is one more source for all its receivers, and one end of connections with sources of camera paths;
+//! see [`super::rivals`] for the weights.
+
+use super::light_path::LightPath;
+use super::rivals::{MOST_EDGES, Rivals};
+use super::shared::Source;
+use crate::emitter::{EmitterPoint, Emitters};
+use crate::integrator::Counters;
+use crate::integrator::caustics::Emission;
+use crate::math::DVec3;
+use crate::sampler::{ManyNumbers, Sampler};
+use crate::scene::{Scene, Shape};
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// How many light paths are traced together.
+const STREAM: usize = 64;
+
+/// What light paths for groups of pixels need to know of a scene.
+#[derive(Debug)]
+pub struct LightSources {
+    pub emission: Emission,
+    /// For each sample of a group.
+    pub paths: u32,
+}
+
+/// A source that a light path has found.
+#[derive(Debug)]
+pub struct Lit {
+    /// The group that it is for, and the light path's number there.
+    pub owner: (usize, u32),
+    pub source: Source,
+    /// From the emitter.
+    pub edges: u32,
+    /// That leaves the source, one light path's part, but for the scale.
+    pub radiance: Spectrum,
+    pub scale: f64,
+    pub rivals: Rivals,
+}
+
+impl LightSources {
+    /// `None` where no surface shines.
+    pub fn new(paths: u32, shapes: &[Shape], emitters: &Emitters) -> Option<Self> {
+        Some(Self { emission: Emission::everywhere(emitters, shapes)?, paths })
+    }
+
+    /// The factor of c from vₙ, where w is the direction back to vₙ₋₁.
+    pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
+        let density = self.emission.density(&scene.shapes, &scene.emitters, end, w);
+        // No light leaves at a right angle, and no ratio is taken of it.
+        if density > 0.0 { f64::from(self.paths) * density / end.n.dot(w).abs() } else { 0.0 }
+    }
+
+    /// Finds the sources of groups, for each of which a sampler and the wavelengths are given, in the order of the groups and of their light paths.
+    pub fn find(
+        &self,
+        scene: &Scene,
+        groups: impl Iterator<Item = (Sampler, Wavelengths)>,
+        found: &mut Vec<Lit>,
+        counters: &mut Counters,
+    ) {
+        found.clear();
+        let begun = |(group, (sampler, λ)): (usize, (Sampler, Wavelengths))| {
+            (0..self.paths).filter_map(move |i| LightPath::begin(self, scene, (group, i), sampler, λ))
+        };
+        let mut all: Vec<LightPath> = groups.enumerate().flat_map(begun).collect();
+        let mut numbers = ManyNumbers::<STREAM>::default();
+        let mut rays = Vec::with_capacity(STREAM);
+        let mut hits = vec![None; STREAM];
+        for paths in all.chunks_mut(STREAM) {
+            let mut alive = paths.len();
+            for edges in 1..=MOST_EDGES {
+                let paths = &mut paths[..alive];
+                rays.clear();
+                rays.extend(paths.iter().map(|path| path.ray));
+                counters.rays += rays.len() as u64;
+                scene.accel.closest_all(&rays, &mut hits);
+                numbers.fill(alive, |i| paths[i].numbers(edges));
+                alive = 0;
+                for i in 0..paths.len() {
+                    let Some(hit) = hits[i] else { continue };
+                    if paths[i].step(self, scene, (edges, hit, numbers.of(i)), found) {
+                        paths.swap(alive, i);
+                        alive += 1;
+                    }
+                }
+            }
+        }
+        found.sort_by_key(|lit| lit.owner);
+        counters.light_sources += found.len() as u64;
+    }
+}
