@@ -1,8 +1,8 @@
-//! How many pixels share what their paths find, and how many emitter samples the first vertex of a path takes, where the scene
-//! leaves that to a pilot.
+//! How many pixels share what their paths find, how many light paths they share, and how many emitter samples the first vertex of a path takes,
+//! where the scene leaves that to a pilot.
 //!
-//! Either multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: sharing where light has
-//! met several matte surfaces, and more emitter samples where what is left then is direct light, which nobody shares. The
+//! Each multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: sharing where light has
+//! met several matte surfaces, light paths where most of it comes from few places, and more emitter samples where what is left then is direct light, which nobody shares. The
 //! pilot makes the same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells' relative
 //! deviations, over which a rare bright path has less sway than over variances. Its samples are thrown away and are a
 //! function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
@@ -30,18 +30,22 @@ struct Choice {
 /// are a price as well, which a smaller gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
 
-/// How many pixels there are to a shared light path, and what light paths must make of the product.
-const LIGHT_PATHS: (u32, f64) = (8, 0.9);
+/// How many pixels there are to a shared light path, and what light paths must make of the product. The pilot, which looks at one colour and few samples, promises
+/// half as much again as they bring where little noise is left.
+const LIGHT_PATHS: (u32, f64) = (8, 0.65);
 
 /// The same of emitter samples, as multiples of what other vertices take.
 const SAMPLES: [(u32, f64); 2] = [(2, 0.95), (4, 0.95)];
 
-/// What sharing costs, in rays a path: at all, and for each receiver.
+/// What sharing costs, in rays a path: at all, and for each receiver; so does each source of a light path.
 const SHARING: f64 = 1.8;
 const HANDING_ON: f64 = 0.035;
 
 /// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at vertices.
 const VISIBILITY: f64 = 0.5;
+
+/// What a light path of a group costs besides its rays: scattering, weights, and connections.
+const LIGHT_PATH: f64 = 12.0;
 
 /// What it costs to ask how a receiver and a source scatter of which one is rough.
 const EVALUATION: f64 = 0.25;
@@ -74,15 +78,23 @@ pub fn settle(scene: &mut Scene) {
             }
             scene.settle_caustics();
         }
+        // More emitter samples pay the more, the less is left of other light.
+        let several = |scene: &mut Scene, best: (Choice, f64)| {
+            let steps = SAMPLES.map(|(times, worth)| {
+                let samples = (times * usual).min(MOST_EMITTER_SAMPLES);
+                (Choice { samples, ..best.0 }, worth)
+            });
+            climb(scene, best, if free.first_emitter_samples { &steps } else { &[] })
+        };
         let (each, worth) = LIGHT_PATHS;
-        if free.shared_light_paths && best.0.pixels >= each {
-            let with = Choice { light_paths: best.0.pixels / each, ..best.0 };
-            best = climb(scene, best, &[(with, worth)]);
-        }
-        if free.first_emitter_samples {
-            let several =
-                |times: u32| Choice { samples: (times * usual).min(MOST_EMITTER_SAMPLES), ..best.0 };
-            best = climb(scene, best, &SAMPLES.map(|(times, worth)| (several(times), worth)));
+        let lit = Choice { light_paths: best.0.pixels / each, ..best.0 };
+        best = several(scene, best);
+        if free.shared_light_paths && lit.light_paths > 0 {
+            let with = (lit, measure(scene, lit));
+            let with = several(scene, with);
+            if with.1 < worth * best.1 {
+                best = with;
+            }
         }
         choice = best.0;
     }
@@ -126,7 +138,8 @@ fn measure(scene: &mut Scene, choice: Choice) -> f64 {
     let film = scene.sensor.film.crop;
     let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
     let channels = camera.channel_names().len();
-    // Relative deviation of a cell, the cost of its paths in rays, and sources that light paths found.
+    let pixels = f64::from(choice.pixels);
+    // Relative deviation of a cell, and the cost of its paths in rays.
     let of_cell = |i: u64| {
         let mut counters = Counters::default();
         let at = scattered(i, u64::from(columns * rows)) as u32;
@@ -151,16 +164,16 @@ fn measure(scene: &mut Scene, choice: Choice) -> f64 {
         let deviation = sums.iter().map(|sum| scatter(sum).max(0.0)).sum::<f64>().sqrt();
         let light: f64 = sums.iter().map(|sum| sum[0]).sum();
         let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
-            + EVALUATION * counters.evaluations as f64;
-        let lit = counters.light_sources as f64;
-        [if light > 0.0 { deviation / light } else { 0.0 }, cost, lit]
+            + EVALUATION * counters.evaluations as f64
+            + HANDING_ON * pixels * counters.light_sources as f64;
+        (if light > 0.0 { deviation / light } else { 0.0 }, cost)
     };
-    let cells: Vec<[f64; 3]> = (0..CELLS).into_par_iter().map(of_cell).collect();
-    let [deviation, rays, lit] = [0, 1, 2].map(|i| cells.iter().map(|cell| cell[i]).sum::<f64>());
-    let sharing = if choice.pixels > 1 { SHARING + HANDING_ON * f64::from(choice.pixels) } else { 0.0 };
+    let cells: Vec<(f64, f64)> = (0..CELLS).into_par_iter().map(of_cell).collect();
+    let (deviation, rays) = cells.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
+    let light_paths = LIGHT_PATH * f64::from(choice.light_paths) / pixels;
+    let sharing = if choice.pixels > 1 { SHARING + HANDING_ON * pixels + light_paths } else { 0.0 };
     let paths = (CELLS * CAMERA_SAMPLES * u64::from(CELL * CELL)) as f64;
-    let sources = lit * HANDING_ON * f64::from(choice.pixels);
-    deviation * deviation * (rays + sharing * paths + sources)
+    deviation * deviation * (rays + sharing * paths)
 }
 
 #[cfg(test)]
@@ -168,18 +181,23 @@ mod tests {
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
-    /// Pixels that share, emitter samples of the first vertex and light paths, in a closed box or an open one with this inside.
+    /// Pixels that share, emitter samples of the first vertex and light paths that look for caustics.
     fn chosen(sides: &str, wears: &str, options: &str, inside: &str) -> (u32, u32, u32) {
-        let text = format!(
+        let text = scene(sides, wears, options, inside);
+        let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
+        let samples = scene.integrator.path().map_or(0, |path| path.first_emitter_samples);
+        (scene.integrator.reuse(), samples, scene.caustics.as_ref().map_or(0, |caustics| caustics.paths))
+    }
+
+    /// In a closed box or an open one with this inside.
+    fn scene(sides: &str, wears: &str, options: &str, inside: &str) -> String {
+        format!(
             r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="8"/>{options}</integrator>
                 <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, -3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
                     <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film></sensor>
                 <shape type="{sides}"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>{wears}</shape>
                 {inside}</scene>"#
-        );
-        let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
-        let samples = scene.integrator.path().map_or(0, |path| path.first_emitter_samples);
-        (scene.integrator.reuse(), samples, scene.caustics.as_ref().map_or(0, |caustics| caustics.paths))
+        )
     }
 
     fn ball(x: f64, radius: f64, wears: &str) -> String {
@@ -205,6 +223,20 @@ mod tests {
         assert_eq!(pixels("rectangle", BRIGHT, ASKED), 1);
         assert_eq!(pixels("cube", BRIGHT, ""), 1);
         assert_eq!(pixels("cube", plastic, r#"<integer name="reuse" value="4"/>"#), 4);
+    }
+
+    #[test]
+    fn light_paths_are_shared_where_a_lamp_shines_at_a_wall() {
+        let light_paths = |lamp: &str| {
+            let text = scene("cube", BRIGHT, ASKED, lamp);
+            let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
+            scene.light_sources.map_or(0, |sources| sources.paths)
+        };
+        let spot = format!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale value="0.1"/><rotate y="1" angle="90"/><translate x="3.5" y="1"/></transform>{LAMP}</shape>"#
+        );
+        assert!(light_paths(&spot) > 0);
+        assert_eq!(light_paths(&ball(2.0, 0.7, LAMP)), 0);
     }
 
     #[test]
