@@ -7,6 +7,7 @@ use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
+use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -92,7 +93,8 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         found.ok_or_else(|| params.error("filename", "a bitmap needs a `filename`", "add one"))?;
     let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
     let count = pixels.width * pixels.height;
-    let scalar = (0..count).map(|i| {
+    let texels = || (0..count).into_par_iter();
+    let scalar = texels().map(|i| {
         let rgb = pixels.linear(i, raw);
         if pixels.channels == 1 { rgb[0] } else { observer::luminance(rgb.map(|v| v as f64)) as f32 }
     });
@@ -100,13 +102,12 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let texels = if pixels.channels == 1 {
         Texels::Grey(scalar.to_vec())
     } else if params.loader.mode == ColorMode::Rgb || params.usage == Usage::Vector {
-        Texels::Rgb((0..count).map(|i| pixels.linear(i, raw)).collect())
+        Texels::Rgb(texels().map(|i| pixels.linear(i, raw)).collect())
     } else if raw {
         Texels::Grey(scalar.to_vec())
     } else {
-        Texels::Reflectance(
-            (0..count).map(|i| params.loader.upsampler.fit(pixels.linear(i, false))).collect(),
-        )
+        let upsampler = &params.loader.upsampler;
+        Texels::Reflectance(texels().map(|i| upsampler.fit(pixels.linear(i, false))).collect())
     };
     let (width, height) = (pixels.width, pixels.height);
     Ok(AnyTexture::Bitmap(Box::new(Bitmap { texels, scalar, width, height, nearest, wrap, to_uv })))
