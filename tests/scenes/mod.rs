@@ -175,6 +175,20 @@ pub const SCENES: &[Trial] = &[
           <bsdf type="diffuse"><texture name="reflectance" type="checkerboard">
           <transform name="to_uv"><scale x="6" y="3"/></transform></texture></bsdf></shape>"#,
     },
+    Trial {
+        name: "shared light paths",
+        mode: ColorMode::Spectral,
+        options: r#"<integer name="reuse" value="16"/><integer name="shared_light_paths" value="4"/>"#,
+        camera: CAMERA,
+        filter: r#"type="box""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="cube"><transform name="to_world"><scale value="6"/>{place}</transform><boolean name="flip_normals" value="true"/>
+          <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.5, 0.6"/></bsdf></shape>
+          <shape type="sphere"><transform name="to_world"><scale value="0.5"/><translate x="-0.7"/>{place}</transform>
+          <bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf></shape>
+          <shape type="cube"><transform name="to_world"><scale value="0.5"/><rotate y="1" angle="30"/><translate x="0.7"/>{place}</transform>
+          <bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.6, 0.3"/></bsdf></shape>"#,
+    },
 ];
 
 impl Trial {
