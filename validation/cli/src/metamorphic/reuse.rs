@@ -149,7 +149,6 @@ pub fn relations() -> Vec<Relation> {
     let brighter = [
         lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
         lit(case("lit_metal", brushed.clone()), 4),
-        lit(case("lit_under_the_sky", objects(&[]).concat() + &lamp(4.0) + &constant(0.1)), 4),
     ];
     let lit_at_length = [
         lit(case("lit_by_many", room(&matte)), 16).option("integer", "rr_depth", "3"),
@@ -158,6 +157,8 @@ pub fn relations() -> Vec<Relation> {
         Case { light_paths: 0.0, ..lit(case("lit_metal_alone", brushed), 4) },
         lit(case("lit_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))), 4),
     ];
+    let sky = objects(&[]).concat() + &lamp(4.0) + &constant(0.1);
+    let lit_under_the_sky = lit(case("lit_under_the_sky", sky), 4);
     let open = Case { pixels: 16, ..case("open", objects(&[]).concat() + &constant(1.0)) };
     let checkered = case("checks", closed_room(checks) + &ball(checks));
     let hidden_lamp = case("hidden_lamp", room(&(matte.clone() + &screen(&area(1.0)))));
@@ -166,6 +167,7 @@ pub fn relations() -> Vec<Relation> {
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(lit_cases.map(Case::relation));
     relations.extend(brighter.map(|case| case.relation().samples(4096)));
+    relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.extend(rough.map(|case| case.relation().samples(4096)));
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
