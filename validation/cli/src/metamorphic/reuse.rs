@@ -146,11 +146,9 @@ pub fn relations() -> Vec<Relation> {
         limited(lit(case("lit", room(&matte)), 2)),
         limited(lit(case("lit_glass_and_mirror", room(&(ball(&glass) + &screen(&mirror)))), 4)),
     ];
-    let brighter = [
-        lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
-        lit(case("lit_metal", brushed.clone()), 4),
-    ];
+    let lit_metal = lit(case("lit_metal", brushed.clone()), 4);
     let lit_at_length = [
+        lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
         lit(case("lit_by_many", room(&matte)), 16).option("integer", "rr_depth", "3"),
         lit(case("lit_smooth_normals", room(&vase(&diffuse(0.8)))), 4),
         lit(case("lit_relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))), 4),
@@ -166,7 +164,7 @@ pub fn relations() -> Vec<Relation> {
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(lit_cases.map(Case::relation));
-    relations.extend(brighter.map(|case| case.relation().samples(4096)));
+    relations.push(lit_metal.relation().samples(4096));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.extend(rough.map(|case| case.relation().samples(4096)));
