@@ -66,6 +66,8 @@ impl Summary<'_> {
                 "relative standard error {:.4} % of the mean",
                 100.0 * quality.relative_standard_error_of_mean
             );
+        } else if [r, g, b].iter().any(|mean| *mean != 0.0) {
+            println!("no relative standard error: that takes two blocks of four samples");
         } else {
             println!("no relative standard error: no light was seen");
         }
