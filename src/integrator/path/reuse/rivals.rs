@@ -80,6 +80,10 @@ impl Tail {
 
     /// Takes note of the vertex where the path has arrived.
     pub fn arrive<B: Bsdf>(&mut self, source: Option<&Source>, vertex: &Vertex<B>) {
+        if self.edges == MOST_EDGES {
+            // All that is found from here on is longer than what light paths make.
+            self.ratio = 0.0;
+        }
         if self.ratio > 0.0
             && self.edges == 1
             && let Some(source) = source
@@ -106,7 +110,7 @@ impl Tail {
     /// Goes on from a vertex.
     pub fn leave<B: Bsdf>(&mut self, vertex: &Vertex<B>, sample: &Sample) {
         if self.ratio > 0.0 {
-            let ends = sample.delta || vertex.side.traits.one_way || self.edges + 1 == MOST_EDGES;
+            let ends = sample.delta || vertex.side.traits.one_way;
             self.ratio *= if ends { 0.0 } else { self.factor(vertex, sample.wi, sample.pdf) };
             self.edges += 1;
         }
