@@ -1,6 +1,6 @@
 //! Scattering at a vertex: light that it asks for, and where the path goes on.
 
-use super::reuse::{Shared, Tail};
+use super::reuse::Shared;
 use super::shadows::Shadows;
 use super::stream::State;
 use super::vertex::Arrival;
@@ -102,7 +102,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let rivals = || {
                     let Sampled { emitter, light, density } = sampled;
                     let end = EmitterPoint { emitter, p: point.p + light.wi * light.distance, n: light.n };
-                    let factor = |tail: &Tail| tail.factor(&vertex, vertex.to_local(light.wi), density);
+                    let factor = || state.tail.factor(&vertex, vertex.to_local(light.wi), density);
                     state.tail.rivals(scene, factor, end, -light.wi)
                 };
                 let rivals = if F & Features::REUSE != 0 && shares { rivals() } else { None };

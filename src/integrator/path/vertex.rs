@@ -91,7 +91,7 @@ impl Path {
                     path.radiance += shared.own * light;
                 } else {
                     let end = EmitterPoint { emitter: emitter as usize, p: point.p, n: point.ng };
-                    let factor = |_: &_| 1.0 / (1.0 + by_emitter);
+                    let factor = || 1.0 / (1.0 + by_emitter);
                     match state.tail.rivals(scene, factor, end, -ray.direction) {
                         Some(rivals) => shadows.contested.push(Contested { path: index, rivals, light }),
                         None => shared.radiance += light,

@@ -2,7 +2,7 @@
 
 use super::light_sources::{LightSources, Lit};
 use super::rivals::{Contested, MOST_EDGES, Rivals};
-use super::shared::{Shared, Source};
+use super::shared::{Shared, Source, ask};
 use crate::integrator::Counters;
 use crate::math::{INV_PI, Ray};
 use crate::scene::Scene;
@@ -46,11 +46,7 @@ impl Connections {
     /// Adds the light of those that are free, and forgets.
     pub fn settle(&mut self, scene: &Scene, contested: &mut Vec<Contested>, counters: &mut Counters) {
         let Self { rays, proposed, occluded } = self;
-        occluded.clear();
-        occluded.resize(rays.len(), false);
-        counters.rays += rays.len() as u64;
-        counters.shared += rays.len() as u64;
-        scene.accel.occluded_all(rays, occluded);
+        ask(scene, rays, occluded, counters);
         contested.extend(proposed.drain(..).zip(occluded).filter(|(_, is)| !**is).map(|(of, _)| of));
         rays.clear();
     }

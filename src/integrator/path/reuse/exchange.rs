@@ -53,7 +53,7 @@ impl Exchange {
     ) {
         self.find(scene, max_depth, paths, (shared, contested), counters);
         let lit = std::mem::take(&mut self.lit);
-        let (mut first, mut contested_before, mut lit_before) = (0, 0, 0);
+        let (mut first, mut contested_before) = (0, 0);
         for (number, receiving) in paths.chunk_by_mut(|a, b| a.group == b.group).enumerate() {
             let shared = &shared[first..first + receiving.len()];
             self.receivers.begin(shared);
@@ -71,10 +71,8 @@ impl Exchange {
                     self.propose(scene, receiving, group, offer, counters);
                 }
             }
-            let alike = self.receivers.all_alike();
-            let of_group = lit[lit_before..].iter().take_while(|lit| lit.owner.0 == number).count();
-            for lit in &lit[lit_before..lit_before + of_group] {
-                for &(edges, receivers) in &alike {
+            for lit in of_group(&lit, number) {
+                for (edges, receivers) in self.receivers.all_alike() {
                     if edges + 2 + lit.edges <= max_depth {
                         let light = Light::ByLight(lit.radiance, lit.scale, lit.rivals);
                         let offer = Offer { source: &lit.source, light, own: None, receivers };
@@ -82,7 +80,6 @@ impl Exchange {
                     }
                 }
             }
-            lit_before += of_group;
             first += shared.len();
         }
         self.lit = lit;
@@ -104,10 +101,9 @@ impl Exchange {
         light_sources.find(scene, groups().map(|of| (of[0].sampler, of[0].λ)), &mut self.lit, counters);
         let mut first = 0;
         for (number, size) in groups().map(<[_]>::len).enumerate() {
-            let begin = self.lit.partition_point(|lit| lit.owner.0 < number);
-            let end = self.lit.partition_point(|lit| lit.owner.0 <= number);
             let group = &shared[first..first + size];
-            self.connections.propose((light_sources, max_depth), first, group, &self.lit[begin..end]);
+            let lit = of_group(&self.lit, number);
+            self.connections.propose((light_sources, max_depth), first, group, lit);
             first += size;
         }
         self.connections.settle(scene, contested, counters);
@@ -175,6 +171,13 @@ fn rough_parts(
     if let Some(j) = own.filter(|j| parts.iter().all(|(i, _)| i != j)) {
         parts.push((j, Part::matte(shared[j].own, f64::MIN_POSITIVE)));
     }
+}
+
+/// The sources that light paths have found for a group, by its number.
+fn of_group(lit: &[Lit], number: usize) -> &[Lit] {
+    let begin = lit.partition_point(|lit| lit.owner.0 < number);
+    let end = lit.partition_point(|lit| lit.owner.0 <= number);
+    &lit[begin..end]
 }
 
 /// The places of the ones.

@@ -4,7 +4,7 @@ use super::super::stream::STREAM;
 use super::exchange::{Group, Offer};
 use super::part::{Light, Part, hand_on};
 use super::rivals::{Contested, MOST_EDGES};
-use super::shared::Shared;
+use super::shared::{Shared, ask};
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
 use crate::scene::Scene;
@@ -84,11 +84,7 @@ impl Questions {
         counters: &mut Counters,
     ) {
         let Self { rays, shares, lights, weights, occluded } = self;
-        occluded.clear();
-        occluded.resize(rays.len(), false);
-        counters.rays += rays.len() as u64;
-        counters.shared += rays.len() as u64;
-        scene.accel.occluded_all(rays, occluded);
+        ask(scene, rays, occluded, counters);
         let asked = shares.iter_mut().filter(|share| !share.is_seen);
         asked.zip(occluded).for_each(|(share, occluded)| share.is_seen = !*occluded);
         for shares in shares.chunk_by(|a, b| a.light == b.light) {

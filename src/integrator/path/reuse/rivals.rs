@@ -120,12 +120,12 @@ impl Tail {
     pub fn rivals(
         &self,
         scene: &Scene,
-        factor: impl FnOnce(&Self) -> f64,
+        factor: impl FnOnce() -> f64,
         end: EmitterPoint,
         w: DVec3,
     ) -> Option<Rivals> {
         let sources = scene.light_sources.as_ref().filter(|_| self.ratio > 0.0)?;
-        let by_light = self.ratio * factor(self) * sources.last(scene, end, w);
+        let by_light = self.ratio * factor() * sources.last(scene, end, w);
         (by_light > 0.0).then(|| Rivals::new(by_light, self.to_source, sources.paths))
     }
 }

@@ -4,10 +4,11 @@ use super::super::Path;
 use super::super::stream::State;
 use super::rivals::Tail;
 use crate::bsdf::Bsdf;
+use crate::integrator::Counters;
 use crate::integrator::light::Vertex;
 use crate::math::ray::{Ends, way_between};
 use crate::math::{DVec3, Ray, length};
-use crate::scene::Side;
+use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -61,6 +62,15 @@ fn between((p, primitive): (DVec3, u32), end: DVec3) -> Ray {
     let distance = length(way);
     let ray = Ray::leaving(p, way / distance, way_between(distance, p, end), primitive);
     Ray { ends: Ends::OnSurfaces, ..ray }
+}
+
+/// Which of the rays between what pixels share are blocked.
+pub fn ask(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut Counters) {
+    occluded.clear();
+    occluded.resize(rays.len(), false);
+    counters.rays += rays.len() as u64;
+    counters.shared += rays.len() as u64;
+    scene.accel.occluded_all(rays, occluded);
 }
 
 /// How a receiver or a source scatters that is rough.
