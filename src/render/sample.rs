@@ -236,3 +236,35 @@ fn respond(bands: &[Band], (λ, radiance): (&Wavelengths, Spectrum), weight: f64
         *value = weight * (0..LANES).map(responded).sum::<f64>() / LANES as f64;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::kernel_for;
+    use crate::scene::load_text;
+
+    #[test]
+    fn film_lens_and_wavelengths_know_nothing_of_one_another() {
+        const SAMPLES: u64 = 4096;
+        let text = r#"<scene version="3.0.0"><sensor type="thinlens"><float name="aperture_radius" value="1"/><float name="focus_distance" value="2"/>
+                <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
+                    <rfilter type="box"/></film><sampler type="independent"/></sensor></scene>"#;
+        let scene = load_text("scene.xml", text, ColorMode::Spectral).unwrap();
+        let camera = Camera::new(&scene, 0, kernel_for(scene.features));
+        let which: Vec<_> = (0..SAMPLES).map(|sample| ((0, 0), sample)).collect();
+        let drawn = |path: &CameraPath| {
+            let (lens, way) = (path.ray.origin, path.ray.direction);
+            // The lens is in the plane z = 0, and what is on the film is sharp at z = 2.
+            let sharp = lens + way * (2.0 / way.z);
+            [lens.x, lens.y, sharp.x, sharp.y, f64::from(path.λ.nm[0])]
+        };
+        let drawn: Vec<[f64; 5]> = camera.generate(&which).0.iter().map(drawn).collect();
+        let mean = |f: &dyn Fn(&[f64; 5]) -> f64| drawn.iter().map(f).sum::<f64>() / SAMPLES as f64;
+        let means: [f64; 5] = std::array::from_fn(|i| mean(&|v| v[i]));
+        let covariance = |i: usize, j: usize| mean(&|v| (v[i] - means[i]) * (v[j] - means[j]));
+        for (i, j) in (0..5).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            let correlation = covariance(i, j) / (covariance(i, i) * covariance(j, j)).sqrt();
+            assert!(correlation.abs() < 5.0 / (SAMPLES as f64).sqrt(), "{i} {j}: {correlation}");
+        }
+    }
+}

@@ -138,6 +138,24 @@ fn no_ray_leaks_through_edges_or_vertices() {
 }
 
 #[test]
+fn boxes_that_a_ray_just_touches_are_entered() {
+    // Boxes without width, at points that the ray meets exactly: what its axes say differs by rounding alone. None of them is 0.
+    let space = Space::new(-DVec3::ONE, DVec3::ONE);
+    let mut rng = Pcg32::new(9, 9);
+    for _ in 0..10_000 {
+        let mut vector =
+            || DVec3::from([0; 3].map(|_| f64::from(2 * (rng.next_u32() % 128) + 1) / 256.0 - 0.5));
+        let (origin, way) = (vector(), vector());
+        let ray = Ray::free(origin, way);
+        let touched = space.local(origin + way).to_array().map(|v| v as f32);
+        let mut node = Node::empty();
+        node.set(5, touched, touched, node::NodeRef::node(1));
+        let (entered, _) = node.intersect(&space.enter(&ray).unwrap());
+        assert_eq!(entered, 1 << 5, "{ray:?}");
+    }
+}
+
+#[test]
 fn scaling_by_a_power_of_two_scales_every_hit_exactly() {
     for exponent in [-40, -13, 27, 40] {
         let factor = libm::scalbn(1.0, exponent);

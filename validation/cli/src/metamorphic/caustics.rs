@@ -86,6 +86,13 @@ pub(super) fn veil() -> String {
     upright(-1.5, &half_open(0.4))
 }
 
+/// A plate that throws light from above at the wall, as if it were turned by 20° more than it is.
+fn turned_plate(wears: &str) -> String {
+    let turned = bsdf("normalmap", &format!("<rgb name=\"normalmap\" value=\"0.5, 0.671, 0.9698\"/>{wears}"));
+    let steps = [scale([0.6, 0.6, 1.0]), rotate('x', -30.0), translate([-0.3, 0.0, 0.9])];
+    shape("rectangle", &steps, &turned)
+}
+
 /// Edges of the longest path, where nothing else is said.
 const LONGEST: i64 = 6;
 
@@ -217,6 +224,7 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_glass_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&glass("")))))),
         relation("vase_of_glass", &view, &room(&vase(&glass("")))),
         relation("vase_of_polished_metal", &view, &room(&vase(&polished))),
+        relation("turned_plate", &view, &room(&turned_plate(&polished))),
         relation("relief_of_polished_metal", &view, &room(&block(&relief(&polished)))).at_length(),
         relation("half_a_mirror", &view, &room(&(ball(&blend) + &block(&mirror())))),
         relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192),

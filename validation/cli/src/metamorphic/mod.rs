@@ -16,6 +16,7 @@ mod invisible;
 mod lights;
 mod methods;
 mod motion;
+mod neighbours;
 mod reuse;
 pub(crate) mod still_life;
 mod tessellation;
@@ -167,6 +168,7 @@ pub const FAMILIES: &[Family<Relation>] = &[
     ("motion", motion::relations),
     ("invisible", invisible::relations),
     ("methods", methods::relations),
+    ("neighbours", neighbours::relations),
     ("reuse", reuse::relations),
     ("tessellation", tessellation::relations),
     ("through_glass", through_glass::relations),
@@ -214,6 +216,11 @@ impl Relation {
 
     pub fn samples(self, samples: u64) -> Self {
         Self { samples, ..self }
+    }
+
+    /// Equal in expectation within this part.
+    pub fn within(self, margin: f64) -> Self {
+        Self { alike: Alike::Expectation(margin), ..self }
     }
 
     pub fn at_length(self) -> Self {

@@ -11,32 +11,39 @@ use etalon::integrator::path::reuse::correlated_edge;
 use validation::image::Image;
 
 /// One pixel of each square of this edge.
-fn one_of<const EDGE: usize>(image: &Image) -> Image {
+pub(super) fn one_of<const EDGE: usize>(image: &Image) -> Image {
     let last = |place: usize| place % EDGE == EDGE - 1;
     chosen(image, (image.width / EDGE, image.height / EDGE), |column, row| last(column) && last(row))
 }
 
 /// Nearly everything here is light that has met several walls.
 fn closed_room(wall: &str) -> String {
+    walls(wall) + &lamp(4.0)
+}
+
+/// The same without its lamp.
+pub(super) fn walls(wears: &str) -> String {
     let inwards = "<boolean name=\"flip_normals\" value=\"true\"/>";
     let steps = [scale([3.0, 3.0, 1.5]), translate([0.0, -2.0, 1.5])];
-    shape("cube", &steps, &(wall.to_owned() + inwards)) + &lamp(4.0)
+    shape("cube", &steps, &(wears.to_owned() + inwards))
 }
 
 /// What paths of this integrator see, shared by so many pixels and not.
-struct Case {
-    name: &'static str,
-    pixels: u32,
-    integrator: String,
+pub(super) struct Case {
+    pub name: &'static str,
+    pub pixels: u32,
+    pub integrator: String,
     /// To a camera path.
-    light_paths: f64,
-    camera: String,
-    world: String,
+    pub light_paths: f64,
+    pub camera: String,
+    pub world: String,
+    /// The pixels to compare, if not one of each group.
+    pub view: Option<fn(&Image) -> Image>,
 }
 
 impl Case {
-    fn new(name: &'static str, world: String) -> Self {
-        Self { name, pixels: 4, integrator: path(4), light_paths: 1.0, camera: camera(), world }
+    pub fn new(name: &'static str, world: String) -> Self {
+        Self { name, pixels: 4, integrator: path(4), light_paths: 1.0, camera: camera(), world, view: None }
     }
 
     fn option(self, kind: &str, name: &str, value: &str) -> Self {
@@ -45,13 +52,16 @@ impl Case {
         Self { integrator: integrator.replace("</integrator>", &option), ..self }
     }
 
-    fn relation(self) -> Relation {
+    pub fn relation(self) -> Relation {
         let side = |pixels: u32| {
             let more = format!("<integer name=\"reuse\" value=\"{pixels}\"/>")
                 + &float("light_paths", self.light_paths);
             let integrator = self.integrator.replace("</integrator>", &(more + "</integrator>"));
-            let view = if correlated_edge(self.pixels) == 2 { one_of::<2> } else { one_of::<4> };
-            vec![Term { view: Some(view), ..Term::new(scene(&[&integrator, &self.camera, &self.world])) }]
+            let one = if correlated_edge(self.pixels) == 2 { one_of::<2> } else { one_of::<4> };
+            vec![Term {
+                view: self.view.or(Some(one)),
+                ..Term::new(scene(&[&integrator, &self.camera, &self.world]))
+            }]
         };
         Relation::expectation(self.name, side(1), side(self.pixels)).samples(2048)
     }
@@ -67,7 +77,7 @@ pub fn relations() -> Vec<Relation> {
     let room = |things: &str| closed_room(&diffuse(0.7)) + things;
     let ball = |wears: &str| sphere([-0.5, 0.0, 0.7], 0.6, wears);
     let glass = bsdf("dielectric", &float("int_ior", 1.5));
-    let mirror = bsdf("conductor", "");
+    let mirror = bsdf("conductor", "<rgb name=\"specular_reflectance\" value=\"0.9, 0.7, 0.4\"/>");
     let flint = bsdf("dielectric", "<string name=\"dispersion\" value=\"sf11\"/>");
     let matte = objects(&[])[2..].concat();
     let board = |colors: [&str; 2]| {

@@ -31,6 +31,13 @@ pub fn relations() -> Vec<Relation> {
     let pane = |wears: &str| shape("rectangle", &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])], wears);
     // Between the pane and the lamp.
     let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
+    // The straight line to the lamp passes between slats where the bent way meets one, and the other way round.
+    let slat = |i: i32| {
+        let steps = [scale([1.5, 0.06, 1.0]), translate([0.0, -0.3 + 0.25 * f64::from(i), 1.95])];
+        shape("rectangle", &steps, &bsdf("twosided", &diffuse(0.2)))
+    };
+    let slats: String = (-6..7).map(slat).collect();
+    let slab = shape("cube", &[scale([2.9, 2.9, 0.4]), translate([0.0, 0.0, 1.4])], &clear());
     let tube = shape(
         "cylinder",
         &[translate([-0.5, 0.0, 0.0])],
@@ -57,6 +64,7 @@ pub fn relations() -> Vec<Relation> {
         relation("matte_within_glass", 1.0, &within()),
         relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
         relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen)),
+        relation("slats_above_a_slab", 0.0, &(slab + &slats)),
         relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))).at_length(),
         relation("surface_of_water", 1.0, &pane(&clear())).samples(16384).at_length(),
         relation("block", 0.0, &block(&clear())),

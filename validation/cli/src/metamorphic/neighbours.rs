@@ -1,0 +1,124 @@
+//! What pixels share where they are unlike: each scene has an edge within every group, and only pixels on one side of it are compared,
+//! which see little light of their own kind. Light that a wrong weight takes from one side for the other is missed there at once.
+
+use super::Relation;
+use super::caustics::{glass, with_links};
+use super::reuse::{Case, one_of, walls};
+use super::still_life::INDEPENDENT;
+use crate::stage::*;
+use validation::image::Image;
+
+/// Few pixels are compared, and light of the other side would be tens of per cent.
+const MARGIN: f64 = 0.1;
+
+/// Pixels across; a group of 16 lies left of the last four's.
+const WIDTH: u32 = 8;
+
+/// Half the horizontal field of view.
+const HALF_ANGLE: f64 = 7.0;
+
+const EYE: Point = [0.0, -4.5, 1.5];
+
+/// Along y, level.
+fn camera() -> String {
+    let place = look_at(EYE, [0.0, 0.0, EYE[2]], [0.0, 0.0, 1.0]);
+    pinhole(&place, 2.0 * HALF_ANGLE, &(film(WIDTH, 2 * WIDTH) + INDEPENDENT))
+}
+
+/// x over the distance before the eye, where so many columns are on the left.
+fn slope(columns: f64) -> f64 {
+    let half = f64::from(WIDTH) / 2.0;
+    (columns - half) / half * HALF_ANGLE.to_radians().tan()
+}
+
+/// One pixel of each group of the last column.
+fn last_column(image: &Image) -> Image {
+    let wanted = |column: usize, row: usize| column == image.width - 1 && row % 4 == 3;
+    super::chosen(image, (1, image.height / 4), wanted)
+}
+
+fn case(name: &'static str, world: String) -> Case {
+    Case { pixels: 16, camera: camera(), view: Some(last_column), ..Case::new(name, world) }
+}
+
+/// Two rooms, of which the eye sees the one on either side of a wall that it looks along. The right one is the darker.
+fn two_rooms() -> Relation {
+    let turn = slope(6.0).atan().to_degrees();
+    let [near, far] = [1.0, 6.0];
+    let centre = [slope(6.0) * 0.5 * (near + far), EYE[1] + 0.5 * (near + far), 1.5];
+    let half = [1.6, 0.5 * (far - near), 1.0];
+    let wall = shape(
+        "rectangle",
+        &[scale(half), rotate('y', 90.0), rotate('z', -turn), translate(centre)],
+        &bsdf("twosided", &diffuse(0.5)),
+    );
+    let lamp = |x: f64, radiance: f64| {
+        let steps = [scale([0.5, 0.5, 1.0]), rotate('x', 180.0), translate([x, -1.0, 2.9])];
+        shape("rectangle", &steps, &area(radiance))
+    };
+    case("two_rooms", walls(&diffuse(0.7)) + &wall + &lamp(-1.2, 8.0) + &lamp(1.8, 1.0)).relation()
+}
+
+/// A pane of flint on the right and one of another glass on the left, and the lamp in a ball of flint.
+fn two_panes() -> Relation {
+    let flint = "<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>";
+    let distance = 0.5;
+    let edge = slope(6.0) * distance;
+    let pane = |lo: f64, hi: f64, wears: &str| {
+        let steps = [
+            scale([0.5 * (hi - lo), 0.02, 0.4]),
+            translate([0.5 * (hi + lo), EYE[1] + distance + 0.02, EYE[2]]),
+        ];
+        shape("cube", &steps, wears)
+    };
+    let panes = pane(-0.5, edge, &glass("")) + &pane(edge, 0.5, flint);
+    let bulb = sphere([-0.5, 0.0, 1.0], 0.4, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, flint);
+    let case = case("two_panes", walls(&diffuse(0.7)) + &panes + &bulb);
+    Case { integrator: path(7), light_paths: 0.0, ..case }.relation().in_spectra().samples(16_384)
+}
+
+/// A board before the eye that leaves the last column free, in a room that is lit by what a metal ceiling throws. Light paths bring most of that to
+/// what is far from the eye, and little to what is near.
+fn board() -> Relation {
+    let [lo, hi] = [slope(-1.0), slope(7.0)];
+    let centre = [0.5 * (lo + hi), EYE[1] + 1.0, EYE[2]];
+    let steps = [scale([0.5 * (hi - lo), 0.5, 1.0]), rotate('x', 90.0), translate(centre)];
+    let board = shape("rectangle", &steps, &bsdf("twosided", &diffuse(0.7)));
+    let lamp = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.0, -1.0, 2.2])], &area(8.0));
+    let polished = bsdf("roughconductor", &float("alpha", 0.2));
+    let ceiling = [scale([1.5, 1.5, 1.0]), rotate('x', 180.0), translate([0.0, -1.0, 2.7])];
+    let ceiling = shape("rectangle", &ceiling, &polished);
+    case("board", walls(&diffuse(0.7)) + &board + &lamp + &ceiling).relation().samples(4096)
+}
+
+/// A floor of rough metal, which light that comes from a wall meets at grazing angles and leaves upwards.
+fn grazed_floor() -> Relation {
+    let metal = bsdf("roughconductor", &float("alpha", 1.0));
+    let floor = shape("rectangle", &[scale([4.0, 4.0, 1.0])], &metal);
+    let ceiling = [scale([4.0, 4.0, 1.0]), rotate('x', 180.0), translate([0.0, 0.0, 3.0])];
+    let ceiling = shape("rectangle", &ceiling, &diffuse(0.8));
+    let wall = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.0, 2.9, 0.6])];
+    let wall = shape("rectangle", &wall, &diffuse(0.8));
+    let place = to_world(&[look_at([0.0, 0.0, 0.6], [0.0, 2.9, 0.6], [0.0, 0.0, 1.0])]);
+    let spot = emitter("spot", &(place + &float("cutoff_angle", 11.0) + &grey("intensity", 50.0)));
+    let place = look_at([0.0, 0.0, 1.5], [0.0, 1.0, 3.0], [0.0, 0.0, 1.0]);
+    let camera = pinhole(&place, 40.0, &(film(WIDTH, 2 * WIDTH) + INDEPENDENT));
+    let case = case("grazed_floor", floor + &ceiling + &wall + &spot);
+    Case { camera, view: Some(one_of::<4>), ..case }.relation().samples(8192)
+}
+
+/// A dark room seen in a mirror, where light paths are of no use, and lit by a bulb in glass, which guided samples find.
+fn seen_in_a_mirror() -> Relation {
+    let steps = [scale([0.5, 0.5, 1.0]), rotate('x', 90.0), rotate('z', 45.0), translate([0.0, -3.5, 1.5])];
+    let mirror = shape("rectangle", &steps, &bsdf("conductor", ""));
+    let bulb = sphere([-0.5, 0.0, 1.0], 0.25, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""));
+    let case = case("seen_in_a_mirror", walls(&diffuse(0.4)) + &mirror + &bulb);
+    Case { integrator: with_links(&path(6), "guided"), view: Some(one_of::<4>), ..case }
+        .relation()
+        .samples(8192)
+}
+
+pub fn relations() -> Vec<Relation> {
+    let relations = [two_rooms(), two_panes(), board(), grazed_floor(), seen_in_a_mirror()];
+    relations.map(|relation| relation.within(MARGIN)).into()
+}
