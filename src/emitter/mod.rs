@@ -10,7 +10,9 @@ mod envmap;
 mod point;
 pub mod select;
 mod spot;
+pub mod tree;
 
+use crate::math::cone::Cone;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::registry::Entry;
 use crate::shape::{Geometry, SurfacePoint};
@@ -22,6 +24,7 @@ pub use envmap::EnvironmentMap;
 pub use point::Point;
 pub use select::Emitters;
 pub use spot::Spot;
+use tree::Cluster;
 
 /// A point on the surface of an emitter.
 #[derive(Clone, Copy, Debug)]
@@ -140,6 +143,20 @@ impl AnyEmitter {
             Self::Directional(directional) => directional.irradiance() * disk,
             Self::Constant(constant) => constant.mean() * 4.0 * std::f64::consts::PI * disk,
             Self::Envmap(map) => map.mean() * 4.0 * std::f64::consts::PI * disk,
+        }
+    }
+
+    /// Where it is and whither it shines, for a [`tree`]; `None` if it is infinitely far.
+    pub fn cluster(&self, shape: Option<&Geometry>, power: f64) -> Option<Cluster> {
+        let of = |bounds, normals, cos_beyond| Some(Cluster { bounds, normals, cos_beyond, power });
+        match (self, shape) {
+            (Self::Area(_), Some(shape)) => of(shape.bounds(), shape.normals(), 0.0),
+            (Self::Point(point), _) => of((point.place(), point.place()), Cone::EVERYWHERE, 0.0),
+            (Self::Spot(spot), _) => {
+                let (cone, cos_beyond) = spot.cone();
+                of((spot.place(), spot.place()), cone, cos_beyond)
+            }
+            _ => None,
         }
     }
 

@@ -45,6 +45,11 @@ impl Point {
         Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 
+    /// World.
+    pub fn place(&self) -> DVec3 {
+        self.position
+    }
+
     pub fn power(&self) -> f64 {
         self.intensity.mean() * 4.0 * std::f64::consts::PI
     }

@@ -1,8 +1,12 @@
 //! Which emitter to sample.
 
 use super::AnyEmitter;
+use super::tree::{Cluster, Receiver, Tree};
 use crate::math::{DVec2, Discrete};
 use crate::shape::Geometry;
+
+/// So many emitters that are somewhere in the scene are worth a [`Tree`]; fewer are chosen by their power.
+pub const MANY: usize = 2;
 
 /// All emitters of a scene.
 #[derive(Debug, Default)]
@@ -10,7 +14,9 @@ pub struct Emitters {
     pub list: Vec<Entry>,
     /// The one that surrounds the scene.
     pub environment: Option<usize>,
+    /// Of all emitters, or where there is a tree of those that it does not have, and of it.
     choice: Discrete,
+    local: Option<Local>,
 }
 
 /// An emitter, and the shape it belongs to.
@@ -20,9 +26,27 @@ pub struct Entry {
     pub shape: Option<u32>,
 }
 
+/// The emitters that are somewhere in the scene, and the others.
+#[derive(Debug)]
+struct Local {
+    tree: Tree,
+    /// The emitter of each leaf's number.
+    emitters: Vec<u32>,
+    /// Those that shine from infinitely far.
+    distant: Vec<u32>,
+    /// For each emitter its number in the tree, or among the distant ones.
+    places: Vec<Place>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Tree(u32),
+    Distant(u32),
+}
+
 impl Emitters {
     /// Emitters are chosen by power, one part in ten evenly, so that an estimate of power that is wrong for some
-    /// corner of the scene costs at most a tenth of its samples.
+    /// corner of the scene costs at most a tenth of its samples; where there are many, also by where they are.
     pub fn new<'a>(list: Vec<Entry>, radius: f64, shape: impl Fn(u32) -> &'a Geometry) -> Self {
         const EVEN: f64 = 0.1;
         let powers: Vec<f64> = list.iter().map(|e| e.emitter.power(e.shape.map(&shape), radius)).collect();
@@ -30,25 +54,87 @@ impl Emitters {
         let n = list.len() as f64;
         let known = total > 0.0 && total.is_finite();
         let weight = |p: &f64| if known { (1.0 - EVEN) * p / total + EVEN / n } else { 1.0 / n };
-        let choice = Discrete::new(powers.iter().map(weight));
+        let weights: Vec<f64> = powers.iter().map(weight).collect();
+        let clusters =
+            list.iter().zip(&weights).map(|(e, weight)| e.emitter.cluster(e.shape.map(&shape), *weight));
+        let local = Local::new(&clusters.collect::<Vec<_>>());
+        let choice = match &local {
+            None => Discrete::new(weights),
+            Some(local) => {
+                let of = |emitters: &[u32]| emitters.iter().map(|i| weights[*i as usize]).collect::<Vec<_>>();
+                let of_tree = of(&local.emitters).iter().sum();
+                Discrete::new(of(&local.distant).into_iter().chain([of_tree]))
+            }
+        };
         let environment = list.iter().position(|e| e.emitter.is_environment());
-        Self { list, environment, choice }
+        Self { list, environment, choice, local }
+    }
+
+    /// Whether the choice depends on where light is gathered.
+    #[inline(always)]
+    pub fn chosen_by_place(&self) -> bool {
+        self.local.is_some()
     }
 
     /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers to be used again;
-    /// see [`Discrete::sample_strip`].
+    /// see [`Discrete::sample_strip`]. `None` if nothing shines there.
     #[inline]
-    pub fn sample(&self, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
-        match self.list.len() {
-            0 => None,
-            1 => Some((0, 1.0, u)),
-            _ => Some(self.choice.sample_strip(u, digits)),
+    pub fn sample(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
+        match (&self.local, self.list.len()) {
+            (None, 0) => None,
+            (None, 1) => Some((0, 1.0, u)),
+            (None, _) => Some(self.choice.sample_strip(u, digits)),
+            (Some(local), _) => local.sample(self.choice.sample_strip(u, digits), at),
         }
     }
 
     /// The probability of choosing emitter `index`.
     #[inline]
-    pub fn probability(&self, index: usize) -> f64 {
-        if self.list.len() == 1 { 1.0 } else { self.choice.probability(index) }
+    pub fn probability(&self, index: usize, at: Receiver) -> f64 {
+        match &self.local {
+            None if self.list.len() == 1 => 1.0,
+            None => self.choice.probability(index),
+            Some(local) => match local.places[index] {
+                Place::Distant(slot) => self.choice.probability(slot as usize),
+                Place::Tree(leaf) => {
+                    self.choice.probability(local.distant.len()) * local.tree.probability(leaf as usize, at)
+                }
+            },
+        }
+    }
+}
+
+impl Local {
+    /// `None` if too few are anywhere.
+    fn new(clusters: &[Option<Cluster>]) -> Option<Self> {
+        let (mut emitters, mut distant, mut places, mut inner) = (vec![], vec![], vec![], vec![]);
+        for (i, cluster) in (0..).zip(clusters) {
+            match cluster {
+                Some(cluster) => {
+                    places.push(Place::Tree(emitters.len() as u32));
+                    emitters.push(i);
+                    inner.push(*cluster);
+                }
+                None => {
+                    places.push(Place::Distant(distant.len() as u32));
+                    distant.push(i);
+                }
+            }
+        }
+        (inner.len() >= MANY).then(|| Self { tree: Tree::new(&inner), emitters, distant, places })
+    }
+
+    /// From a choice between the distant emitters and the tree.
+    #[inline(never)]
+    fn sample(
+        &self,
+        (slot, probability, u): (usize, f64, DVec2),
+        at: Receiver,
+    ) -> Option<(usize, f64, DVec2)> {
+        if let Some(index) = self.distant.get(slot) {
+            return Some((*index as usize, probability, u));
+        }
+        let (leaf, chance, rest) = self.tree.sample(at, u.x)?;
+        Some((self.emitters[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
     }
 }

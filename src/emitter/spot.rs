@@ -1,6 +1,7 @@
 //! Spot lights.
 
 use super::{AnyEmitter, DirectSample, point};
+use crate::math::cone::Cone;
 use crate::math::frame::unit;
 use crate::math::function::{acos, cos, tan};
 use crate::math::{DVec2, DVec3, Transform};
@@ -55,6 +56,27 @@ impl Spot {
             radiance *= texture.eval(DVec2::new(0.5 + local.x * scale, 0.5 + local.y * scale), λ);
         }
         Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
+    }
+
+    /// World.
+    pub fn place(&self) -> DVec3 {
+        self.to_world.point(DVec3::ZERO)
+    }
+
+    /// The axis and the cosine beyond which no light goes; everywhere if a transform has made the cone no longer round.
+    pub fn cone(&self) -> (Cone, f64) {
+        const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+        let axes = DVec3::AXES.map(|axis| self.to_world.vector(axis));
+        let alike = |a: f64, b: f64| (a - b).abs() <= ROUNDING * b;
+        let round = (0..3).all(|i| {
+            let (a, b) = (axes[i], axes[(i + 1) % 3]);
+            alike(a.length_squared(), b.length_squared()) && a.dot(b).abs() <= ROUNDING * b.length_squared()
+        });
+        if round {
+            (Cone::along(unit(axes[2])), cos(self.cutoff) * (1.0 - ROUNDING))
+        } else {
+            (Cone::EVERYWHERE, 0.0)
+        }
     }
 
     pub fn power(&self) -> f64 {

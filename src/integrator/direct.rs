@@ -128,7 +128,7 @@ impl Direct {
                 let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
                 let found = scene.emitters.list[index].emitter.distant_radiance(ray.direction, n, λ);
                 let Some((radiance, pdf)) = found else { return Spectrum::ZERO };
-                (radiance, pdf * scene.emitters.probability(index))
+                (radiance, pdf * scene.emitters.probability(index, (ray.origin, n)))
             }
             Some(hit) => {
                 let (shape, point) = scene.surface::<F>(ray, &hit);
@@ -136,7 +136,7 @@ impl Direct {
                 let emitter = &scene.emitters.list[index as usize].emitter;
                 let pdf = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
                 let radiance = emitter.surface_radiance(&point, -ray.direction, λ);
-                (radiance, pdf * scene.emitters.probability(index as usize))
+                (radiance, pdf * scene.emitters.probability(index as usize, (ray.origin, n)))
             }
         };
         if sample.delta {

@@ -89,7 +89,7 @@ pub fn sample_emitter<B: Bsdf>(
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
 ) -> Option<(Proposal, Sampled)> {
-    let (index, probability, u) = scene.emitters.sample(u, digits)?;
+    let (index, probability, u) = scene.emitters.sample((vertex.point.p, n), u, digits)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let light = entry.emitter.sample(shape, (vertex.point.p, n), u, λ)?;
@@ -112,14 +112,20 @@ pub fn sample_emitter<B: Bsdf>(
     Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
 }
 
-/// The density with which emitter samples of a path's vertices come to this point of an emitter, all together, from p in direction w and at this distance.
-pub fn density_of_samples(scene: &Scene, end: EmitterPoint, (p, w, distance): (DVec3, DVec3, f64)) -> f64 {
+/// The density with which emitter samples of a path's vertex come to this point of an emitter, all together, in direction w (world) and at this distance.
+pub fn density_of_samples<B>(
+    scene: &Scene,
+    end: EmitterPoint,
+    vertex: &Vertex<B>,
+    (w, distance): (DVec3, f64),
+) -> f64 {
     let entry = &scene.emitters.list[end.emitter];
     let (Some(shape), Some(path)) = (entry.shape, scene.integrator.path()) else { return 0.0 };
     let there = SurfacePoint::plain(end.p, end.n, end.n);
-    let pdf =
-        entry.emitter.surface_pdf(&scene.shapes[shape as usize].geometry, &Ray::free(p, w), distance, &there);
-    scene.emitters.probability(end.emitter) * pdf * f64::from(path.emitter_samples)
+    let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
+    let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
+    let n = if scene.emitters.chosen_by_place() { vertex.gathers_about() } else { DVec3::ZERO };
+    scene.emitters.probability(end.emitter, (p, n)) * pdf * f64::from(path.emitter_samples)
 }
 
 #[cfg(test)]

@@ -4,10 +4,13 @@
 //! built from those. The platform's mathematics library never decides a bit of an image.
 
 pub mod bounds;
+pub mod cone;
 pub mod discrete;
 pub mod frame;
 pub mod function;
 pub mod quadrature;
+#[cfg(test)]
+pub mod random;
 pub mod ray;
 pub mod simd;
 pub mod transform;

@@ -19,6 +19,7 @@ mod serialized;
 mod shapegroup;
 mod sphere;
 
+use crate::math::cone::Cone;
 use crate::math::{Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -182,6 +183,19 @@ impl Geometry {
             Self::Patch(patch) => patch.sample_area(u),
             Self::Sphere(sphere) => sphere.sample_area(u),
             Self::Cylinder(cylinder) => cylinder.sample_area(u),
+        }
+    }
+
+    /// Around the normals on the front side, world.
+    pub fn normals(&self) -> Cone {
+        match self {
+            Self::Mesh(mesh) => {
+                let normals = (0..mesh.triangles.len() as u32).map(|i| mesh.point::<false>(i, 0.0, 0.0).ng);
+                // Triangles without area have none.
+                Cone::around(normals.filter(|n| n.is_finite()))
+            }
+            Self::Patch(patch) => Cone::along(patch.n),
+            Self::Sphere(_) | Self::Cylinder(_) => Cone::EVERYWHERE,
         }
     }
 

@@ -133,7 +133,7 @@ impl Caustics {
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
-                path.by_emitter = density_of_samples(scene, path.end, (point.p, to_light, hit.t)) / back.pdf;
+                path.by_emitter = density_of_samples(scene, path.end, &vertex, (to_light, hit.t)) / back.pdf;
             }
         }
         if path.throughput.is_zero() {

@@ -139,7 +139,7 @@ pub fn density_of(
     let link = Link::find(scene, from, to, mirror, passage.surfaces as usize, λ, counters)?;
     let same = length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
-    let chosen = scene.emitters.probability(emitter) * chance;
+    let chosen = scene.emitters.probability(emitter, (from.0, DVec3::ZERO)) * chance;
     same.then(|| chosen * density(pdf, (straight.direction, distance), &link, point.ng))
 }
 
@@ -160,7 +160,7 @@ pub fn sample_emitter<B: Bsdf>(
     light_paths: impl Fn(&Link, f64, EmitterPoint) -> f64,
     counters: &mut Counters,
 ) -> Option<Proposal> {
-    let (index, probability, u) = scene.emitters.sample(u, digits)?;
+    let (index, probability, u) = scene.emitters.sample((vertex.point.p, DVec3::ZERO), u, digits)?;
     let entry = &scene.emitters.list[index];
     if !matches!(entry.emitter, AnyEmitter::Area(_)) {
         return None;

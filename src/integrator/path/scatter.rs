@@ -74,7 +74,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let samples = if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
         let mut gathers_about = DVec3::ZERO;
         if side.traits.smooth {
-            if F & Features::ENVIRONMENT != 0 {
+            if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
                 gathers_about = vertex.gathers_about();
             }
             let counts = (f64::from(samples), 1.0);

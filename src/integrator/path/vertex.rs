@@ -22,7 +22,7 @@ pub struct Arrival {
     pub pdf: f64,
     /// The direction could not have been found by sampling an emitter.
     pub delta: bool,
-    /// What the vertex before gathers light about; see [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing surrounds the scene.
+    /// What the vertex before gathers light about; see [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing asks for it.
     pub n: DVec3,
     /// That the vertex before took.
     pub emitter_samples: u32,
@@ -73,7 +73,7 @@ impl Path {
                     }
                 } else {
                     let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
-                    let chosen = scene.emitters.probability(emitter as usize);
+                    let chosen = scene.emitters.probability(emitter as usize, (ray.origin, state.arrival.n));
                     chosen * pdf * f64::from(state.arrival.emitter_samples) / state.arrival.pdf
                 };
                 let by_light_path = match &scene.caustics {
@@ -148,6 +148,7 @@ pub fn environment(scene: &Scene, ray: &Ray, arrival: Arrival, λ: &Wavelengths)
     if arrival.delta {
         return radiance;
     }
-    let rival = scene.emitters.probability(index) * pdf * f64::from(arrival.emitter_samples);
+    let rival =
+        scene.emitters.probability(index, (ray.origin, arrival.n)) * pdf * f64::from(arrival.emitter_samples);
     radiance * power_heuristic(arrival.pdf, rival) as f32
 }

@@ -98,20 +98,11 @@ impl Instance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::warp;
+    use crate::math::random::{direction, uniform};
     use crate::shape::mesh_data::MeshData;
     use crate::shape::patch::Outline;
     use crate::shape::{Cylinder, Geometry, Mesh, Patch, Sphere};
-    use glam::DVec2;
-    use rand_pcg::{Pcg32, rand_core::Rng};
-
-    fn uniform(rng: &mut Pcg32) -> f64 {
-        rng.next_u32() as f64 / 4294967296.0
-    }
-
-    fn direction(rng: &mut Pcg32) -> DVec3 {
-        warp::sphere(DVec2::new(uniform(rng), uniform(rng)))
-    }
+    use rand_pcg::Pcg32;
 
     /// A convex ball of triangles, its vertices rounded to a grid.
     fn ball(place: &Transform, grid: f64) -> Geometry {

@@ -98,18 +98,15 @@ pub fn pieces(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::random::{direction, uniform};
     use crate::math::{DVec2, warp};
-    use rand_pcg::{Pcg32, rand_core::Rng};
-
-    fn uniform(rng: &mut Pcg32) -> f64 {
-        rng.next_u32() as f64 / 4294967296.0
-    }
+    use rand_pcg::Pcg32;
 
     #[test]
     fn pieces_cover_thin_triangles_with_less_area() {
         let mut rng = Pcg32::new(21, 1);
         let mut triangle = || {
-            let along = warp::sphere(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+            let along = direction(&mut rng);
             let at = DVec3::new(uniform(&mut rng), uniform(&mut rng), uniform(&mut rng));
             [at, at + along, at + along + DVec3::splat(0.003)]
         };
@@ -142,7 +139,7 @@ mod tests {
     #[test]
     fn well_shaped_triangles_stay_whole() {
         let mut rng = Pcg32::new(22, 1);
-        let mut direction = || warp::sphere(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
+        let mut direction = || direction(&mut rng);
         for _ in 0..1000 {
             let frame = crate::math::Frame::about(direction());
             let corner = |i: u32| {

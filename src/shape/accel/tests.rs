@@ -2,19 +2,12 @@
 
 use super::*;
 use crate::math::frame::unit;
-use crate::math::{DVec3, Transform, length, warp};
+use crate::math::random::{direction, uniform};
+use crate::math::{DVec3, Transform, length};
 use crate::shape::mesh_data::MeshData;
 use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
 use glam::DVec2;
 use rand_pcg::{Pcg32, rand_core::Rng};
-
-fn uniform(rng: &mut Pcg32) -> f64 {
-    rng.next_u32() as f64 / 4294967296.0
-}
-
-fn direction(rng: &mut Pcg32) -> DVec3 {
-    warp::sphere(DVec2::new(uniform(rng), uniform(rng)))
-}
 
 /// A closed sphere of triangles.
 fn ball(rings: u32, scale: f64, centre: DVec3) -> Geometry {

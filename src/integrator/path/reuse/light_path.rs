@@ -93,7 +93,7 @@ impl LightPath {
         vertex.wo = vertex.to_local(to_light);
         let cos_light = point.ng.dot(to_light).abs();
         let by_emitter = match edges {
-            1 => density_of_samples(scene, self.end, (point.p, to_light, hit.t)),
+            1 => density_of_samples(scene, self.end, &vertex, (to_light, hit.t)),
             _ => 0.0,
         };
         let albedo = bsdf.albedo().filter(|_| vertex.wo.z > 0.0);

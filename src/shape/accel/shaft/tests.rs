@@ -1,14 +1,11 @@
 //! What a shaft calls clear, asked of rays.
 
 use super::*;
-use crate::math::{DVec2, Ray, Transform, length, warp};
+use crate::math::random::{direction, uniform};
+use crate::math::{DVec2, Ray, Transform, length};
 use crate::shape::mesh_data::MeshData;
 use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
-use rand_pcg::{Pcg32, rand_core::Rng};
-
-fn uniform(rng: &mut Pcg32) -> f64 {
-    rng.next_u32() as f64 / 4294967296.0
-}
+use rand_pcg::Pcg32;
 
 /// Patches, balls and a mesh of single triangles, somewhere in a cube.
 fn clutter(rng: &mut Pcg32, count: usize) -> Vec<Geometry> {
@@ -16,7 +13,7 @@ fn clutter(rng: &mut Pcg32, count: usize) -> Vec<Geometry> {
     let mut shapes = vec![];
     for i in 0..count {
         let at = DVec3::new(uniform(rng), uniform(rng), uniform(rng)) * 4.0;
-        let axis = warp::sphere(DVec2::new(uniform(rng), uniform(rng)));
+        let axis = direction(rng);
         let size = Transform::scale(DVec3::splat(0.1 + 0.4 * uniform(rng))).unwrap();
         let turn = Transform::rotate(axis, 360.0 * uniform(rng)).unwrap();
         let place = Transform::translate(at).after(&turn).after(&size);

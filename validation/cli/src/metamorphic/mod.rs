@@ -14,6 +14,7 @@ mod flat_caustic;
 mod guided;
 mod invisible;
 mod lights;
+mod many_lamps;
 mod methods;
 mod motion;
 mod neighbours;
@@ -165,6 +166,7 @@ pub const FAMILIES: &[Family<Relation>] = &[
     ("flat_caustic", flat_caustic::relations),
     ("guided", guided::relations),
     ("lights", lights::relations),
+    ("many_lamps", many_lamps::relations),
     ("motion", motion::relations),
     ("invisible", invisible::relations),
     ("methods", methods::relations),

@@ -1,0 +1,94 @@
+//! The children of a node, side by side.
+
+use super::{Cluster, Receiver};
+use crate::math::DVec3;
+use crate::math::simd::{F64x4, dot};
+
+/// How many children a node has at most.
+pub const WIDTH: usize = 4;
+
+/// [`Cluster`]s, one to a lane; those that are missing have no power.
+#[derive(Debug)]
+pub struct Children {
+    centre: [[f64; WIDTH]; 3],
+    /// Of the ball about the box, squared.
+    radius2: [f64; WIDTH],
+    axis: [[f64; WIDTH]; 3],
+    /// Of the half angle of the normals.
+    cos: [f64; WIDTH],
+    sin: [f64; WIDTH],
+    cos_beyond: [f64; WIDTH],
+    power: [f64; WIDTH],
+}
+
+/// Cosine and sine of an angle from 0 to π.
+type Angle = (F64x4, F64x4);
+
+impl Children {
+    pub fn new(clusters: &[Cluster]) -> Self {
+        let of = |f: &dyn Fn(&Cluster) -> f64| std::array::from_fn(|i| clusters.get(i).map_or(0.0, f));
+        let vectors = |f: &dyn Fn(&Cluster) -> DVec3| [0, 1, 2].map(|axis| of(&|cluster| f(cluster)[axis]));
+        Self {
+            centre: vectors(&|cluster| cluster.ball().0),
+            radius2: of(&|cluster| cluster.ball().1),
+            axis: vectors(&|cluster| cluster.normals.axis),
+            cos: of(&|cluster| cluster.normals.cos),
+            sin: of(&|cluster| (1.0 - cluster.normals.cos * cluster.normals.cos).max(0.0).sqrt()),
+            cos_beyond: of(&|cluster| cluster.cos_beyond),
+            power: of(&|cluster| cluster.power),
+        }
+    }
+
+    /// Estimates of the irradiance at a point, about n unless that is zero, at any scale, and their sum. Zero only if nothing can arrive there.
+    ///
+    /// Power over squared distances, times the largest cosines that can be at either end: as seen from the point all emitters are within a cone about the
+    /// centre, and from any of them the point is as far from the axis of the normals, less the angle of that cone and of the normals' own.
+    #[inline(always)]
+    pub fn importance(&self, (p, n): Receiver) -> ([f64; WIDTH], f64) {
+        let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
+        let p = p.to_array().map(F64x4::splat);
+        let way = [0, 1, 2].map(|axis| F64x4::new(self.centre[axis]) - p[axis]);
+        let (distance2, radius2) = (dot(way, way), F64x4::new(self.radius2));
+        let near = F64x4::new(self.power) * mean_inverse_square(distance2, F64x4::splat(0.5) * radius2);
+        let distance = distance2.sqrt();
+        let w = way.map(|v| v / distance);
+        let sin2_seen = radius2 / distance2;
+        let seen = ((one - sin2_seen).sqrt(), sin2_seen.sqrt());
+        let from_axis = with_sine(-dot(self.axis.map(F64x4::new), w));
+        let beyond_normals = less(from_axis, (F64x4::new(self.cos), F64x4::new(self.sin)));
+        let leaving = less(beyond_normals, seen).0;
+        let leaving = F64x4::new(self.cos_beyond).below(leaving).select(leaving, zero);
+        let mut cosines = leaving;
+        if n != DVec3::ZERO {
+            cosines = cosines * less(with_sine(dot(n.to_array().map(F64x4::splat), w)), seen).0.max(zero);
+        }
+        // What is within the ball may be anywhere, and shine anywhere.
+        let all = distance2.at_most(radius2).select(near, near * cosines).to_array();
+        (all, (all[0] + all[1]) + (all[2] + all[3]))
+    }
+}
+
+/// 1/d² on average over a ball of which this is the squared radius, nearly: 3/r² in its midst, 3/2r² on its surface.
+///
+/// Taking for it half of the ball about a box, in which most boxes' emitters are, leaves a quarter or a fifth of the variance that 1/max(d², r²) does.
+#[inline(always)]
+fn mean_inverse_square(distance2: F64x4, radius2: F64x4) -> F64x4 {
+    let least = F64x4::splat(f64::MIN_POSITIVE);
+    let ratio = radius2 / distance2;
+    let outside = (F64x4::splat(1.0) + F64x4::splat(0.5) * ratio * ratio) / distance2;
+    let inside = F64x4::splat(3.0) / (radius2 + distance2).max(least);
+    distance2.at_most(radius2).select(inside, outside)
+}
+
+#[inline(always)]
+fn with_sine(cos: F64x4) -> Angle {
+    (cos, (F64x4::splat(1.0) - cos * cos).max(F64x4::splat(0.0)).sqrt())
+}
+
+/// α − β, or 0 if β is larger.
+#[inline(always)]
+fn less((cos_a, sin_a): Angle, (cos_b, sin_b): Angle) -> Angle {
+    let larger = cos_b.at_most(cos_a);
+    let cos = larger.select(F64x4::splat(1.0), cos_a * cos_b + sin_a * sin_b);
+    (cos, larger.select(F64x4::splat(0.0), sin_a * cos_b - cos_a * sin_b))
+}

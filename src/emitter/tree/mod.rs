@@ -1,0 +1,102 @@
+//! A tree of emitters, for scenes with many: one is chosen by what it may bring to the place where light is gathered.
+//!
+//! Every node knows of its children where their emitters are, whither they shine and their power ([`Cluster`]), from which follow estimates of the light that they bring to
+//! a point. A choice goes down from the root, at each node to one of the children with chances in proportion to these estimates
+//! (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; PBRT, 4th edition, §12.6.3). The estimate for an
+//! emitter that may light the point is never zero, so no light is lost, however wrong it is.
+
+mod build;
+mod children;
+mod cluster;
+
+use crate::math::{BELOW_ONE, DVec3};
+use children::{Children, WIDTH};
+pub use cluster::Cluster;
+
+/// Where light is gathered, and the normal of the hemisphere from which it is; zero if it is from everywhere.
+pub type Receiver = (DVec3, DVec3);
+
+/// A tree of which every leaf is an emitter.
+#[derive(Debug)]
+pub struct Tree {
+    /// The root comes first.
+    nodes: Vec<Node>,
+    /// Where each emitter that was given is, by its number.
+    leaves: Vec<Place>,
+}
+
+#[derive(Debug)]
+struct Node {
+    children: Children,
+    targets: [Target; WIDTH],
+    /// Of the root nowhere.
+    place: Option<Place>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    /// Chosen never.
+    Nothing,
+    Emitter(u32),
+    Node(u32),
+}
+
+/// One of a node's children.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    node: u32,
+    child: u32,
+}
+
+impl Tree {
+    /// Of at least one emitter.
+    pub fn new(clusters: &[Cluster]) -> Self {
+        build::build(clusters)
+    }
+
+    /// The emitter that a number in [0, 1) falls on, its probability, and the number to be used again; `None` if no emitter shines there.
+    #[inline(never)]
+    pub fn sample(&self, at: Receiver, mut u: f64) -> Option<(usize, f64, f64)> {
+        let (mut index, mut probability) = (0, 1.0);
+        loop {
+            let Node { children, targets, .. } = &self.nodes[index];
+            let (importance, total) = children.importance(at);
+            let (mut child, mut left) = (0, u * total);
+            while child + 1 < WIDTH && left >= importance[child] {
+                left -= importance[child];
+                child += 1;
+            }
+            probability *= importance[child] / total;
+            // Rounding may lead past the last that shines.
+            if probability.is_nan() || probability <= 0.0 {
+                return None;
+            }
+            u = (left / importance[child]).min(BELOW_ONE);
+            match targets[child] {
+                Target::Emitter(emitter) => return Some((emitter as usize, probability, u)),
+                Target::Node(next) => index = next as usize,
+                Target::Nothing => return None,
+            }
+        }
+    }
+
+    /// The probability of choosing an emitter.
+    #[inline(never)]
+    pub fn probability(&self, emitter: usize, at: Receiver) -> f64 {
+        let mut probability = 1.0;
+        let mut place = Some(self.leaves[emitter]);
+        while let Some(Place { node, child }) = place {
+            let node = &self.nodes[node as usize];
+            let (importance, total) = node.children.importance(at);
+            if importance[child as usize] <= 0.0 {
+                return 0.0;
+            }
+            probability *= importance[child as usize] / total;
+            place = node.place;
+        }
+        probability
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,88 @@
+//! The light of many emitters is the sum of what each brings alone: which is chosen depends on the place, and alone there is no choice.
+
+use super::caustics::{ball, glass, with_light_paths, with_links};
+use super::reuse::one_of;
+use super::still_life::*;
+use super::{Relation, Term};
+use crate::stage::*;
+use validation::image::Image;
+
+/// Emitters with a surface, at home in the room. Those that are not lit are black.
+fn lamps(lit: impl Fn(usize) -> bool) -> String {
+    let kinds: [(&str, Vec<String>, f64); 5] = [
+        ("rectangle", lamp_steps(), 4.0),
+        ("sphere", vec![scale([0.1; 3]), translate([-1.2, -0.8, 1.2])], 20.0),
+        ("obj", vec![scale([0.1, 0.2, 0.1]), rotate('z', 30.0), translate([0.9, -0.9, 0.9])], 10.0),
+        ("cylinder", vec![scale([0.03, 0.03, 0.8]), rotate('y', 90.0), translate([-0.4, 0.9, 1.3])], 20.0),
+        // With its back to most of the room.
+        ("disk", vec![scale([0.2; 3]), rotate('x', -80.0), translate([0.6, 0.6, 1.0])], 20.0),
+    ];
+    let lamp = |(i, (kind, steps, radiance)): (usize, (&str, Vec<String>, f64))| {
+        let mesh = if kind == "obj" { "<string name=\"filename\" value=\"meshes/cube.obj\"/>" } else { "" };
+        let shines = if lit(i) { area(radiance) } else { String::new() };
+        shape(kind, &steps, &(mesh.to_owned() + &diffuse(0.0) + &shines))
+    };
+    kinds.into_iter().enumerate().map(lamp).collect()
+}
+
+/// Emitters without a surface.
+fn lights() -> [String; 5] {
+    let spot = |steps: &[String]| {
+        emitter("spot", &(to_world(steps) + &float("cutoff_angle", 30.0) + &grey("intensity", 6.0)))
+    };
+    let aimed = look_at([1.8, -1.5, 2.2], [0.4, 0.0, 0.3], [0.0, 0.0, 1.0]);
+    let sheared = "<matrix value=\"1 0.6 0 0  0 1 0 0  0 0 1 0  0 0 0 1\"/>".to_owned();
+    let down = [sheared, rotate('x', 180.0), translate([-1.0, 0.0, 2.0])];
+    [
+        point_light(-1.0, 2.0),
+        spot(&[aimed]),
+        spot(&down),
+        constant(0.1),
+        emitter(
+            "directional",
+            "<vector name=\"direction\" x=\"0.5\" y=\"1\" z=\"-1\"/><rgb name=\"irradiance\" value=\"0.5\"/>",
+        ),
+    ]
+}
+
+const LAMPS: usize = 5;
+
+/// What this integrator sees of the lamps in a room, together and one by one.
+fn together(name: &str, integrator: &str, things: &str, view: Option<fn(&Image) -> Image>) -> Relation {
+    let room = |lit: &dyn Fn(usize) -> bool| {
+        let text = scene(&[integrator, &camera(), &objects(&[]).concat(), things, &lamps(lit)]);
+        Term { view, ..Term::new(text) }
+    };
+    let alone = (0..LAMPS).map(|one| room(&move |i| i == one)).collect();
+    Relation::expectation(name, alone, vec![room(&|_| true)]).samples(512)
+}
+
+/// All kinds of emitters.
+fn all_kinds(name: &str, integrator: &str) -> Relation {
+    let room = |lit: &dyn Fn(usize) -> bool, lights: &str| {
+        Term::new(scene(&[integrator, &camera(), &objects(&[]).concat(), &lamps(lit), lights]))
+    };
+    let shapes = (0..LAMPS).map(|one| room(&move |i| i == one, ""));
+    let alone = shapes.chain(lights().iter().map(|light| room(&|_| false, light))).collect();
+    Relation::expectation(name, alone, vec![room(&|_| true, &lights().concat())]).samples(512)
+}
+
+pub fn relations() -> Vec<Relation> {
+    let direct = "<integrator type=\"direct\"/>";
+    let by_emitters = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"2\"/>\
+                       <integer name=\"bsdf_samples\" value=\"0\"/></integrator>";
+    let things =
+        ball(&glass("")) + &sphere([1.3, -0.2, 1.0], 0.3, &bsdf("roughconductor", &float("alpha", 0.15)));
+    let found_by_all = with_links(&with_light_paths(1.0, 5), "everywhere");
+    let shared = path(4).replace(
+        "</integrator>",
+        "<integer name=\"reuse\" value=\"16\"/><integer name=\"shared_light_paths\" value=\"2\"/></integrator>",
+    );
+    vec![
+        all_kinds("path", &path(4)),
+        all_kinds("direct", direct),
+        all_kinds("by_emitters_alone", by_emitters),
+        together("light_paths_and_links", &found_by_all, &things, None),
+        together("shared_paths", &shared, "", Some(one_of::<4>)).within(0.05).samples(1024),
+    ]
+}
