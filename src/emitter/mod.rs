@@ -56,7 +56,7 @@ macro_rules! emitters {
             about: $module::ABOUT,
             examples: $module::EXAMPLES,
             parse: |params| {
-                params.float("sampling_weight", 1.0, "Mitsuba's; ignored, for emitters are chosen by their power")?;
+                params.float("sampling_weight", 1.0, "Mitsuba's; ignored, for emitters are chosen by what they may bring")?;
                 $module::parse(params)
             },
         }),*];

@@ -50,6 +50,22 @@ pub const SCENES: &[Trial] = &[
           <shape type="disk"><transform name="to_world"><translate x="0.7" z="2"/>{place}</transform></shape>"#,
     },
     Trial {
+        name: "many lamps",
+        mode: ColorMode::Spectral,
+        options: "",
+        camera: CAMERA,
+        filter: r#"type="box""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="sphere"><transform name="to_world"><scale value="0.2"/><translate x="-1"/>{place}</transform>
+          <emitter type="area"><rgb name="radiance" value="L(8, 2, 4)"/></emitter></shape>
+          <shape type="cube"><transform name="to_world"><scale value="0.1"/><rotate y="1" angle="30"/><translate x="1" y="-0.5"/>{place}</transform>
+          <emitter type="area"><rgb name="radiance" value="L(4, 8, 16)"/></emitter></shape>
+          <shape type="cylinder"><transform name="to_world"><scale value="0.1"/><translate y="0.5" z="-1"/>{place}</transform>
+          <emitter type="area"><rgb name="radiance" value="L(1, 2, 8)"/></emitter></shape>
+          <emitter type="constant"><rgb name="radiance" value="L(0.25, 0.5, 1)"/></emitter>
+          <shape type="disk"><transform name="to_world"><scale value="0.7"/><rotate x="1" angle="20"/>{place}</transform></shape>"#,
+    },
+    Trial {
         name: "mirror and glass through a lens",
         mode: ColorMode::Spectral,
         options: "",

@@ -84,23 +84,37 @@ fn what_shines_at_a_point_has_a_chance() {
     assert!(lit > 5000, "{lit}");
 }
 
+/// How much the light of one chosen emitter scatters, squared and relative to the light of all: 0 if it is chosen exactly in proportion.
+fn scatter(light: &[f64], probability: impl Fn(usize) -> f64) -> f64 {
+    let total: f64 = light.iter().sum();
+    let squares = light.iter().enumerate().filter(|(_, l)| **l > 0.0).map(|(i, l)| l * l / probability(i));
+    squares.sum::<f64>() / (total * total) - 1.0
+}
+
 #[test]
-fn the_nearest_of_many_is_chosen_most() {
-    let lamp = |x: f64| Cluster {
-        bounds: (DVec3::X * x, DVec3::X * x),
-        normals: Cone::EVERYWHERE,
+fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
+    const LAMPS: usize = 400;
+    let mut rng = Pcg32::new(0, 1);
+    let mut place = |height: f64| DVec3::new(20.0 * uniform(&mut rng), 20.0 * uniform(&mut rng), height);
+    let lamp = |p: DVec3| Cluster {
+        bounds: (p, p),
+        normals: Cone::along(-DVec3::Z),
         cos_beyond: 0.0,
-        power: 1e-3,
+        power: 1.0 / LAMPS as f64,
     };
-    let lamps: Vec<Cluster> = (0..1000).map(|i| lamp(f64::from(i))).collect();
+    let lamps: Vec<Cluster> = (0..LAMPS).map(|_| lamp(place(1.0))).collect();
     let tree = Tree::new(&lamps);
-    let at = (DVec3::new(500.0, 0.5, 0.0), DVec3::ZERO);
-    let exact = |i: usize| 1.0 / ((i as f64 - 500.0) * (i as f64 - 500.0) + 0.25);
-    let total: f64 = (0..1000).map(exact).sum();
-    for i in 495..=505 {
-        let ratio = tree.probability(i, at) / (exact(i) / total);
-        assert!((0.3..3.0).contains(&ratio), "{i}: {ratio}");
+    let mut sums = [0.0; 2];
+    for _ in 0..200 {
+        let at = (place(0.0), DVec3::Z);
+        let light: Vec<f64> =
+            lamps.iter().map(|lamp| (lamp.bounds.0 - at.0).length_squared().powi(-2)).collect();
+        let scatters =
+            [scatter(&light, |i| tree.probability(i, at)), scatter(&light, |_| 1.0 / LAMPS as f64)];
+        sums = [0, 1].map(|i| sums[i] + scatters[i] / 200.0);
     }
+    println!("by the tree {:.3}, by power {:.1}", sums[0], sums[1]);
+    assert!(sums[0] < 0.4 && sums[1] > 40.0 * sums[0], "{sums:?}");
 }
 
 #[test]
