@@ -5,8 +5,8 @@ use super::tree::{Cluster, Receiver, Tree};
 use crate::math::{DVec2, Discrete};
 use crate::shape::Geometry;
 
-/// So many emitters that are somewhere in the scene are worth a [`Tree`]; fewer are chosen by their power.
-pub const MANY: usize = 2;
+/// From so many emitters on that are somewhere in the scene there is a [`Tree`] of them.
+const MANY: usize = 2;
 
 /// All emitters of a scene.
 #[derive(Debug, Default)]

@@ -7,15 +7,15 @@ use super::{Relation, Term};
 use crate::stage::*;
 use validation::image::Image;
 
-/// Emitters with a surface, at home in the room. Those that are not lit are black.
+/// Emitters with a surface, out of view. Those that are not lit are black.
 fn lamps(lit: impl Fn(usize) -> bool) -> String {
     let kinds: [(&str, Vec<String>, f64); 5] = [
         ("rectangle", lamp_steps(), 4.0),
-        ("sphere", vec![scale([0.1; 3]), translate([-1.2, -0.8, 1.2])], 20.0),
-        ("obj", vec![scale([0.1, 0.2, 0.1]), rotate('z', 30.0), translate([0.9, -0.9, 0.9])], 10.0),
-        ("cylinder", vec![scale([0.03, 0.03, 0.8]), rotate('y', 90.0), translate([-0.4, 0.9, 1.3])], 20.0),
-        // With its back to most of the room.
-        ("disk", vec![scale([0.2; 3]), rotate('x', -80.0), translate([0.6, 0.6, 1.0])], 20.0),
+        ("sphere", vec![scale([0.1; 3]), translate([-1.2, -0.8, 2.4])], 30.0),
+        ("obj", vec![scale([0.1, 0.2, 0.1]), rotate('z', 30.0), translate([0.9, -0.9, 2.4])], 20.0),
+        ("cylinder", vec![scale([0.03, 0.03, 0.8]), rotate('y', 90.0), translate([-0.4, 0.6, 2.6])], 20.0),
+        // Level with the objects, and half of the floor is behind it.
+        ("disk", vec![scale([0.3; 3]), rotate('y', -80.0), translate([2.4, 0.2, 0.8])], 20.0),
     ];
     let lamp = |(i, (kind, steps, radiance)): (usize, (&str, Vec<String>, f64))| {
         let mesh = if kind == "obj" { "<string name=\"filename\" value=\"meshes/cube.obj\"/>" } else { "" };
@@ -80,9 +80,9 @@ pub fn relations() -> Vec<Relation> {
     );
     vec![
         all_kinds("path", &path(4)),
-        all_kinds("direct", direct),
+        all_kinds("direct", direct).samples(1024),
         all_kinds("by_emitters_alone", by_emitters),
-        together("light_paths_and_links", &found_by_all, &things, None),
+        together("light_paths_and_links", &found_by_all, &things, None).within(0.02).samples(1024),
         together("shared_paths", &shared, "", Some(one_of::<4>)).within(0.05).samples(1024),
     ]
 }
