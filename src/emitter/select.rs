@@ -138,3 +138,41 @@ impl Local {
         Some((self.emitters[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    #[test]
+    fn near_and_distant_emitters_are_chosen_as_often_as_is_said() {
+        let point = |x: f64| {
+            format!(r#"<emitter type="point"><point name="position" x="{x}" y="0" z="1"/></emitter>"#)
+        };
+        let sky = r#"<emitter type="constant"><rgb name="radiance" value="0.05"/></emitter>"#;
+        let sun = r#"<emitter type="directional"><rgb name="irradiance" value="2"/></emitter>"#;
+        let text = [point(-1.0), sky.into(), point(0.0), sun.into(), point(3.0)].concat();
+        let text = format!(r#"<scene version="3.0.0"><sensor type="perspective"/>{text}</scene>"#);
+        let emitters = load_text("scene.xml", &text, ColorMode::Rgb).unwrap().emitters;
+        assert_eq!(emitters.environment, Some(1));
+        for x in [-1.0, 0.5, 3.0] {
+            const NUMBERS: usize = 10_000;
+            let at = (DVec3::X * x, DVec3::Z);
+            let mut shares = [0.0; 5];
+            for i in 0..NUMBERS {
+                let u = DVec2::new((i as f64 + 0.5) / NUMBERS as f64, 0.25);
+                let (index, probability, rest) = emitters.sample(at, u, 0.0).unwrap();
+                assert!((probability - emitters.probability(index, at)).abs() < 1e-15);
+                assert!((0.0..1.0).contains(&rest.x) && rest.y == u.y);
+                shares[index] += 1.0 / NUMBERS as f64;
+            }
+            for (i, share) in shares.into_iter().enumerate() {
+                assert!((share - emitters.probability(i, at)).abs() < 2.0 / NUMBERS as f64, "{i}: {share}");
+            }
+            let nearest = if x > 1.5 { 4 } else { 2 * usize::from(x > -0.5) };
+            assert!([0, 2, 4].iter().all(|i| shares[*i] <= shares[nearest]), "{shares:?}");
+        }
+    }
+}
