@@ -47,24 +47,25 @@ fn lights() -> [String; 5] {
 
 const LAMPS: usize = 5;
 
-/// What this integrator sees of the lamps in a room, together and one by one.
-fn together(name: &str, integrator: &str, things: &str, view: Option<fn(&Image) -> Image>) -> Relation {
-    let room = |lit: &dyn Fn(usize) -> bool| {
-        let text = scene(&[integrator, &camera(), &objects(&[]).concat(), things, &lamps(lit)]);
+/// What this integrator sees of the lamps and of these lights in a room, together and one by one.
+fn together(
+    name: &str,
+    integrator: &str,
+    (things, lights): (&str, &[String]),
+    view: Option<fn(&Image) -> Image>,
+) -> Relation {
+    let room = |lit: &dyn Fn(usize) -> bool, lights: &str| {
+        let text = scene(&[integrator, &camera(), &objects(&[]).concat(), things, &lamps(lit), lights]);
         Term { view, ..Term::new(text) }
     };
-    let alone = (0..LAMPS).map(|one| room(&move |i| i == one)).collect();
-    Relation::expectation(name, alone, vec![room(&|_| true)]).samples(512)
+    let shapes = (0..LAMPS).map(|one| room(&move |i| i == one, ""));
+    let alone = shapes.chain(lights.iter().map(|light| room(&|_| false, light))).collect();
+    Relation::expectation(name, alone, vec![room(&|_| true, &lights.concat())]).samples(512)
 }
 
 /// All kinds of emitters.
 fn all_kinds(name: &str, integrator: &str) -> Relation {
-    let room = |lit: &dyn Fn(usize) -> bool, lights: &str| {
-        Term::new(scene(&[integrator, &camera(), &objects(&[]).concat(), &lamps(lit), lights]))
-    };
-    let shapes = (0..LAMPS).map(|one| room(&move |i| i == one, ""));
-    let alone = shapes.chain(lights().iter().map(|light| room(&|_| false, light))).collect();
-    Relation::expectation(name, alone, vec![room(&|_| true, &lights().concat())]).samples(512)
+    together(name, integrator, ("", &lights()), None)
 }
 
 pub fn relations() -> Vec<Relation> {
@@ -82,7 +83,7 @@ pub fn relations() -> Vec<Relation> {
         all_kinds("path", &path(4)),
         all_kinds("direct", direct).samples(1024),
         all_kinds("by_emitters_alone", by_emitters),
-        together("light_paths_and_links", &found_by_all, &things, None).within(0.02).samples(1024),
-        together("shared_paths", &shared, "", Some(one_of::<4>)).within(0.05).samples(1024),
+        together("light_paths_and_links", &found_by_all, (&things, &[]), None).within(0.02).samples(1024),
+        together("shared_paths", &shared, ("", &[]), Some(one_of::<4>)).within(0.05).samples(1024),
     ]
 }

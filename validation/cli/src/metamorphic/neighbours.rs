@@ -2,7 +2,7 @@
 //! which see little light of their own kind. Light that a wrong weight takes from one side for the other is missed there at once.
 
 use super::Relation;
-use super::caustics::{glass, with_links};
+use super::caustics::{glass, globe, with_links};
 use super::reuse::{Case, one_of, walls};
 use super::still_life::INDEPENDENT;
 use crate::stage::*;
@@ -97,8 +97,7 @@ fn grazed_floor() -> Relation {
 fn seen_in_a_mirror() -> Relation {
     let steps = [scale([0.5, 0.5, 1.0]), rotate('x', 90.0), rotate('z', 45.0), translate([0.0, -3.5, 1.5])];
     let mirror = shape("rectangle", &steps, &bsdf("conductor", ""));
-    let bulb = sphere([-0.5, 0.0, 1.0], 0.25, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""));
-    let case = case("seen_in_a_mirror", walls(&diffuse(0.4)) + &mirror + &bulb);
+    let case = case("seen_in_a_mirror", walls(&diffuse(0.4)) + &mirror + &globe());
     Case { integrator: with_links(&path(6), "guided"), view: Some(one_of::<4>), ..case }
         .relation()
         .samples(8192)
