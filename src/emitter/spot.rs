@@ -43,7 +43,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 
 impl Spot {
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
-        let (wi, distance, falloff) = point::arriving(p, self.to_world.point(DVec3::ZERO))?;
+        let (wi, distance, falloff) = point::arriving(p, self.place())?;
         let local = unit(self.to_world.inverted().vector(-wi));
         let angle = acos(local.z.clamp(-1.0, 1.0));
         if angle >= self.cutoff {

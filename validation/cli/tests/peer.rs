@@ -3,9 +3,9 @@
 
 use std::process::{Command, Output};
 
-fn validate(peer: &str, more: &[&str]) -> Output {
+fn validate(peer: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_validate"));
-    command.args(["bsdf", "--samples", "256", "--peer", peer]).args(more);
+    command.args(["bsdf", "--samples", "256", "--peer", peer]);
     command.output().expect("the binary of this package starts")
 }
 
@@ -20,7 +20,7 @@ fn script(name: &str) -> Option<String> {
 #[test]
 fn the_example_holds() {
     let Some(peer) = script("lambert.py") else { return };
-    let output = validate(&peer, &[]);
+    let output = validate(&peer);
     let text = String::from_utf8_lossy(&output.stdout);
     // 3: too few samples for the stated power, which is no fault of the example.
     assert!(matches!(output.status.code(), Some(0 | 3)), "{text}");
@@ -30,7 +30,7 @@ fn the_example_holds() {
 #[test]
 fn a_density_two_per_cent_too_large_is_found() {
     let Some(peer) = script("lambert_wrong.py") else { return };
-    let output = validate(&peer, &[]);
+    let output = validate(&peer);
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.lines().any(|l| l.starts_with("different") && l.contains("::normalisation::")), "{text}");
@@ -39,7 +39,7 @@ fn a_density_two_per_cent_too_large_is_found() {
 #[test]
 fn a_peer_that_is_none_is_bad_input() {
     for peer in ["no-such-program-anywhere", "", "python3 'open"] {
-        let output = validate(peer, &[]);
+        let output = validate(peer);
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert_eq!(text.lines().count(), 1, "{text}");

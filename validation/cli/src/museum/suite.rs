@@ -32,7 +32,7 @@ enum End {
 /// Which tests are asked of a bug.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
-    /// Those that bear the name of its file, of its chapter of the catalogue or of its module.
+    /// Those that bear the name of its file, of its chapter of the catalogue or of a folder it lies in.
     Near,
     /// Those whose names contain this.
     Named(String),
@@ -46,11 +46,10 @@ impl Asked {
         if let Self::Named(name) = self {
             return vec![vec![name.clone()]];
         }
-        let [module, name] = names(&change.file);
-        let mut near = vec![name];
+        let mut folders = names(&change.file);
+        let mut near = Vec::from_iter(folders.pop());
         near.extend(change.chapter.clone());
-        near.push(format!("{module}::"));
-        near.dedup();
+        near.extend(folders.iter().rev().map(|folder| format!("{folder}::")));
         let all = (*self == Self::All).then(Vec::new);
         near.into_iter().map(|name| vec![name]).chain(all).collect()
     }
@@ -103,12 +102,12 @@ impl Suite {
         Self { stages: programs.into_iter().rev().map(stage).collect(), jobs, unfit: vec![] }
     }
 
-    /// Lets bug number `bug` out on the suite. First come all tests that bear the name of its file, of its
-    /// chapter of the catalogue or of its module, then all, in the order of what a find in this module has cost so far.
+    /// Lets bug number `bug` out on the suite. First come all tests that are near, then all, in the order of what a
+    /// find in this module has cost so far.
     /// `None` if not all tests were asked, and these do not notice.
     pub fn judge(&mut self, bug: usize, change: &Change, asked: &Asked) -> Result<Option<Fate>, String> {
         let start = Instant::now();
-        let [module, _] = names(&change.file);
+        let module = names(&change.file).swap_remove(0);
         self.stages.sort_by_key(|stage| stage.cost(&module));
         let filters = asked.filters(change);
         for filter in filters {
@@ -137,13 +136,13 @@ impl Suite {
     }
 }
 
-/// Module and name of a source file as tests bear them: `bsdf` and `plastic` of `src/bsdf/plastic.rs`.
-fn names(file: &str) -> [String; 2] {
+/// Folders and name of a source file as tests bear them: `bsdf` and `plastic` of `src/bsdf/plastic.rs`.
+fn names(file: &str) -> Vec<String> {
     let mut parts: Vec<&str> = file.trim_start_matches("src/").trim_end_matches(".rs").split('/').collect();
     if parts.len() > 1 && parts.last() == Some(&"mod") {
         parts.pop();
     }
-    [parts[0].to_owned(), parts[parts.len() - 1].to_owned()]
+    parts.into_iter().map(str::to_owned).collect()
 }
 
 /// Looks for a test that fails with the bug and does not without it.
@@ -276,7 +275,8 @@ mod tests {
     fn files_name_their_tests() {
         assert_eq!(names("src/bsdf/plastic.rs"), ["bsdf", "plastic"]);
         assert_eq!(names("src/shape/accel/mod.rs"), ["shape", "accel"]);
-        assert_eq!(names("src/lib.rs"), ["lib", "lib"]);
+        assert_eq!(names("src/integrator/path/reuse/part.rs"), ["integrator", "path", "reuse", "part"]);
+        assert_eq!(names("src/lib.rs"), ["lib"]);
     }
 
     #[test]
