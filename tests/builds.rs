@@ -1,7 +1,8 @@
 //! The same file from builds that share nothing but the source: every optimisation level, processors with less and with more
 //! than AVX2, a processor that valgrind emulates, and any other that a command runs the program on.
 //!
-//! What takes long is left out unless asked for: `cargo test --release --test builds -- --ignored`.
+//! What takes long is left out unless asked for: `cargo test --release --test builds -- --ignored processor valgrind`; another
+//! machine by `tests/aarch64.sh`.
 
 mod scenes;
 
@@ -12,9 +13,10 @@ use std::process::Command;
 /// Name, optimisation level and processor of a build that this test makes.
 const BUILDS: &[(&str, &str, &str)] = &[("unoptimised-without-avx", "0", "x86-64")];
 
-/// Further ones: not optimised, all that this machine has, no AVX2, and no AVX.
+/// Further ones: not or hardly optimised, all that this machine has, no AVX2, and no AVX.
 const FURTHER: &[(&str, &str, &str)] = &[
     ("unoptimised", "0", "x86-64-v3"),
+    ("hardly-optimised", "1", "x86-64-v3"),
     ("native", "3", "native"),
     ("without-avx2", "3", "x86-64-v3 -C target-feature=-avx2,-fma"),
     ("plain", "3", "x86-64"),
@@ -72,7 +74,7 @@ fn no_build_changes_a_bit() {
 }
 
 #[test]
-#[ignore = "four builds more"]
+#[ignore = "five builds more"]
 #[cfg(target_arch = "x86_64")]
 fn no_processor_changes_a_bit() {
     for (name, level, processor) in FURTHER {

@@ -3,7 +3,7 @@
 use super::Effort;
 use super::questions::{judge, one_of_a_family, thin};
 use crate::trial::{effort, effort_of_sampling};
-use crate::{closed_forms, furnace, limits, materials, metamorphic, references, sampling};
+use crate::{closed_forms, furnace, limits, materials, metamorphic, references, sampling, stability};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -25,6 +25,7 @@ pub struct Evidence {
     pub references: Vec<Outcome>,
     pub closed_forms: Vec<Outcome>,
     pub relations: Vec<Outcome>,
+    pub stability: Vec<Outcome>,
     /// What was run or read, a sentence each.
     pub origins: Vec<String>,
 }
@@ -87,13 +88,18 @@ impl Evidence {
                 judge(&relations, |relation| &relation.name, |relation| relation.check(1, 0).map(Some))?;
             evidence.origin("metamorphic relations", relations.len(), "as in the tests");
         }
+        say("stiff and extreme scenes");
+        let cases = one_of_a_family(stability::cases(), |case| &case.name, effort.sparse);
+        let ask = |case: &stability::Case| Ok(Some(case.check(1, 0).outcome()));
+        evidence.stability = judge(&cases, |case| &case.name, ask)?;
+        evidence.origin("stiff and extreme scenes", cases.len(), "as in the tests");
         Ok(evidence)
     }
 
     /// All outcomes.
     pub fn outcomes(&self) -> impl Iterator<Item = &Outcome> {
-        let Self { materials, sampling, furnace, references, closed_forms, relations, .. } = self;
-        [materials, sampling, furnace, references, closed_forms, relations].into_iter().flatten()
+        let Self { materials, sampling, furnace, references, closed_forms, relations, stability, .. } = self;
+        [materials, sampling, furnace, references, closed_forms, relations, stability].into_iter().flatten()
     }
 
     /// The worst of all.

@@ -17,6 +17,7 @@ mod questions;
 #[cfg(test)]
 mod sample;
 mod sections;
+mod strip;
 
 use crate::museum::findings::{Findings, results};
 use evidence::Evidence;
@@ -48,9 +49,10 @@ pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> 
     let histograms = histogram::histograms(effort.samples)?;
     say("pictures");
     let pictures = pictures::pictures(effort)?;
+    let stills = strip::stills(effort)?;
     let file = results();
     let findings = if file.exists() { Some(Findings::read(&file)?) } else { None };
-    let page = page::page(&evidence, &histograms, &pictures, findings.as_ref(), &machine::here());
+    let page = page::page(&evidence, &histograms, (&pictures, &stills), findings.as_ref(), &machine::here());
     std::fs::write(out, page).map_err(|e| format!("{}: {e}", out.display()))?;
     Ok(evidence.verdict())
 }

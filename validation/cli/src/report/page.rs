@@ -5,6 +5,7 @@ use super::histogram::Histogram;
 use super::matrix::matrix;
 use super::pictures::Pictures;
 use super::sections;
+use super::strip::{self, Still};
 use crate::museum::findings::Findings;
 use validation::Outcome;
 use validation::html::escape;
@@ -23,7 +24,7 @@ struct Section {
 pub fn page(
     evidence: &Evidence,
     histograms: &[Histogram],
-    pictures: &[Pictures],
+    (pictures, stills): (&[Pictures], &[Still]),
     findings: Option<&Findings>,
     machine: &[(&str, String)],
 ) -> String {
@@ -86,6 +87,12 @@ pub fn page(
             sections::table(&evidence.relations),
         ),
         section(
+            "stability",
+            "Stiff and extreme scenes",
+            "Every case states what is expected, a figure and a verdict. The pictures are what their cameras see, where that is more than one pixel.",
+            strip::html(stills) + &sections::table(&evidence.stability),
+        ),
+        section(
             "p-values",
             "p-values",
             "Right code and honest tests give p-values that are uniform, or conservative where counts are few.",
@@ -141,6 +148,8 @@ mod tests {
             "<origin>",
             "<model>",
             "<scene>",
+            "<still>",
+            "<stiff>",
             "<message>",
             "<bug>",
             "<about>",
@@ -168,6 +177,7 @@ mod tests {
             "references",
             "closed-forms",
             "relations",
+            "stability",
             "p-values",
             "museum",
             "machine",

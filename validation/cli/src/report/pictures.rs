@@ -5,7 +5,7 @@ use super::charts::figure;
 use super::evidence::MARGIN;
 use crate::references::{folder, references, settings};
 use etalon::image::{Rgb8, encode_srgb, write_png};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use validation::html::escape;
 use validation::image::{self, Image};
 
@@ -27,7 +27,7 @@ pub struct Pictures {
 pub fn pictures(effort: Effort) -> Result<Vec<Pictures>, String> {
     let count = if effort.sparse { SCENES.len() / 2 } else { SCENES.len() };
     let names: Vec<String> = SCENES[..count].iter().map(|scene| format!("{scene}::rgb")).collect();
-    let file = std::env::temp_dir().join(format!("etalon-report-{}.png", std::process::id()));
+    let file = scratch();
     let mut pictures = vec![];
     for reference in references(&folder())?.iter().filter(|r| names.contains(&r.name)) {
         let theirs = image::load(&reference.image).map_err(|e| e.to_string())?;
@@ -37,11 +37,7 @@ pub fn pictures(effort: Effort) -> Result<Vec<Pictures>, String> {
         image::write_difference_map(&theirs, &ours, &settings, &file).map_err(|e| e.to_string())?;
         let scores = data_uri(&file)?;
         let white = white(&theirs);
-        let picture = |image: &Image| {
-            write_png(&file, &develop(image, white)).map_err(|e| e.to_string())?;
-            data_uri(&file)
-        };
-        let [mitsuba, etalon] = [picture(&theirs)?, picture(&ours)?];
+        let [mitsuba, etalon] = [as_png(&theirs, white)?, as_png(&ours, white)?];
         let message = format!("{}: {}", comparison.verdict, comparison.message);
         pictures.push(Pictures { name: reference.name.clone(), message, mitsuba, etalon, scores });
     }
@@ -65,8 +61,19 @@ impl Pictures {
     }
 }
 
+fn scratch() -> PathBuf {
+    std::env::temp_dir().join(format!("etalon-report-{}.png", std::process::id()))
+}
+
+/// A picture as a data URI; `white` is what is shown white.
+pub(super) fn as_png(image: &Image, white: f64) -> Result<String, String> {
+    let file = scratch();
+    write_png(&file, &develop(image, white)).map_err(|e| e.to_string())?;
+    data_uri(&file)
+}
+
 /// The 98th percentile of a picture's values: what is shown white.
-fn white(image: &Image) -> f64 {
+pub(super) fn white(image: &Image) -> f64 {
     let mut values: Vec<f64> =
         colors(image).into_iter().flatten().copied().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);

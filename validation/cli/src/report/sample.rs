@@ -4,6 +4,7 @@ use super::evidence::Evidence;
 use super::histogram::Histogram;
 use super::page::page;
 use super::pictures::Pictures;
+use super::strip::Still;
 use crate::museum::findings::{Fate, Finding, Findings};
 use crate::provenance::Provenance;
 use validation::{Outcome, Verdict};
@@ -36,12 +37,14 @@ pub fn sample() -> String {
             "a-long::name-of-a-case-that-does-not-wrap-easily",
         )],
         relations: vec![outcome("relation", Verdict::Equivalent, "b::c")],
+        stability: vec![outcome("stability", Verdict::Equivalent, "light::<stiff>")],
         origins: vec!["<origin>".into()],
     };
     let histogram =
         Histogram { name: "<model>".into(), samples: 9, observed: vec![4.0, 5.0], expected: vec![4.5; 2] };
     let pixel = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==".to_string();
     let [name, message] = ["<scene>", "<message>"].map(String::from);
+    let stills = vec![Still { name: "light::<still>".into(), picture: pixel.clone() }; 12];
     let picture = Pictures { name, message, mitsuba: pixel.clone(), etalon: pixel.clone(), scores: pixel };
     let source = "tungsten #54 https://github.com/tunabrain/tungsten/issues/54".to_string();
     let [program, test, file, commit] = ["<program>", "<test>", "<file>", "<commit>"].map(String::from);
@@ -50,5 +53,5 @@ pub fn sample() -> String {
         Finding { name: "<bug>".into(), about: "<about>".into(), source, file, commit: commit.clone(), fate };
     let made = Provenance { date: "<date>".into(), machine: "<machine>".into(), commit };
     let findings = Findings { made, bugs: vec![bug] };
-    page(&evidence, &[histogram], &[picture], Some(&findings), &[("processor", "<cpu>".into())])
+    page(&evidence, &[histogram], (&[picture], &stills), Some(&findings), &[("processor", "<cpu>".into())])
 }

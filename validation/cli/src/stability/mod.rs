@@ -183,6 +183,16 @@ impl Case {
         })
     }
 
+    /// The stiff one of the scenes that are rendered; none where no picture is needed.
+    pub fn scene(&self) -> Option<Term> {
+        match &self.measure {
+            Measure::Answer(case) => Some(Term { mode: case.mode, ..Term::new(case.scene.clone()) }),
+            Measure::Alike(relation) => relation.right.last().cloned(),
+            Measure::Same(terms, _) => terms.last().cloned(),
+            Measure::AtMost(..) => None,
+        }
+    }
+
     /// As a test: what is undecided or different counts if four times the samples, of other seeds, confirm it.
     pub fn test(&self) -> Result<(), String> {
         let fault = |row: Row| {
@@ -191,6 +201,20 @@ impl Case {
         };
         confirmed(&TWICE, |effort, number| Ok(fault(self.check(effort, number))))
             .map_err(|message| format!("{message}; {}", self.expectation))
+    }
+}
+
+impl Row {
+    /// As a report shows it: what was found, and what was expected. A known limit is no difference, but is told.
+    pub fn outcome(&self) -> Outcome {
+        let verdict = match self.verdict {
+            Standing::Holds | Standing::Limit => Verdict::Equivalent,
+            Standing::Inconclusive => Verdict::Inconclusive,
+            Standing::Differs => Verdict::Different,
+        };
+        let limit = self.limit.map(|why| format!(" Known limit: {why}.")).unwrap_or_default();
+        let message = format!("{}. Expected: {}.{limit}", self.found, self.expectation);
+        Outcome::new("stability", verdict, message).of(&self.case)
     }
 }
 
@@ -262,6 +286,23 @@ mod tests {
             [0.5, 1.5, 2.5, f64::NAN].map(verdict),
             [Standing::Holds, Standing::Limit, Standing::Differs, Standing::Differs]
         );
+    }
+
+    #[test]
+    fn a_limit_is_told_and_no_difference() {
+        let case = |worst: f64| {
+            Case::at_most("x", "nothing", 1.0, Box::new(move |_| Ok(worst))).limit("rounding", 2.0)
+        };
+        let outcome = |worst: f64| case(worst).check(1, 0).outcome();
+        assert_eq!([0.5, 1.5, 2.5].map(|worst| outcome(worst).verdict), {
+            use Verdict::{Different, Equivalent};
+            [Equivalent, Equivalent, Different]
+        });
+        assert_eq!(
+            [0.5, 1.5].map(|worst| outcome(worst).message.ends_with("Known limit: rounding.")),
+            [false, true]
+        );
+        assert!(outcome(0.5).message.contains("Expected: nothing."));
     }
 
     #[test]
