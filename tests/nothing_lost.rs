@@ -111,24 +111,41 @@ fn a_hundred_deaths_change_no_bit() {
     killed(100, "60000");
 }
 
-/// A process that may write files of 8 KiB at most, and is told so by an error: what a full disk does.
+/// What a shell's `limit` makes of a render over an image that is there: one error that has these words, and all files as they were.
 #[cfg(unix)]
-#[test]
-fn a_full_disk_leaves_the_image_before_as_it_was() {
+fn refused_within(limit: &str, arguments: &str, words: &[&str]) {
     let folder = Folder::new(SCENE);
     folder.done(&["--spp", "4", "-o", "out.exr", "--png", "out.png"]);
     let before = [folder.bytes("out.exr"), folder.bytes("out.png")];
     let names = folder.names();
     let script = format!(
-        "trap '' XFSZ; ulimit -f 8; exec '{}' render scene.xml --quiet --spp 8 -o out.exr --png out.png",
+        "{limit}; exec '{}' render scene.xml --quiet --spp 8 -o out.exr --png out.png {arguments}",
         env!("CARGO_BIN_EXE_etalon")
     );
     let output = Command::new("sh").current_dir(folder.0.path()).args(["-c", &script]).output().unwrap();
     let error = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(error.contains("out.exr") && error.contains("too large"), "{error}");
+    assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    assert_eq!(error.lines().count(), 1, "{error}");
     assert!([folder.bytes("out.exr"), folder.bytes("out.png")] == before);
     assert_eq!(folder.names(), names);
+}
+
+/// A process that may write files of 8 KiB at most, and is told so by an error: what a full disk does.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_image_before_as_it_was() {
+    refused_within("trap '' XFSZ; ulimit -f 8", "", &["out.exr", "too large"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_film_beyond_the_limit_of_memory_leaves_the_image_before_as_it_was() {
+    refused_within(
+        "ulimit -v 800000",
+        "--size 8000x8000",
+        &["8000 × 8000 pixels", "GiB are available", "--crop"],
+    );
 }
 
 /// Runs as nobody, if it is root who runs the tests: root may write everywhere.

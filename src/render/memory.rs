@@ -21,21 +21,29 @@ pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
 }
 
 /// Bytes that this process may still take, where the system tells: the least of the machine's free memory and what the
-/// control group (a container, a batch job) leaves.
+/// control group (a container, a batch job) and the limit of the address space (`ulimit -v`) leave.
 pub fn available() -> Option<u64> {
-    let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| mem_available(&text));
-    let number = |name: &str| {
-        let text = fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?;
-        text.trim().parse::<u64>().ok()
-    };
+    let read = |path: &str| fs::read_to_string(path).ok();
+    let machine = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
+    let number = |name: &str| read(&format!("/sys/fs/cgroup/{name}"))?.trim().parse::<u64>().ok();
     let group = number("memory.max").map(|limit| limit.saturating_sub(number("memory.current").unwrap_or(0)));
-    machine.into_iter().chain(group).min()
+    let taken = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"));
+    let space = read("/proc/self/limits").and_then(|text| address_space(&text));
+    let space = space.map(|limit| limit.saturating_sub(taken.unwrap_or(0)));
+    machine.into_iter().chain(group).chain(space).min()
 }
 
-fn mem_available(meminfo: &str) -> Option<u64> {
-    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+/// Bytes, of a line such as `MemAvailable:   23068672 kB`.
+fn kilobytes(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kilobytes.checked_mul(1024)
+}
+
+/// The limit that is in force; none if it says `unlimited`.
+fn address_space(limits: &str) -> Option<u64> {
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 /// Refuses a render whose pixels do not fit into the memory that is available.
@@ -90,8 +98,21 @@ mod tests {
     #[test]
     fn the_systems_figure_is_read() {
         let text = "MemTotal:       24 kB\nMemFree: 1 kB\nMemAvailable:   23068672 kB\nBuffers: 1 kB\n";
+        let mem_available = |text| kilobytes(text, "MemAvailable:");
         assert_eq!(mem_available(text), Some(23_068_672 * 1024));
         assert_eq!(mem_available("MemTotal: 1 kB\n"), None);
         assert_eq!(mem_available("MemAvailable: x kB\n"), None);
+    }
+
+    #[test]
+    fn the_limit_of_the_address_space_is_read() {
+        let limits = |soft: &str| {
+            format!(
+                "Limit       Soft Limit   Hard Limit   Units\nMax cpu time  9  9  seconds\nMax address space  {soft}  unlimited  bytes\n"
+            )
+        };
+        assert_eq!(address_space(&limits("409600000")), Some(409_600_000));
+        assert_eq!(address_space(&limits("unlimited")), None);
+        assert_eq!(address_space(""), None);
     }
 }
