@@ -271,6 +271,34 @@ fn spheres_are_met_from_inside_where_they_end() {
 }
 
 #[test]
+fn rays_that_leave_a_needle_do_not_meet_its_neighbour() {
+    // Two faces a million times as long as wide, at a right angle along z.
+    let w = 1e-5_f32;
+    let data = MeshData {
+        positions: vec![[-w, -w, -10.0], [w, -w, -10.0], [w, -w, 10.0], [w, w, 10.0]],
+        normals: None,
+        uvs: None,
+        triangles: vec![[0, 1, 2], [1, 3, 2]],
+        surface_points: None,
+    };
+    let w = f64::from(w);
+    let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true));
+    let accel = Accel::new(&[&mesh]);
+    let mut rng = Pcg32::new(8, 8);
+    for _ in 0..200_000 {
+        // On the first face, a millionth to a hundred-millionth of its width from the edge, and farther from it.
+        let from_edge = w * libm::exp2(-20.0 - 7.0 * uniform(&mut rng));
+        let place = |from_edge| DVec3::new(w - from_edge, -w, 18.0 * uniform(&mut rng) - 9.0);
+        let [close, farther] = [from_edge, 4096.0 * from_edge].map(place);
+        let [x, y, z] = direction(&mut rng).abs().to_array();
+        let into = DVec3::new(x.max(y), x.min(y), z);
+        let meets = |p, towards| accel.closest(&Ray::leaving(p, towards, f64::INFINITY, 0)).is_some();
+        assert!(!meets(close, -into), "from {close} along {}", -into);
+        assert!(meets(farther, into), "from {farther} along {into}");
+    }
+}
+
+#[test]
 fn of_surfaces_in_one_place_the_first_is_met() {
     let patch = || Geometry::Patch(Patch::new(&Transform::IDENTITY, false, Outline::Square));
     let triangle = || {

@@ -8,6 +8,11 @@ use super::Search;
 use crate::math::simd::F64x4;
 use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3Swizzles;
+
+/// A hit nearer than this part of the way to the triangle's farthest corner is looked at again: see [`Triangles::near`]. It leaves
+/// room for needles as long as 2³⁰ widths.
+const NEAR: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
 pub struct Sheared {
@@ -64,10 +69,12 @@ impl Triangles {
 
     /// Each triangle's number and corners.
     pub fn corners(&self) -> impl Iterator<Item = (u32, [DVec3; 3])> {
-        let corner =
-            |vertex: &[[f32; 4]; 3], lane: usize| DVec3::from_array(vertex.map(|axis| f64::from(axis[lane])));
         let there = (0..4).filter(|&lane| self.primitives[lane] != Search::NONE);
-        there.map(move |lane| (self.primitives[lane], [0, 1, 2].map(|i| corner(&self.vertices[i], lane))))
+        there.map(move |lane| (self.primitives[lane], [0, 1, 2].map(|i| self.corner(i, lane))))
+    }
+
+    fn corner(&self, i: usize, lane: usize) -> DVec3 {
+        DVec3::from_array(self.vertices[i].map(|axis| f64::from(axis[lane])))
     }
 
     /// How many there are.
@@ -78,6 +85,25 @@ impl Triangles {
 
     pub fn holds(&self, primitive: u32) -> bool {
         self.primitives.contains(&primitive)
+    }
+
+    /// The distance of a triangle whose corners are much farther, if rounding leaves no doubt that it is beyond the ray's start.
+    ///
+    /// [`Self::intersect`]'s distance is a mean of those of the corners. If it is small beside them, its terms cancel, and what is
+    /// left is as wrong as the weights: by 2⁻⁵³ of the length over the width, which for a needle a million times as long as wide is
+    /// 10⁻¹⁰ of its length. The distance from the plane, n·(a − o)/n·ω, is wrong by less, and it is known by how much.
+    #[cold]
+    fn near(&self, lane: usize, ray: &Ray) -> Option<f64> {
+        // A bound for two differences, a product of two and a difference of those, a third difference, and a sum of three products.
+        const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
+        let [a, b, c] = [0, 1, 2].map(|i| self.corner(i, lane));
+        let (ab, ac, way) = (b - a, c - a, a - ray.origin);
+        let n = ab.cross(ac);
+        let (p, q) = (ab.abs(), ac.abs());
+        let terms = p.yzx() * q.zxy() + p.zxy() * q.yzx();
+        let cos = n.dot(ray.direction);
+        let (t, error) = (n.dot(way) / cos, ROUNDINGS * terms.dot(way.abs()) / cos.abs());
+        (t > ray.start + error).then_some(t)
     }
 
     #[inline(always)]
@@ -102,16 +128,23 @@ impl Triangles {
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear[2] / determinant;
         // No area makes a NaN or an infinity, and neither comes before the best.
         let ahead = F64x4::splat(search.ray.start).below(t) & t.at_most(F64x4::splat(search.best.t));
-        inside &= ahead.bits();
+        let farthest = a[2].abs().max(b[2].abs()).max(c[2].abs());
+        let near = t.abs().below(farthest * F64x4::splat(NEAR));
+        inside &= (ahead | near).bits();
         if inside == 0 {
             return;
         }
+        let near = near.bits();
         let (t, v, w, determinant) = (t.to_array(), v.to_array(), w.to_array(), determinant.to_array());
         while inside != 0 {
             let i = inside.trailing_zeros() as usize;
             inside &= inside - 1;
-            if self.primitives[i] != search.ray.from && determinant[i] != 0.0 {
-                search.offer(t[i], v[i] / determinant[i], w[i] / determinant[i], self.primitives[i]);
+            if self.primitives[i] == search.ray.from || determinant[i] == 0.0 {
+                continue;
+            }
+            let t = if near >> i & 1 == 0 { Some(t[i]) } else { self.near(i, search.ray) };
+            if let Some(t) = t {
+                search.offer(t, v[i] / determinant[i], w[i] / determinant[i], self.primitives[i]);
             }
         }
     }
