@@ -12,7 +12,7 @@ use super::shaft::{Few, Plane};
 use super::space::Space;
 use super::spheres::Spheres;
 use super::splits::pieces;
-use super::triangles::Triangles;
+use super::triangles::{NEAR, Triangles};
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed};
 use crate::math::bounds::{NOTHING, union};
@@ -89,6 +89,7 @@ impl Accel {
             instances,
             primitives,
             bounds,
+            near: NEAR * (bounds.1 - bounds.0).max_element(),
         };
         // Sorted by kind, so that blocks are full.
         let kind = |item: &Item| match shapes[item.shape as usize] {

@@ -72,6 +72,8 @@ pub struct Accel {
     primitives: u32,
     /// The corners of a box around all.
     bounds: Bounds,
+    /// How near a triangle is looked at again.
+    near: f64,
 }
 
 /// The best hit so far, and the primitive that cannot be met again.
@@ -256,7 +258,7 @@ impl Accel {
             }
         }
         if !self.triangles.is_empty() {
-            let sheared = Sheared::new(search.ray);
+            let sheared = Sheared::new(search.ray, self.near);
             for block in self.triangles.iter() {
                 block.intersect(&sheared, search);
                 if ANY && search.found() {

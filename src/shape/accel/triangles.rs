@@ -10,20 +10,22 @@ use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3Swizzles;
 
-/// A hit nearer than this part of the way to the triangle's farthest corner is looked at again: see [`Triangles::near`]. It leaves
-/// room for needles as long as 2³⁰ widths.
-const NEAR: f64 = 1.0 / (1u64 << 20) as f64;
+/// A hit nearer than this part of what all triangles measure is looked at again: see [`Triangles::near`]. It leaves room for
+/// needles as long as that and as 2²⁶ widths.
+pub const NEAR: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
 pub struct Sheared {
     axes: [usize; 3],
     origin: [f64; 3],
     shear: [f64; 3],
+    /// What is nearer is looked at again.
+    near: f64,
 }
 
 impl Sheared {
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
+    pub fn new(ray: &Ray, near: f64) -> Self {
         let d = ray.direction.to_array();
         let size = ray.direction.abs();
         let z = if size.x > size.y {
@@ -40,6 +42,7 @@ impl Sheared {
             axes,
             origin: axes.map(|a| o[a]),
             shear: [d[axes[0]] * inverse, d[axes[1]] * inverse, inverse],
+            near,
         }
     }
 }
@@ -87,12 +90,12 @@ impl Triangles {
         self.primitives.contains(&primitive)
     }
 
-    /// The distance of a triangle whose corners are much farther, if rounding leaves no doubt that it is beyond the ray's start.
+    /// The distance of a triangle that is met next to the ray's origin, if rounding leaves no doubt that it is beyond the ray's start.
     ///
     /// [`Self::intersect`]'s distance is a mean of those of the corners. If it is small beside them, its terms cancel, and what is
     /// left is as wrong as the weights: by 2⁻⁵³ of the length over the width, which for a needle a million times as long as wide is
     /// 10⁻¹⁰ of its length. The distance from the plane, n·(a − o)/n·ω, is wrong by less, and it is known by how much.
-    #[cold]
+    #[inline(always)]
     fn near(&self, lane: usize, ray: &Ray) -> Option<f64> {
         // A bound for two differences, a product of two and a difference of those, a third difference, and a sum of three products.
         const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
@@ -127,14 +130,11 @@ impl Triangles {
         let determinant = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear[2] / determinant;
         // No area makes a NaN or an infinity, and neither comes before the best.
-        let ahead = F64x4::splat(search.ray.start).below(t) & t.at_most(F64x4::splat(search.best.t));
-        let farthest = a[2].abs().max(b[2].abs()).max(c[2].abs());
-        let near = t.abs().below(farthest * F64x4::splat(NEAR));
-        inside &= (ahead | near).bits();
+        let ahead = F64x4::splat(-ray.near).below(t) & t.at_most(F64x4::splat(search.best.t));
+        inside &= ahead.bits();
         if inside == 0 {
             return;
         }
-        let near = near.bits();
         let (t, v, w, determinant) = (t.to_array(), v.to_array(), w.to_array(), determinant.to_array());
         while inside != 0 {
             let i = inside.trailing_zeros() as usize;
@@ -142,7 +142,7 @@ impl Triangles {
             if self.primitives[i] == search.ray.from || determinant[i] == 0.0 {
                 continue;
             }
-            let t = if near >> i & 1 == 0 { Some(t[i]) } else { self.near(i, search.ray) };
+            let t = if t[i] < ray.near { self.near(i, search.ray) } else { Some(t[i]) };
             if let Some(t) = t {
                 search.offer(t, v[i] / determinant[i], w[i] / determinant[i], self.primitives[i]);
             }

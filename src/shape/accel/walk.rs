@@ -36,7 +36,7 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     pub fn new(accel: &Accel, search: Search<'a>) -> Option<Self> {
         let local = accel.space.enter(search.ray)?;
-        let sheared = Sheared::new(search.ray);
+        let sheared = Sheared::new(search.ray, accel.near);
         Some(Self { search, local, sheared, next: NodeRef::ROOT, waiting: 0 })
     }
 
