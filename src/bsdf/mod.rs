@@ -266,6 +266,7 @@ materials! {
     roughdielectric::RoughDielectric,
     plastic::Plastic,
     roughplastic::RoughPlastic,
+    principled::Principled,
     null::Null,
     twosided::TwoSided,
     mask::Mask,

@@ -167,6 +167,6 @@ impl Bsdf for Frosted {
 
 /// `w` turned about the surface if the viewer is below it.
 #[inline]
-fn upward(w: DVec3, viewer: DVec3) -> DVec3 {
+pub fn upward(w: DVec3, viewer: DVec3) -> DVec3 {
     if viewer.z < 0.0 { -w } else { w }
 }

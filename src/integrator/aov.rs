@@ -82,6 +82,11 @@ impl Aov {
         self.outputs.iter().flat_map(of).collect()
     }
 
+    /// How many channels these are.
+    pub fn width(&self) -> usize {
+        self.outputs.iter().map(|(.., suffixes)| suffixes.len()).sum()
+    }
+
     pub fn values(&self, scene: &Scene, ray: &Ray, counters: &mut Counters, values: &mut [f64]) {
         counters.rays += 1;
         values.fill(0.0);

@@ -10,6 +10,7 @@ mod direct;
 pub mod guide;
 pub mod light;
 pub mod links;
+mod moment;
 pub mod path;
 
 use crate::math::{DVec3, Ray};
@@ -21,6 +22,7 @@ use crate::spectrum::{Spectrum, Wavelengths};
 pub use aov::Aov;
 pub use depth::Depth;
 pub use direct::Direct;
+pub use moment::Moment;
 pub use path::Path;
 
 /// Any integrator.
@@ -30,6 +32,7 @@ pub enum AnyIntegrator {
     Direct(Direct),
     Depth(Depth),
     Aov(Box<Aov>),
+    Moment(Box<Moment>),
 }
 
 macro_rules! integrators {
@@ -43,7 +46,7 @@ macro_rules! integrators {
         }),*];
     };
 }
-integrators!(path, direct, depth, aov);
+integrators!(path, direct, depth, aov, moment);
 
 impl Default for AnyIntegrator {
     fn default() -> Self {
@@ -153,6 +156,7 @@ fn radiance<const F: u32>(
                 radiance::<F>(scene, nested, paths, counters);
             }
         }
+        AnyIntegrator::Moment(moment) => radiance::<F>(scene, &moment.nested, paths, counters),
     }
 }
 
@@ -163,6 +167,7 @@ impl AnyIntegrator {
             Self::Direct(_) => direct::NAME,
             Self::Depth(_) => depth::NAME,
             Self::Aov(_) => aov::NAME,
+            Self::Moment(_) => moment::NAME,
         }
     }
 
@@ -171,6 +176,7 @@ impl AnyIntegrator {
         match self {
             Self::Path(path) => Some(path),
             Self::Aov(aov) => aov.nested.as_ref()?.path(),
+            Self::Moment(moment) => moment.nested.path(),
             Self::Direct(_) | Self::Depth(_) => None,
         }
     }
@@ -185,6 +191,7 @@ impl AnyIntegrator {
         match self {
             Self::Path(path) => Some(path),
             Self::Aov(aov) => aov.nested.as_mut()?.path_mut(),
+            Self::Moment(moment) => moment.nested.path_mut(),
             Self::Direct(_) | Self::Depth(_) => None,
         }
     }
@@ -192,7 +199,7 @@ impl AnyIntegrator {
     /// Whether the image has colours, and not only auxiliary channels.
     pub fn has_radiance(&self) -> bool {
         match self {
-            Self::Path(_) | Self::Direct(_) => true,
+            Self::Path(_) | Self::Direct(_) | Self::Moment(_) => true,
             Self::Depth(_) => false,
             Self::Aov(aov) => aov.nested.as_ref().is_some_and(|n| n.has_radiance()),
         }
@@ -200,7 +207,11 @@ impl AnyIntegrator {
 
     /// Whether texture coordinates are needed even where no texture is.
     pub fn needs_uv(&self) -> bool {
-        matches!(self, Self::Aov(_))
+        match self {
+            Self::Aov(_) => true,
+            Self::Moment(moment) => moment.nested.needs_uv(),
+            Self::Path(_) | Self::Direct(_) | Self::Depth(_) => false,
+        }
     }
 
     /// Names of the channels besides the colours.
@@ -212,6 +223,7 @@ impl AnyIntegrator {
                 let nested = aov.nested.as_ref().map(Self::extra_channels);
                 [nested.unwrap_or_default(), aov.channels()].concat()
             }
+            Self::Moment(moment) => moment.channels.clone(),
         }
     }
 
@@ -221,12 +233,31 @@ impl AnyIntegrator {
             Self::Path(_) | Self::Direct(_) => {}
             Self::Depth(depth) => depth.values(scene, ray, counters, values),
             Self::Aov(aov) => {
-                let (nested, own) = values.split_at_mut(values.len() - aov.channels().len());
+                let (nested, own) = values.split_at_mut(values.len() - aov.width());
                 if let Some(integrator) = &aov.nested {
                     integrator.extra_values(scene, ray, counters, nested);
                 }
                 aov.values(scene, ray, counters, own);
             }
+            Self::Moment(moment) => {
+                let nested = &mut values[..moment.nested_channels()];
+                moment.nested.extra_values(scene, ray, counters, nested);
+            }
+        }
+    }
+
+    /// Fills the channels that follow from a sample's others, once all light has been added to those.
+    #[inline]
+    pub fn complete(&self, values: &mut [f64]) {
+        match self {
+            Self::Path(_) | Self::Direct(_) | Self::Depth(_) => {}
+            Self::Aov(aov) => {
+                if let Some(integrator) = &aov.nested {
+                    let nested = values.len() - aov.width();
+                    integrator.complete(&mut values[..nested]);
+                }
+            }
+            Self::Moment(moment) => moment.complete(values),
         }
     }
 }

@@ -68,6 +68,12 @@ impl<'a> Camera<'a> {
         }
     }
 
+    /// Fills the channels that follow from a sample's others, once light paths have been added to those.
+    #[inline]
+    pub fn complete(&self, values: &mut [f64]) {
+        self.scene.integrator.complete(values);
+    }
+
     /// How many channels hold light: R, G, B, alpha and the bands.
     pub fn color_channels(&self) -> usize {
         let film = &self.scene.sensor.film;

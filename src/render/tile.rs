@@ -49,7 +49,7 @@ pub fn tile(
         }
         let values = &mut values[..channels * which.len()];
         camera.samples(which, &mut tile.counters, values);
-        let done = tile.add(which, splats, values);
+        let done = tile.add(camera, which, splats, values);
         progress.done.fetch_add(done, Ordering::Relaxed);
         which.clear();
         Some(())
@@ -92,7 +92,13 @@ pub fn tile(
 
 impl Tile {
     /// Adds up camera samples with what light paths bring to them; how many of them lie in the window.
-    fn add(&mut self, which: &[((u32, u32), u64)], splats: &Splats, values: &mut [f64]) -> u64 {
+    fn add(
+        &mut self,
+        camera: &Camera,
+        which: &[((u32, u32), u64)],
+        splats: &Splats,
+        values: &mut [f64],
+    ) -> u64 {
         let channels = values.len() / which.len();
         let mut done = 0;
         for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
@@ -102,6 +108,7 @@ impl Tile {
             }
             done += 1;
             splats.add_to(pixel, sample, values);
+            camera.complete(values);
             let at = (y * self.window.width + x) as usize * channels;
             let mut finite = true;
             for (sum, value) in self.sums[at..at + channels].iter_mut().zip(values) {

@@ -74,17 +74,28 @@ impl SpectralFunction {
     pub fn mean(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => rgb.iter().map(|&v| v as f64).sum::<f64>() / 3.0,
+            _ => over_the_visible(|λ| self.eval(λ).sum() as f64 / LANES as f64),
+        }
+    }
+
+    /// Luminance under D65 of luminance 1: of a reflectance, how bright it is beside white.
+    pub fn luminance(&self) -> f64 {
+        match self {
+            Self::Rgb(rgb) => observer::luminance(rgb.map(f64::from)),
             _ => {
-                const STEPS: usize = 16;
-                let mut sum = 0.0;
-                for step in 0..STEPS {
-                    let u = (step as f64 + 0.5) / (STEPS * LANES) as f64;
-                    let λ =
-                        Wavelengths::sample_uniform(u, observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX);
-                    sum += self.eval(&λ).sum() as f64;
-                }
-                sum / (STEPS * LANES) as f64
+                let lit = |λ: &Wavelengths, s: Spectrum| observer::luminance(λ.to_rgb(s * Spectrum(λ.d65)));
+                over_the_visible(|λ| lit(λ, self.eval(λ))) / over_the_visible(|λ| lit(λ, Spectrum::ONE))
             }
         }
     }
+}
+
+/// The mean of an estimate over 128 wavelengths, evenly spaced in the visible range.
+fn over_the_visible(estimate: impl Fn(&Wavelengths) -> f64) -> f64 {
+    const STEPS: usize = 16;
+    let step = |step: usize| {
+        let u = (step as f64 + 0.5) / (STEPS * LANES) as f64;
+        estimate(&Wavelengths::sample_uniform(u, observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX))
+    };
+    (0..STEPS).map(step).sum::<f64>() / STEPS as f64
 }

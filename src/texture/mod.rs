@@ -127,6 +127,16 @@ impl AnyTexture {
         }
     }
 
+    /// How bright a colour is beside white, under D65.
+    pub fn luminance(&self, uv: DVec2) -> f64 {
+        match self {
+            Self::Constant(function) => function.luminance(),
+            Self::Checkerboard(board) => board.side(uv).luminance(uv),
+            // Both keep it as their number.
+            Self::Bitmap(_) | Self::UnderD65(_) => self.eval_scalar(uv),
+        }
+    }
+
     /// The number this texture is everywhere and at every wavelength, if it is one.
     pub fn constant(&self) -> Option<f64> {
         match self {

@@ -29,7 +29,12 @@ REQUIRED = {
         twosided/1 twosided/2 mask.opacity:float mask.opacity:bitmap blendbsdf.weight:float
         blendbsdf.weight:bitmap normalmap.normalmap:bitmap normalmap.flip_invalid_normals=false
         normalmap.use_shadowing_function=false bsdf:bumpmap bumpmap.scale bumpmap.flip_invalid_normals=false
-        bumpmap.use_shadowing_function=false""".split(),
+        bumpmap.use_shadowing_function=false principled.base_color:rgb principled.base_color:bitmap
+        principled.roughness principled.anisotropic principled.metallic:float principled.metallic:checkerboard
+        principled.spec_trans principled.eta principled.specular principled.flatness principled.sheen
+        principled.clearcoat principled.clearcoat_gloss principled.spec_tint principled.sheen_tint
+        principled.main_specular_sampling_rate principled.diffuse_reflectance_sampling_rate
+        principled.clearcoat_sampling_rate""".split(),
     "emitters": """area@rectangle area@sphere area@disk area@cylinder area@obj area@ply area.radiance:bitmap
         area.radiance:rgb point.position point.to_world spot.cutoff_angle spot.beam_width spot.texture:bitmap
         spot.to_world directional.direction directional.to_world emitter:constant envmap.filename envmap.to_world
@@ -58,7 +63,8 @@ REQUIRED = {
 # Without these the plain description above would have holes: a vector can be written in two ways.
 TRANSFORMS = ("translate", "rotate", "scale", "matrix", "lookat")
 SPECTRAL_ONLY = {"film:specfilm", "spectrum:blackbody", "spectrum:regular", "spectrum:irregular"}
-RGB_ONLY = {"integrator:depth", "integrator:aov"}  # what they write has no colour
+# What depth and aov write has no colour; Mitsuba's luminance of a base colour depends on the wavelengths of the path.
+RGB_ONLY = {"integrator:depth", "integrator:aov", "principled.spec_tint", "principled.sheen_tint"}
 
 
 def determinant_sign(transform):

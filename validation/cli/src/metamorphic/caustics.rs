@@ -199,7 +199,8 @@ pub fn relations() -> Vec<Relation> {
             "ringing_film_cropped",
             &filtered("<rfilter type=\"lanczos\"/>", crop),
             &room(&ball(&mirror())),
-        ),
+        )
+        .longer(4),
         relation(
             "film_with_border",
             &filtered(tent, "<boolean name=\"sample_border\" value=\"true\"/>"),

@@ -47,5 +47,5 @@ pub fn relations() -> Vec<Relation> {
     // What is even is the same through any filter, at the edges as well, where filters are cut. Over the whole film light is only moved
     // about, whatever is wrong with its weights.
     let seen = |filter: &str| vec![Term { view: Some(edges), ..Term::new(floor(filter)) }];
-    vec![Relation::expectation("edges_of_a_gaussian_film", seen("box"), seen("gaussian")).samples(65_536)]
+    vec![Relation::expectation("edges_of_a_gaussian_film", seen("box"), seen("gaussian")).samples(3 * 65_536)]
 }

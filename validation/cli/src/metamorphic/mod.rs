@@ -220,6 +220,11 @@ impl Relation {
         Self { samples, ..self }
     }
 
+    /// So many times the samples: where fewer leave the first try undecided, the second costs more than that.
+    pub fn longer(self, times: u64) -> Self {
+        Self { samples: self.samples * times, ..self }
+    }
+
     /// Equal in expectation within this part.
     pub fn within(self, margin: f64) -> Self {
         Self { alike: Alike::Expectation(margin), ..self }

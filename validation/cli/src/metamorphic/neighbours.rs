@@ -90,7 +90,7 @@ fn grazed_floor() -> Relation {
     let place = look_at([0.0, 0.0, 1.5], [0.0, 1.0, 3.0], [0.0, 0.0, 1.0]);
     let camera = pinhole(&place, 40.0, &(film(WIDTH, 2 * WIDTH) + INDEPENDENT));
     let case = case("grazed_floor", floor + &ceiling + &wall + &spot);
-    Case { camera, view: Some(one_of::<4>), ..case }.relation().samples(8192)
+    Case { camera, view: Some(one_of::<4>), ..case }.relation().samples(3 * 8192)
 }
 
 /// A dark room seen in a mirror, where light paths are of no use, and lit by a bulb in glass, which guided samples find.

@@ -121,7 +121,6 @@ pub fn relations() -> Vec<Relation> {
         case("two_sides", room(&(screen(&both_sides) + &vase(&both_sides)))),
         case("veil", room(&screen(&veil))),
         Case { pixels: 16, ..case("pickets", room(&pickets)) },
-        case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))),
         case("rough_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))),
         case("glass", room(&ball(&glass))),
         case("mirror", room(&(ball(&mirror) + &screen(&mirror)))),
@@ -134,9 +133,10 @@ pub fn relations() -> Vec<Relation> {
     // Rough receivers and rough sources, and both at once.
     let brushed = room(&(ball(&metal(0.2)) + &screen(&metal(0.1))));
     let polished = closed_room(&metal(0.3)) + &ball(&diffuse(0.5)) + &screen(&mirror);
+    let brushed_metal = Case { pixels: 16, ..case("brushed_metal", brushed.clone()) };
+    let metal_walls =
+        Case { pixels: 16, light_paths: 0.0, integrator: path(6), ..case("metal_walls", polished) };
     let rough = [
-        Case { pixels: 16, ..case("brushed_metal", brushed.clone()) },
-        Case { pixels: 16, light_paths: 0.0, integrator: path(6), ..case("metal_walls", polished) },
         Case { integrator: path(-1), ..case("metal_roulette", brushed.clone()) }
             .option("integer", "rr_depth", "3"),
         Case {
@@ -152,10 +152,8 @@ pub fn relations() -> Vec<Relation> {
     };
     let limited = |case: Case| Case { integrator: case.integrator.replace("-1", "4"), ..case };
     let bare = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0));
-    let lit_cases = [
-        limited(lit(case("lit", room(&matte)), 2)),
-        limited(lit(case("lit_glass_and_mirror", room(&(ball(&glass) + &screen(&mirror)))), 4)),
-    ];
+    let lit_matte = limited(lit(case("lit", room(&matte)), 2));
+    let lit_glass = limited(lit(case("lit_glass_and_mirror", room(&(ball(&glass) + &screen(&mirror)))), 4));
     let lit_metal = lit(case("lit_metal", brushed.clone()), 4);
     let lit_at_length = [
         lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
@@ -173,11 +171,15 @@ pub fn relations() -> Vec<Relation> {
     let hidden_lamp = hidden_lamp.option("boolean", "hide_emitters", "true");
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
-    relations.extend(lit_cases.map(Case::relation));
+    relations.push(case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3));
+    relations.push(lit_matte.relation().longer(3));
+    relations.push(lit_glass.relation().longer(4));
     relations.push(lit_metal.relation().samples(4096));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.extend(rough.map(|case| case.relation().samples(4096)));
+    relations.push(brushed_metal.relation().samples(3 * 4096));
+    relations.push(metal_walls.relation().samples(4 * 4096).at_length());
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
     // Without light paths pixels share what emitter samples through glass and by mirrors find.
     let links = with_links(&path(6), "everywhere");

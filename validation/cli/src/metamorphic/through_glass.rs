@@ -63,7 +63,7 @@ pub fn relations() -> Vec<Relation> {
         relation("seen_in_a_mirror", 1.0, &(globe.clone() + &mirror)).at_length(),
         relation("matte_within_glass", 1.0, &within()),
         relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
-        relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen)),
+        relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen)).longer(3),
         relation("slats_above_a_slab", 0.0, &(slab + &slats)).within(0.05),
         relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))).at_length(),
         relation("surface_of_water", 1.0, &pane(&clear())).samples(16384).at_length(),

@@ -47,15 +47,20 @@ pub const KNOWN: &[Known] = &[
     },
     Known {
         cause: "bumpmap around an anisotropic material mixes coordinates in the tangent",
-        shows: |n| n.is("bsdf", "bumpmap") && n.all().iter().any(|m| m.child("alpha_u").is_some()),
+        shows: |n| n.is("bsdf", "bumpmap") && n.all().iter().any(anisotropic),
     },
     Known {
         cause: "tangents of an instance are not placed with it",
         shows: |n| {
-            let tangent = |m: &&Node| {
-                m.child("alpha_u").is_some() || m.is("bsdf", "normalmap") || m.is("bsdf", "bumpmap")
-            };
+            let tangent = |m: &&Node| anisotropic(m) || m.is("bsdf", "normalmap") || m.is("bsdf", "bumpmap");
             (n.is("shape", "instance") || n.is("shape", "shapegroup")) && n.all().iter().any(tangent)
+        },
+    },
+    Known {
+        cause: "the luminance of a principled material's base depends on the wavelengths that a path carries",
+        shows: |n| {
+            let tints = ["spec_tint", "sheen_tint"];
+            n.is("bsdf", "principled") && tints.iter().any(|tint| n.child(tint).is_some())
         },
     },
     Known {
@@ -95,6 +100,11 @@ pub const KNOWN: &[Known] = &[
         },
     },
 ];
+
+/// Whether a material needs a tangent.
+fn anisotropic(node: &&Node) -> bool {
+    node.child("alpha_u").is_some() || node.child("anisotropic").is_some()
+}
 
 fn hides(node: &&Node) -> bool {
     node.child("hide_emitters").is_some_and(|h| h.get("value") == Some("true"))

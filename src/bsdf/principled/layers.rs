@@ -1,0 +1,192 @@
+//! The principled model at a point.
+
+use super::Gtr1;
+use crate::bsdf::dielectric::seen;
+use crate::bsdf::microfacet::{Distribution, Shape, reflect};
+use crate::bsdf::roughdielectric::upward;
+use crate::bsdf::{Bsdf, Evaluation, Sample, fresnel, rescale};
+use crate::math::frame::unit;
+use crate::math::{DVec2, DVec3, warp};
+use crate::spectrum::Spectrum;
+use std::f64::consts::FRAC_1_PI;
+
+/// All lobes at a point.
+pub struct Layers {
+    pub base: Spectrum,
+    /// The base over its luminance; 1 where nothing is tinted.
+    pub hue: Spectrum,
+    /// Colour times amount, none on metal.
+    pub sheen: Spectrum,
+    pub facets: Distribution,
+    /// η inside / η outside.
+    pub eta: f64,
+    pub roughness: f64,
+    pub metallic: f64,
+    pub spec_tint: f64,
+    pub flatness: f64,
+    pub clearcoat: f64,
+    pub coat: Gtr1,
+    /// Shares of what is matte and of what is like glass; the rest is metal.
+    pub matte: f64,
+    pub clear: f64,
+    /// Of sampling the matte lobe and the coat, seen from outside.
+    pub chances: [f64; 2],
+    /// Of sampling the microfacets.
+    pub specular_chance: f64,
+}
+
+/// Two directions above or through the surface, with the viewer above it, and the facet at which they meet.
+struct Meeting {
+    wo: DVec3,
+    wi: DVec3,
+    m: DVec3,
+    /// η far / η near, from where the viewer is.
+    eta: f64,
+    face: fresnel::Interface,
+}
+
+impl Meeting {
+    /// Where a viewer of the far side counts as one of the near side, with the indices exchanged.
+    fn new(wo: DVec3, wi: DVec3, eta: f64) -> Self {
+        let eta = seen(eta, wo);
+        let (wo, wi) = (upward(wo, wo), upward(wi, wo));
+        let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
+        let m = unit(if h.z < 0.0 { -h } else { h });
+        Self { wo, wi, m, eta, face: fresnel::dielectric(wo.dot(m).max(0.0), eta) }
+    }
+}
+
+impl Layers {
+    /// Schlick's (1 − cos θ)⁵, with the angle on the thinner side.
+    fn schlick(&self, at: &Meeting) -> f64 {
+        fifth(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
+    }
+
+    /// What microfacets reflect of light from outside: exactly as glass, by Schlick's approximation where it has a colour.
+    fn fresnel(&self, at: &Meeting) -> Spectrum {
+        let reflectance = at.face.reflectance;
+        // As in Mitsuba, where the index is that of outside there is no interface, of metal neither.
+        if reflectance == 0.0 {
+            return Spectrum::ZERO;
+        }
+        let weight = self.schlick(at);
+        let approximate = |r0: Spectrum| r0 * (1.0 - weight) as f32 + Spectrum::splat(weight as f32);
+        let r0 = (at.eta - 1.0) / (at.eta + 1.0);
+        let [metal, tinted] = [self.metallic, (1.0 - self.metallic) * self.spec_tint];
+        Spectrum::splat(((1.0 - self.metallic) * (1.0 - self.spec_tint) * reflectance) as f32)
+            + approximate(self.base) * metal as f32
+            + approximate(self.hue * (r0 * r0) as f32) * tinted as f32
+    }
+
+    /// The matte lobe and the sheen: Burley 2012, section 5.3, and for `flatness` 2015, equation 4 (after Hanrahan and Krueger 1993).
+    fn matte(&self, at: &Meeting) -> Spectrum {
+        let (cos_o, cos_i) = (at.wo.z, at.wi.z);
+        let cos_d = at.wi.dot(at.m);
+        let (o, i) = (fifth(cos_o), fifth(cos_i));
+        let retro = 2.0 * self.roughness * cos_d * cos_d;
+        let rough = (1.0 - 0.5 * o) * (1.0 - 0.5 * i) + retro * (o + i + o * i * (retro - 1.0));
+        let towards = |weight: f64| 1.0 + (0.5 * retro - 1.0) * weight;
+        let below = 1.25 * (towards(o) * towards(i) * (1.0 / (cos_o + cos_i) - 0.5) + 0.5);
+        let matte = self.matte * (rough + (below - rough) * self.flatness);
+        self.base * (matte * FRAC_1_PI * cos_i) as f32 + self.sheen * (fifth(cos_d) * cos_i) as f32
+    }
+
+    /// The clear coat. Its masking is that of a roughness of ½, whatever its own (Burley 2012, section 5.6), and it is not divided by 4 cos θo cos θi.
+    fn coat(&self, at: &Meeting) -> f64 {
+        let masking = Distribution::new(Shape::Ggx, 0.25, 0.25, true);
+        let reflectance = 0.04 + 0.96 * self.schlick(at);
+        let shown = self.coat.density(at.m) * masking.masking(at.wo, at.m) * masking.masking(at.wi, at.m);
+        0.25 * self.clearcoat * reflectance * shown * at.wi.z
+    }
+
+    fn reflection(&self, at: &Meeting, outside: bool) -> Evaluation {
+        let (shown, drawn) = self.facets.reflection(at.wo, at.wi, at.m);
+        if !outside {
+            let reflectance = at.face.reflectance;
+            let value = Spectrum::splat((self.clear * reflectance * shown) as f32);
+            return Evaluation { value, pdf: reflectance * drawn };
+        }
+        let [diffuse, coat] = self.chances;
+        let specular = self.specular_chance * (1.0 - self.clear * at.face.transmittance);
+        Evaluation {
+            value: self.fresnel(at) * shown as f32 + self.matte(at) + Spectrum::splat(self.coat(at) as f32),
+            pdf: diffuse * warp::cosine_hemisphere_pdf(at.wi)
+                + coat * self.coat.pdf(at.m) / (4.0 * at.wo.dot(at.m))
+                + specular * drawn,
+        }
+    }
+
+    fn transmission(&self, at: &Meeting, outside: bool) -> Evaluation {
+        let (o, i) = (at.wo.dot(at.m), at.wi.dot(at.m));
+        // Light does not cross from the back of a facet, nor leave to the side of the surface that the facet does not face.
+        if o <= 0.0 || i >= 0.0 {
+            return Evaluation::ZERO;
+        }
+        let h = o + at.eta * i;
+        let jacobian = -i / (h * h);
+        let shown = self.facets.density(at.m) * self.facets.masking(at.wo, at.m) * self.facets.masking(at.wi, at.m);
+        // η² of the Jacobian is not in the value, because radiance carries 1/η².
+        let value = self.clear * at.face.transmittance * shown * o * jacobian / at.wo.z;
+        let chance = if outside { self.specular_chance * self.clear } else { 1.0 };
+        let drawn = self.facets.pdf(at.wo, at.m) * at.eta * at.eta * jacobian;
+        Evaluation {
+            value: self.base.map(f32::sqrt) * value as f32,
+            pdf: chance * at.face.transmittance * drawn,
+        }
+    }
+
+    /// Whether anything is seen from the side that `wo` is on.
+    fn shows(&self, wo: DVec3) -> bool {
+        wo.z > 0.0 || wo.z < 0.0 && self.clear > 0.0
+    }
+}
+
+/// (1 − cos θ)⁵.
+fn fifth(cos: f64) -> f64 {
+    let rest = (1.0 - cos).clamp(0.0, 1.0);
+    rest * rest * (rest * rest) * rest
+}
+
+impl Bsdf for Layers {
+    fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
+        if !self.shows(wo) || wi.z == 0.0 {
+            return Evaluation::ZERO;
+        }
+        let at = Meeting::new(wo, wi, self.eta);
+        match at.wi.z > 0.0 {
+            true => self.reflection(&at, wo.z > 0.0),
+            false if self.clear > 0.0 => self.transmission(&at, wo.z > 0.0),
+            false => Evaluation::ZERO,
+        }
+    }
+
+    fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
+        if !self.shows(wo) {
+            return None;
+        }
+        let (viewer, wo, eta) = (wo, upward(wo, wo), seen(self.eta, wo));
+        let outside = viewer.z > 0.0;
+        let [diffuse, coat] = if outside { self.chances } else { [0.0; 2] };
+        let (wi, reflected) = if lobe < diffuse {
+            (warp::cosine_hemisphere(u), true)
+        } else if lobe < diffuse + coat {
+            (reflect(wo, self.coat.sample(u)), true)
+        } else {
+            // The choice among facets' lobes must not depend on other lobes' directions, or the density would be an integral.
+            let m = self.facets.sample(wo, u);
+            let cos = wo.dot(m);
+            let share = if outside { self.clear } else { 1.0 };
+            let through = share * fresnel::dielectric(cos.max(0.0), eta).transmittance;
+            let reflected = rescale(lobe, diffuse + coat, 1.0) >= through;
+            (if reflected { reflect(wo, m) } else { fresnel::refract(wo, m, cos, eta)? }, reflected)
+        };
+        // A facet may send light to where its surface is.
+        if wi.z == 0.0 || (wi.z > 0.0) != reflected {
+            return None;
+        }
+        let wi = upward(wi, viewer);
+        let Evaluation { value, pdf } = self.evaluate(viewer, wi);
+        let sample = Sample::smooth(wi, value * (1.0 / pdf) as f32, pdf);
+        (pdf > 0.0).then_some(Sample { eta: if reflected { 1.0 } else { eta }, ..sample })
+    }
+}

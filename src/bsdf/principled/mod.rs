@@ -1,0 +1,201 @@
+//! Disney's principled model: one material for most of what artists need, by parameters of which all but the index are between 0 and 1.
+//!
+//! Burley 2012, "Physically Based Shading at Disney", and 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface
+//! Scattering", in the form that Mitsuba gives them. It is a sum of lobes made for looks: a matte one that brightens towards
+//! grazing, sheen, a clear coat, and microfacets that reflect as metal or glass does and let through what `spec_trans` says.
+//! Nothing holds their sum below 1: with much sheen or coat on a white base it sends out more than it gets.
+
+mod gtr1;
+mod layers;
+
+use super::microfacet::{Distribution, Shape};
+use super::{Laws, Material, Traits};
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::shape::SurfacePoint;
+use crate::spectrum::{Spectrum, Wavelengths};
+use crate::texture::AnyTexture;
+use gtr1::Gtr1;
+pub use layers::Layers;
+
+/// The parameters of the model.
+pub struct Principled {
+    base: AnyTexture,
+    /// That of a base that does not vary.
+    luminance: Option<f64>,
+    roughness: AnyTexture,
+    anisotropic: AnyTexture,
+    metallic: AnyTexture,
+    spec_trans: AnyTexture,
+    spec_tint: AnyTexture,
+    sheen: AnyTexture,
+    sheen_tint: AnyTexture,
+    flatness: AnyTexture,
+    clearcoat: AnyTexture,
+    clearcoat_gloss: AnyTexture,
+    /// η inside / η outside.
+    eta: f64,
+    rates: Rates,
+}
+
+/// How readily lobes are chosen, beside what they weigh.
+struct Rates {
+    diffuse: f64,
+    specular: f64,
+    coat: f64,
+}
+
+impl Material for Principled {
+    const NAME: &'static str = "principled";
+    const ABOUT: &'static str =
+        "Disney's model: matte, metal, glass, sheen and a clear coat, blended by artists' parameters.";
+    const EXAMPLES: &'static [&'static str] = &[
+        r#"<bsdf type="principled"/>"#,
+        r#"<bsdf type="principled">
+            <rgb name="base_color" value="0.8, 0.4, 0.2"/><float name="metallic" value="0.7"/><float name="roughness" value="0.4"/>
+            <float name="anisotropic" value="0.6"/><float name="specular" value="0.8"/>
+        </bsdf>"#,
+        r#"<bsdf type="principled">
+            <rgb name="base_color" value="0.2, 0.3, 0.5"/><float name="roughness" value="0.6"/><float name="flatness" value="0.5"/>
+            <float name="sheen" value="0.5"/><float name="clearcoat" value="1"/><float name="clearcoat_gloss" value="0.2"/>
+        </bsdf>"#,
+        r#"<bsdf type="principled">
+            <rgb name="base_color" value="0.9, 0.8, 0.6"/><float name="spec_trans" value="0.8"/><float name="eta" value="1.5"/>
+            <float name="roughness" value="0.5"/><float name="anisotropic" value="0.3"/>
+        </bsdf>"#,
+        r#"<bsdf type="principled">
+            <rgb name="base_color" value="0.5, 0.2, 0.3"/><float name="spec_tint" value="0.7"/><float name="sheen" value="0.1"/>
+            <float name="sheen_tint" value="0.5"/><float name="main_specular_sampling_rate" value="0.5"/>
+            <float name="clearcoat" value="0.5"/><float name="clearcoat_sampling_rate" value="2"/>
+            <float name="diffuse_reflectance_sampling_rate" value="1.5"/>
+        </bsdf>"#,
+    ];
+    const LAWS: Laws = Laws::PHYSICAL;
+    type Bsdf<'a> = Layers;
+
+    fn parse(params: &mut Params) -> Result<Self, SceneError> {
+        let base = params.texture("base_color", 0.5, Usage::Reflectance, "colour of the material")?;
+        let mut share =
+            |name, default, about| params.texture(name, default, Usage::Reflectance, about);
+        let roughness = share("roughness", 0.5, "square root of the microfacets' α")?;
+        let anisotropic = share("anisotropic", 0.0, "how much rougher it is along the tangent than across")?;
+        let metallic = share("metallic", 0.0, "share of metal, which has no other lobes than microfacets and coat")?;
+        let spec_trans = share("spec_trans", 0.0, "share of glass in what is no metal; the rest is matte")?;
+        let spec_tint = share("spec_tint", 0.0, "how far reflection of what is no metal has the base's colour")?;
+        let sheen = share("sheen", 0.0, "brightness at grazing, as of cloth")?;
+        let sheen_tint = share("sheen_tint", 0.0, "how far the sheen has the base's colour")?;
+        let flatness = share("flatness", 0.0, "how far the matte lobe is one of light from below the surface")?;
+        let clearcoat = share("clearcoat", 0.0, "brightness of a second, colourless reflection")?;
+        let clearcoat_gloss = share("clearcoat_gloss", 0.0, "α of the coat: 0.1 at 0, 0.001 at 1")?;
+        let eta = index(params, spec_trans.constant() != Some(0.0))?;
+        let mut rate = |name, about| params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0);
+        let rates = Rates {
+            diffuse: rate("diffuse_reflectance_sampling_rate", "how readily the matte lobe is sampled")?,
+            specular: rate("main_specular_sampling_rate", "how readily microfacets are sampled")?,
+            coat: rate("clearcoat_sampling_rate", "how readily the coat is sampled")?,
+        };
+        let luminance = (!base.varies()).then(|| base.luminance(SurfacePoint::flat().uv));
+        Ok(Self {
+            base,
+            luminance,
+            roughness,
+            anisotropic,
+            metallic,
+            spec_trans,
+            spec_tint,
+            sheen,
+            sheen_tint,
+            flatness,
+            clearcoat,
+            clearcoat_gloss,
+            eta,
+            rates,
+        })
+    }
+
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Layers {
+        let share = |texture: &AnyTexture| texture.eval_scalar(point.uv).clamp(0.0, 1.0);
+        let base = self.base.eval(point.uv, λ);
+        let [spec_tint, sheen, sheen_tint] = [&self.spec_tint, &self.sheen, &self.sheen_tint].map(share);
+        // The colour of the base without its brightness.
+        let hue = match self.luminance {
+            _ if spec_tint == 0.0 && sheen * sheen_tint == 0.0 => Spectrum::ONE,
+            known => match known.unwrap_or_else(|| self.base.luminance(point.uv)) {
+                luminance if luminance > 0.0 => base * (1.0 / luminance) as f32,
+                _ => Spectrum::ONE,
+            },
+        };
+        let [metallic, spec_trans, clearcoat] = [&self.metallic, &self.spec_trans, &self.clearcoat].map(share);
+        let roughness = share(&self.roughness);
+        let aspect = (1.0 - 0.9 * share(&self.anisotropic)).sqrt();
+        let [along, across] = [roughness * roughness / aspect, roughness * roughness * aspect].map(|a| a.max(1e-3));
+        let matte = (1.0 - metallic) * (1.0 - spec_trans);
+        let (diffuse, coat) = (matte * self.rates.diffuse, 0.25 * clearcoat * self.rates.coat);
+        let total = diffuse + coat + self.rates.specular;
+        let tinted = Spectrum::splat(1.0 - sheen_tint as f32) + hue * sheen_tint as f32;
+        Layers {
+            base,
+            hue,
+            sheen: tinted * (sheen * (1.0 - metallic)) as f32,
+            facets: Distribution::new(Shape::Ggx, along, across, true),
+            eta: self.eta,
+            roughness,
+            metallic,
+            spec_tint,
+            flatness: share(&self.flatness),
+            clearcoat,
+            coat: Gtr1::new(0.1 + (0.001 - 0.1) * share(&self.clearcoat_gloss)),
+            matte,
+            clear: (1.0 - metallic) * spec_trans,
+            chances: if total > 0.0 { [diffuse / total, coat / total] } else { [0.0; 2] },
+            specular_chance: if total > 0.0 { self.rates.specular / total } else { 0.0 },
+        }
+    }
+
+    fn traits(&self) -> Traits {
+        let transmits = self.spec_trans.constant() != Some(0.0);
+        let shares = [
+            &self.base,
+            &self.roughness,
+            &self.anisotropic,
+            &self.metallic,
+            &self.spec_trans,
+            &self.spec_tint,
+            &self.sheen,
+            &self.sheen_tint,
+            &self.flatness,
+            &self.clearcoat,
+            &self.clearcoat_gloss,
+        ];
+        // As narrow as what counts as such of rough metal, and more than the gloss of something matte.
+        let bright = transmits || self.metallic.mean() > 0.5;
+        Traits {
+            smooth: true,
+            rough: !transmits,
+            transmits,
+            glossy: bright && self.roughness.mean() < 0.5,
+            anisotropic: self.anisotropic.constant() != Some(0.0),
+            textured: shares.iter().any(|texture| texture.varies()),
+            ..Traits::default()
+        }
+    }
+}
+
+/// `eta`, or what `specular` means: reflectance 0.08 · `specular` at normal incidence. What lets light through must not have the index of what is outside.
+fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
+    if params.has("eta") && params.has("specular") {
+        return Err(params.error("eta", "`eta` beside `specular`", "expected one of them"));
+    }
+    let about = "index of refraction inside over that outside, instead of `specular`";
+    if params.has("eta") {
+        params.float_where("specular", 0.5, SPECULAR, "", |_| true)?;
+        let eta = params.float_where("eta", 1.5, about, "a number above 0, from 1e-20 to 1e20", |eta| (1e-20..=1e20).contains(&eta))?;
+        return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
+    }
+    params.optional_float("eta", about)?;
+    let specular = params.float_where("specular", 0.5, SPECULAR, "0 to 1", |s| (0.0..=1.0).contains(&s))?;
+    let specular = if transmits && specular == 0.0 { 1e-3 } else { specular };
+    Ok(2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0)
+}
+
+const SPECULAR: &str = "reflectance at normal incidence, in units of 0.08";

@@ -1,0 +1,124 @@
+//! First and second moments of what another integrator sees, beside its image.
+//!
+//! Mitsuba's test suite keeps its references so: with the mean m₁ and the mean square m₂ of n samples the variance of a pixel is
+//! (m₂ − m₁²)/n. It holds for independent samples through a box filter; the `variance` channels that Etalon writes of its own accord hold for others
+//! as well. A sample's square is that of what it adds to its pixel, light paths included, so it is a property of the estimator: unlike the
+//! mean, it is not the same in another renderer.
+
+use super::{AnyIntegrator, INTEGRATORS};
+use crate::scene::error::SceneError;
+use crate::scene::params::{Params, Usage};
+use crate::scene::registry::construct;
+use crate::spectrum::observer::RGB_TO_XYZ;
+
+pub const NAME: &str = "moment";
+pub const ABOUT: &str = "Mean (CIE XYZ) and mean square of another integrator's samples as further channels.";
+pub const EXAMPLES: &[&str] =
+    &[r#"<integrator type="moment"><integrator type="path" name="image"/></integrator>"#];
+
+/// What Mitsuba calls an integrator that the file does not name.
+const UNNAMED: &str = "_arg_0";
+
+#[derive(Clone, Debug)]
+pub struct Moment {
+    pub nested: AnyIntegrator,
+    /// First moments: what the nested integrator adds to the colours, then X, Y, Z; second moments in the same order.
+    pub channels: Vec<String>,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
+    let element = params.object("integrator", "whose moments are asked for")?;
+    let element = element
+        .ok_or_else(|| SceneError::at(&params.element.span, "there is no nested <integrator>", "add one"))?;
+    let nested = construct(INTEGRATORS, element, params.loader, Usage::Unbounded)?;
+    if !nested.has_radiance() {
+        let message = format!("`{}` sees no light", nested.name());
+        return Err(SceneError::at(&element.span, message, "expected an integrator that fills R, G and B"));
+    }
+    let name = element.attribute("name").map_or(UNNAMED, |name| &name.value);
+    let means = nested.extra_channels().into_iter().chain(["X", "Y", "Z"].map(String::from));
+    let means: Vec<String> = means.map(|channel| format!("{name}.{channel}")).collect();
+    let squares = means.iter().map(|mean| format!("m2_{mean}"));
+    let channels = means.iter().cloned().chain(squares).collect();
+    Ok(AnyIntegrator::Moment(Box::new(Moment { nested, channels })))
+}
+
+impl Moment {
+    /// How many channels the nested integrator adds to the colours.
+    pub fn nested_channels(&self) -> usize {
+        self.channels.len() / 2 - 3
+    }
+
+    /// Fills the moments of a sample that has all other channels: R, G, B first.
+    pub fn complete(&self, values: &mut [f64]) {
+        let own = values.len() - self.channels.len() + self.nested_channels();
+        let (seen, moments) = values.split_at_mut(own);
+        self.nested.complete(seen);
+        let rgb = [seen[0], seen[1], seen[2]];
+        let xyz = RGB_TO_XYZ.map(|row| row.iter().zip(rgb).map(|(m, c)| m * c).sum::<f64>());
+        let (colours, squares) = moments.split_at_mut(3);
+        colours.copy_from_slice(&xyz);
+        let means = seen[own - self.nested_channels()..].iter().chain(colours.iter());
+        for (square, mean) in squares.iter_mut().zip(means) {
+            *square = *mean * *mean;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::render::{Progress, Settings, render};
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+    use crate::spectrum::observer::luminance;
+
+    /// A lamp over a ball of glass, so that light paths take part.
+    const SCENE: &str = r#"<scene version="3.0.0">
+        <integrator type="moment"><integrator type="aov" name="it"><string name="aovs" value="d:depth"/>
+            <integrator type="path"><float name="light_paths" value="8"/></integrator></integrator></integrator>
+        <sensor type="perspective"><transform name="to_world"><lookat origin="0, 1, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="6"/><rfilter type="box"/></film></sensor>
+        <shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
+        <shape type="sphere"><float name="radius" value="0.7"/><bsdf type="dielectric"/></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="0.2"/><rotate x="1" angle="90"/><translate y="3"/></transform>
+            <emitter type="area"><rgb name="radiance" value="90, 60, 30"/></emitter></shape>
+        </scene>"#;
+
+    /// Of so many samples: names of the channels and, channel by channel, the means.
+    fn rendered(samples: u64) -> (Vec<String>, Vec<Vec<f64>>) {
+        let scene = load_text("scene.xml", SCENE, ColorMode::Rgb).unwrap();
+        assert!(scene.caustics.is_some());
+        let window = scene.sensor.film.crop;
+        let settings =
+            Settings { samples: 0..samples, seed: 0, window, threads: 1, shard: false, kernel: None };
+        let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+        let mean = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect();
+        image.channels.iter().map(|c| (c.name.clone(), mean(&c.mean))).unzip()
+    }
+
+    /// Equal but for the rounding of what is stored.
+    fn alike(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+    }
+
+    #[test]
+    fn moments_of_one_sample_are_itself_and_its_square() {
+        let (names, means) = rendered(1);
+        let moments = ["it.d.T", "it.X", "it.Y", "it.Z", "m2_it.d.T", "m2_it.X", "m2_it.Y", "m2_it.Z"];
+        assert_eq!(names, [&["R", "G", "B"][..], &moments].concat());
+        for pixel in 0..means[0].len() {
+            let value = |channel: usize| means[channel][pixel];
+            assert!(alike(value(5), luminance([value(0), value(1), value(2)])), "{pixel}");
+            assert!((3..7).all(|c| alike(value(c + 4), value(c) * value(c))), "{pixel}");
+        }
+    }
+
+    #[test]
+    fn squares_are_averaged_after_squaring() {
+        let (_, means) = rendered(64);
+        // Where light varies, the mean square exceeds the squared mean; the mean itself stays that of the image.
+        let noisy = (0..means[0].len()).filter(|&i| means[9][i] > 1.5 * means[5][i] * means[5][i]).count();
+        assert!(noisy > means[0].len() / 4, "{noisy}");
+        assert!((0..means[0].len()).all(|i| means[9][i] >= (1.0 - 1e-6) * means[5][i] * means[5][i]));
+    }
+}
