@@ -1,9 +1,13 @@
 //! The command line: `etalon render`, `merge`, `explain`, `replay`, `plugins`.
 
 mod cli;
+mod out_of_memory;
 
 use clap::Parser;
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: out_of_memory::Telling = out_of_memory::Telling;
 
 fn main() -> ExitCode {
     // Who reads the output may have read enough: that is the end, and no error.

@@ -149,12 +149,28 @@ fn command_lines_that_make_no_sense_are_refused() {
 #[test]
 fn no_output_is_written_over_another_or_over_the_scene() {
     let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
-    let words = ["the scene itself or another output has this place"];
+    let words = ["a file of the scene or another output has this place"];
     folder.refused_given(&["--png", "out.exr"], &words);
     folder.refused_given(&["--checkpoint", "./out.exr"], &words);
     folder.refused_given(&["--checkpoint", "out.exr.partial"], &words);
     folder.command_refused(&["render", "scene.xml", "-o", "scene.xml"], &words);
     folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &words);
+    // Nor over what the scene is made of.
+    let (mesh, part) = (folder.path().join("a.obj"), folder.path().join("part.xml"));
+    let triangle = "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n";
+    std::fs::write(&mesh, triangle).expect("written");
+    std::fs::write(&part, scene(r#"<shape type="obj"><string name="filename" value="a.obj"/></shape>"#))
+        .expect("written");
+    std::fs::write(
+        folder.path().join("scene.xml"),
+        r#"<scene version="3.0.0"><include filename="part.xml"/></scene>"#,
+    )
+    .expect("written");
+    for output in ["a.obj", "part.xml"] {
+        folder.command_refused(&["render", "scene.xml", "-o", output], &words);
+        folder.refused_given(&["--checkpoint", output], &words);
+    }
+    assert_eq!(std::fs::read_to_string(mesh).expect("it is there"), triangle);
 }
 
 #[test]

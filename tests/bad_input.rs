@@ -325,6 +325,44 @@ fn documents_that_are_no_xml_or_too_much_of_it_are_refused() {
     folder.refused(&["scene.xml", "UTF-8"]);
 }
 
+/// A few lines that mean a thousand times as much each as the line before.
+#[test]
+fn what_multiplies_is_refused_soon() {
+    let begin = Instant::now();
+    let levels = |count: usize, first: &str, next: &dyn Fn(usize) -> String| {
+        (1..count).fold(first.to_owned(), |text, level| text + &next(level))
+    };
+    let blends = levels(40, r#"<bsdf type="diffuse" id="b0"/>"#, &|i| {
+        let below = i - 1;
+        format!(
+            "\n<bsdf type=\"blendbsdf\" id=\"b{i}\"><float name=\"weight\" value=\"0.5\"/><ref id=\"b{below}\"/><ref id=\"b{below}\"/></bsdf>"
+        )
+    });
+    let masks = levels(5000, r#"<bsdf type="diffuse" id="b0"/>"#, &|i| {
+        format!("\n<bsdf type=\"mask\" id=\"b{i}\"><ref id=\"b{}\"/></bsdf>", i - 1)
+    });
+    let values = levels(60, r#"<default name="x0" value="x"/>"#, &|i| {
+        format!("\n<default name=\"x{i}\" value=\"$x{0}$x{0}\"/>", i - 1)
+    });
+    all_refused(&[
+        ("id=\"b0\"", &blends, &["used more than 65536 times"]),
+        ("id=\"b0\"", &masks, &["more than 64 deep"]),
+        ("name=\"x25\"", &values, &["longer than 16777216 bytes"]),
+    ]);
+    let folder = Folder::new(b"<scene version=\"3.0.0\">\n<include filename=\"1.xml\"/></scene>");
+    for file in 1..15 {
+        let twice = format!("<include filename=\"{}.xml\"/>", file + 1).repeat(4);
+        let text = if file < 14 { twice } else { String::new() };
+        std::fs::write(
+            folder.path().join(format!("{file}.xml")),
+            format!("<scene version=\"3.0.0\">{text}</scene>"),
+        )
+        .expect("written");
+    }
+    folder.refused(&["more than 4096 files are included"]);
+    assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
+}
+
 #[test]
 fn parameters_and_includes_are_held_to_account() {
     all_refused(&[
@@ -354,6 +392,30 @@ fn parameters_and_includes_are_held_to_account() {
     folder.refused_given(&["-D", "unused=3"], &["unused", "no parameter"]);
     folder.refused_given(&["-D", "novalue"], &["NAME=VALUE"]);
     folder.refused_given(&["-D", "=3"], &["expected a name"]);
+}
+
+#[test]
+fn channels_that_no_file_could_hold_are_refused() {
+    let aov = |aovs: &str| {
+        format!("<integrator type=\"aov\">\n<string name=\"aovs\" value=\"{aovs}\"/></integrator>")
+    };
+    let long = "d".repeat(101) + ":depth";
+    all_refused(&[
+        ("name=\"aovs\"", &aov(""), &["no channel is asked for", "dd:depth"]),
+        (":depth", &aov(&long), &["101 bytes", "at most 100"]),
+        ("name=\"aovs\"", &aov("variance.R:depth"), &["`variance` is taken"]),
+        ("moment", r#"<integrator type="moment"/>"#, &["no nested <integrator>"]),
+        (
+            "depth",
+            "<integrator type=\"moment\">\n<integrator type=\"depth\"/></integrator>",
+            &["`depth` sees no light"],
+        ),
+        (
+            "<integrator type=\"path\" name=\"variance\"",
+            "<integrator type=\"moment\">\n<integrator type=\"path\" name=\"variance\"/></integrator>",
+            &["taken"],
+        ),
+    ]);
 }
 
 #[test]

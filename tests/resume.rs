@@ -124,8 +124,15 @@ fn the_checkpoint_of_another_render_is_refused() {
     damaged[bytes.len() / 2] ^= 1;
     fs::write(folder.path("c"), &damaged).unwrap();
     refused(&["--spp", "1000000"], &["c: the checkpoint is damaged"]);
+    // Nor is it begun anew without a word, or another file replaced.
+    let begin = |words: &[&str]| folder.refused(&[&arguments[..], &["--spp", "8"]].concat(), words);
+    fs::write(folder.path("c"), &bytes).unwrap();
+    begin(&["c: there is a checkpoint already", "--resume"]);
+    assert!(folder.bytes("c") == bytes);
     fs::write(folder.path("c"), "something else").unwrap();
+    begin(&["c: there is a file already, and it is no checkpoint"]);
     refused(&["--spp", "1000000"], &["it is no checkpoint"]);
+    assert_eq!(folder.bytes("c"), b"something else");
     assert!(!folder.path("out.exr").exists());
 }
 

@@ -9,6 +9,9 @@ use crate::spectrum::materials::{self, Dispersion};
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::table::Tabulated;
 
+/// Indices of refraction that leave room for their squares and cubes.
+pub const RANGE: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
+
 const INTERIOR: &str = "index of refraction inside, or the name of a material";
 const EXTERIOR: &str = "index of refraction outside, on the normal's side, or the name of a material";
 
@@ -46,7 +49,7 @@ fn scalar(element: &Element) -> Result<f64, SceneError> {
     let value = element.require("value")?;
     let wrong = |message: String, expected: &str| Err(SceneError::at(&value.value_span, message, expected));
     match element.tag.as_str() {
-        "float" | "integer" => match number(&value.value).filter(|n| (1e-20..=1e20).contains(n)) {
+        "float" | "integer" => match number(&value.value).filter(|n| RANGE.contains(n)) {
             Some(eta) => Ok(eta),
             None => {
                 let message = format!("`{}` is no index of refraction", value.value);
@@ -96,12 +99,12 @@ pub fn dispersive(params: &mut Params, interior: &'static str) -> Result<Index, 
         }
     };
     let visible = (WAVELENGTH_MIN as u32..=WAVELENGTH_MAX as u32).map(|λ| (λ, law.eta(λ as f32)));
-    if let Some((λ, eta)) = visible.into_iter().find(|(_, eta)| !(*eta > 0.0 && eta.is_finite())) {
-        let message = format!("the index of refraction would be {eta} at {λ} nm");
+    if let Some((λ, eta)) = visible.into_iter().find(|(_, eta)| !RANGE.contains(eta)) {
+        let message = format!("the index of refraction would be {eta:?} at {λ} nm");
         return Err(params.error(
             given.first().unwrap_or(&"int_ior"),
             message,
-            "expected positive values from 360 to 830 nm",
+            "expected values from 1e-20 to 1e20 between 360 and 830 nm",
         ));
     }
     Ok(Index::Dispersive(law, outside))
@@ -170,7 +173,8 @@ fn table(element: &Element, loader: &Loader) -> Result<Spread, SceneError> {
             let path = crate::scene::xml::find(&element.search, &name.value);
             let path = path.ok_or_else(|| bad(name, format!("there is no file `{}`", name.value)))?;
             loader.depends_on(&path);
-            let text = std::fs::read_to_string(&path).map_err(|why| bad(name, why.to_string()))?;
+            let bytes = crate::scene::xml::read_file(&path).map_err(|why| bad(name, why.to_string()))?;
+            let text = String::from_utf8(bytes).map_err(|why| bad(name, why.to_string()))?;
             Tabulated::parse_spd(&text).map(Spread::Table).map_err(|why| bad(name, why))
         }
         _ => Err(SceneError::at(

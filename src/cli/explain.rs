@@ -1,6 +1,6 @@
 //! `etalon explain`
 
-use super::{Outcome, SceneArguments, tax};
+use super::{Outcome, SceneArguments, say, tax};
 use etalon::integrator::kernel_for;
 use etalon::scene::Features;
 use std::process::ExitCode;
@@ -63,7 +63,7 @@ impl Arguments {
         if self.json {
             let tax = tax.into_iter().map(|(feature, percent)| (feature.to_owned(), percent.into()));
             document["tax_percent"] = serde_json::Value::Object(tax.collect());
-            println!("{document}");
+            say!("{document}");
             return Ok(ExitCode::SUCCESS);
         }
         for (key, value) in document.as_object().into_iter().flatten() {
@@ -77,14 +77,14 @@ impl Arguments {
                 serde_json::Value::Null => "none".into(),
                 other => other.to_string(),
             };
-            println!("{:<17} {value}", key.replace('_', " "));
+            say!("{:<17} {value}", key.replace('_', " "));
         }
         let figure = |(feature, percent): &(&str, Option<f64>)| match percent {
             Some(percent) => format!("{feature} {percent:+.2} %"),
             None => format!("{feature} not measured"),
         };
         let tax: Vec<String> = tax.iter().map(figure).collect();
-        println!("{:<15} {}", "tax", tax.join(", "));
+        say!("{:<15} {}", "tax", tax.join(", "));
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -21,7 +21,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        image::check_outputs(None, &[Some(&self.output), self.png.as_ref()])?;
+        image::check_outputs(&[], &[Some(&self.output), self.png.as_ref()])?;
         let merged = image::merge_files(self.parts)?;
         image::write_exr(&self.output, &merged)?;
         if let Some(path) = &self.png {

@@ -28,6 +28,15 @@ const UNATTAINED: u8 = 3;
 /// Exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
 const INTERRUPTED: u8 = 130;
 
+/// Prints a line to standard output; an error, such as a full disk, is returned from the function.
+macro_rules! say {
+    ($($words:tt)*) => {{
+        use std::io::Write as _;
+        writeln!(std::io::stdout(), $($words)*).map_err(|error| std::io::Error::other(format!("standard output: {error}")))?
+    }};
+}
+use say;
+
 type Outcome = Result<ExitCode, Box<dyn Error>>;
 
 /// A spectral path tracer that is its own measuring stick.
@@ -106,6 +115,8 @@ fn address(text: &str) -> Result<String, String> {
 
 impl SceneArguments {
     fn load(&self) -> Result<Scene, Box<dyn Error>> {
+        // Meshes and trees are made by as many threads as there are processors.
+        etalon::render::check_threads(0)?;
         let overrides = scene::Overrides {
             integrator: self.integrator.clone(),
             max_depth: self.max_depth,

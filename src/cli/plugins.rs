@@ -1,7 +1,8 @@
 //! `etalon plugins`
 
-use super::Outcome;
+use super::{Outcome, say};
 use etalon::scene::catalogue::{Model, catalogue};
+use std::io;
 use std::process::ExitCode;
 
 /// Lists every model with its parameters
@@ -16,24 +17,25 @@ impl Arguments {
     pub fn run(self) -> Outcome {
         let models = catalogue();
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&models)?);
+            say!("{}", serde_json::to_string_pretty(&models)?);
             return Ok(ExitCode::SUCCESS);
         }
         let mut kind = "";
         for model in &models {
             if model.kind != kind {
                 kind = model.kind;
-                println!("\n{kind}s");
+                say!("\n{kind}s");
             }
-            print(model);
+            print(model)?;
         }
         Ok(ExitCode::SUCCESS)
     }
 }
 
-fn print(model: &Model) {
-    println!("  {:<18} {}", model.name, model.about);
+fn print(model: &Model) -> io::Result<()> {
+    say!("  {:<18} {}", model.name, model.about);
     for p in &model.parameters {
-        println!("    {:<22} {:<9} {} [{}]", p.name, p.kind, p.about, p.default);
+        say!("    {:<22} {:<9} {} [{}]", p.name, p.kind, p.about, p.default);
     }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
 use super::watch::Watch;
-use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED};
+use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED, say};
 use etalon::image::{self, Image, Window};
 use etalon::integrator::kernel_for;
 use etalon::render::passes::Partial;
@@ -11,6 +11,7 @@ use etalon::render::pilot::{self, NoCount, Pilot, Quality};
 use etalon::render::sample::Camera;
 use etalon::render::{Progress, Report, Settings, check_threads, checkpoint, memory};
 use etalon::scene::Scene;
+use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -72,7 +73,7 @@ impl Arguments {
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
         let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
-        image::check_outputs(Some(&self.scene.scene), &outputs)?;
+        image::check_outputs(&scene.files, &outputs)?;
         check_threads(settings.threads)?;
         let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
         let chosen = self.time.is_some() || self.target_error.is_some();
@@ -87,12 +88,14 @@ impl Arguments {
         let pilot_seconds = start.elapsed().as_secs_f64();
         if let Some(pilot) = &pilot {
             settings.samples = 0..pilot.count;
-            self.tell_count(pilot);
+            self.tell_count(pilot)?;
         }
         let ending = watch.render(&scene, &settings, resumed)?;
         let seconds = start.elapsed().as_secs_f64();
         let Some((image, report)) = ending else {
-            eprintln!("interrupted; no file was touched. With --checkpoint FILE a render can go on.");
+            let advice =
+                if self.checkpoint.is_none() { " With --checkpoint FILE a render can go on." } else { "" };
+            eprintln!("interrupted; no file was touched.{advice}");
             return Ok(ExitCode::from(INTERRUPTED));
         };
         self.write(&image).map_err(|error| watch.keep(&scene, &settings, error))?;
@@ -101,7 +104,7 @@ impl Arguments {
             image: &image,
             asked: settings.samples.clone(),
             report: &report,
-            quality: Quality::of_image(&image),
+            quality: report.quality.unwrap_or_else(|| Quality::of_image(&image)),
             seconds,
             load_seconds,
             begun,
@@ -109,9 +112,9 @@ impl Arguments {
             target_error: self.target_error,
         };
         if self.json {
-            println!("{}", summary.document());
+            say!("{}", summary.document());
         } else if !self.quiet {
-            summary.print();
+            summary.print()?;
         }
         self.warn(&summary);
         if summary.interrupted() {
@@ -165,11 +168,12 @@ impl Arguments {
         })
     }
 
-    /// What the checkpoint holds. Without `--resume` nothing, and then an existing one will be replaced.
+    /// What the checkpoint holds. Without `--resume` there must be none, nor any other file in its place.
     fn resumed(&self, scene: &Scene, settings: &Settings) -> Result<Option<Partial>, image::ImageError> {
-        let Some(path) = self.checkpoint.as_ref().filter(|_| self.resume) else {
-            return Ok(None);
-        };
+        let Some(path) = &self.checkpoint else { return Ok(None) };
+        if !self.resume {
+            return checkpoint::refuse_to_replace(path).map(|()| None);
+        }
         if !path.exists() {
             eprintln!("{}: there is no checkpoint yet; the render begins at the beginning", path.display());
             return Ok(None);
@@ -206,16 +210,14 @@ impl Arguments {
     }
 
     /// Says the number as soon as it is known: a render that is killed can then go on.
-    fn tell_count(&self, pilot: &Pilot) {
+    fn tell_count(&self, pilot: &Pilot) -> io::Result<()> {
         if !self.says_little() {
-            println!(
-                "pilot of {} samples a pixel, {} rays: --spp {}",
-                pilot.samples, pilot.rays, pilot.count
-            );
+            say!("pilot of {} samples a pixel, {} rays: --spp {}", pilot.samples, pilot.rays, pilot.count);
         }
         if self.target_error.is_some() && pilot.quality.heavy_tailed() {
             eprintln!("warning: {}", summary::heavy(&pilot.quality, "the pilot's"));
         }
+        Ok(())
     }
 
     fn write(&self, image: &Image) -> Result<(), image::ImageError> {

@@ -1,7 +1,7 @@
 //! `etalon replay`
 
 use super::size::parse_pixel;
-use super::{Outcome, SceneArguments};
+use super::{Outcome, SceneArguments, say};
 use etalon::integrator::{CameraPath, Counters, kernel_for};
 use etalon::render::sample::Camera;
 use std::process::ExitCode;
@@ -30,31 +30,35 @@ impl Arguments {
         let mut counters = Counters { log: Some(vec![]), ..Counters::default() };
         let (path, weight) = camera.replay(self.pixel, self.sample, &mut counters);
         let CameraPath { ray, λ, radiance, .. } = path;
-        println!("pixel {x},{y} sample {}", self.sample);
-        println!("wavelengths {:?} nm", λ.nm);
-        println!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
+        say!("pixel {x},{y} sample {}", self.sample);
+        say!("wavelengths {:?} nm", λ.nm);
+        say!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
         for (i, event) in counters.log.iter().flatten().enumerate() {
             let (shape, local) = scene.shape_of(event.hit.primitive);
             let index = scene.index_of(shape);
-            println!(
+            say!(
                 "vertex {} at {:?}, shape {index}, primitive {local}, t = {:?}",
                 i + 1,
                 event.p.to_array(),
                 event.hit.t
             );
-            println!("  throughput {:?}", event.throughput.0);
-            println!("  radiance so far {:?}", event.radiance.0);
+            say!("  throughput {:?}", event.throughput.0);
+            say!("  radiance so far {:?}", event.radiance.0);
         }
-        println!("radiance {:?}", radiance.0);
+        say!("radiance {:?}", radiance.0);
         let rgb = λ.to_rgb(radiance);
-        println!("filter weight {weight:?}, linear sRGB {:?}", rgb.map(|v| v * weight));
+        say!("filter weight {weight:?}, linear sRGB {:?}", rgb.map(|v| v * weight));
         let paths = camera.light_paths();
         let numbers = self.sample * paths..(self.sample + 1) * paths;
+        let mut additions = vec![];
         camera.trace_light(numbers, &mut Counters::default(), |number, pixel, values| {
             if pixel == self.pixel {
-                println!("light path {number} adds {values:?}");
+                additions.push(format!("light path {number} adds {values:?}"));
             }
         });
+        for addition in additions {
+            say!("{addition}");
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,10 +1,11 @@
 //! What is said of a render when it is over.
 
-use super::peak_memory;
+use super::{peak_memory, say};
 use etalon::image::Image;
 use etalon::render::Report;
 use etalon::render::pilot::{Pilot, Quality};
 use etalon::scene::Scene;
+use std::io;
 use std::ops::Range;
 
 /// A render that has been written.
@@ -45,39 +46,43 @@ impl Summary<'_> {
         self.report.samples - before * self.image.crop.pixels() as u64
     }
 
-    pub fn print(&self) {
+    pub fn print(&self) -> io::Result<()> {
         let (report, quality) = (self.report, &self.quality);
         let million = |count: f64| count / self.seconds / 1e6;
         let taken = self.taken() as f64;
         let rays = report.rays as f64 * if report.samples > 0 { taken / report.samples as f64 } else { 0.0 };
         let [r, g, b] = quality.mean;
-        println!(
+        say!(
             "{:.2} s rendering, {:.2} s loading, {} threads, kernel `{}`",
-            self.seconds, self.load_seconds, report.threads, report.kernel
+            self.seconds,
+            self.load_seconds,
+            report.threads,
+            report.kernel
         );
         if let Some(begun) = self.begun {
-            println!("resumed at sample {begun}");
+            say!("resumed at sample {begun}");
         }
-        println!("{:.3} million paths/s, {:.2} million rays/s", million(taken), million(rays));
-        println!("mean ({r:.5}, {g:.5}, {b:.5})");
+        say!("{:.3} million paths/s, {:.2} million rays/s", million(taken), million(rays));
+        say!("mean ({r:.5}, {g:.5}, {b:.5})");
         if quality.relative_standard_error.is_finite() {
-            println!("relative standard error {:.3} % a pixel", 100.0 * quality.relative_standard_error);
-            println!(
+            say!("relative standard error {:.3} % a pixel", 100.0 * quality.relative_standard_error);
+            say!(
                 "relative standard error {:.4} % of the mean",
                 100.0 * quality.relative_standard_error_of_mean
             );
         } else if [r, g, b].iter().any(|mean| *mean != 0.0) {
-            println!("no relative standard error: that takes two blocks of four samples");
+            say!("no relative standard error: that takes two blocks of four samples");
         } else {
-            println!("no relative standard error: no light was seen");
+            say!("no relative standard error: no light was seen");
         }
         if let (Some(target), Some(attained)) = (self.target_error, self.attained()) {
             let words = if attained { "attained" } else { "NOT attained" };
-            println!("the {:.4} % that were asked for are {words}", 100.0 * target);
+            say!("the {:.4} % that were asked for are {words}", 100.0 * target);
         }
         if self.pilot.is_some() {
-            println!("the same image again: --spp {}", self.asked.end);
+            say!("the same image again: --spp {}", self.asked.end);
         }
+        Ok(())
     }
 
     pub fn document(&self) -> serde_json::Value {

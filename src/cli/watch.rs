@@ -113,7 +113,7 @@ impl<'a> Watch<'a> {
         if let Some(Err(error)) = preview.map(|preview| preview.finish(&partial)) {
             eprintln!("warning: the preview broke off: {error}");
         }
-        let (image, report) = (partial.image(scene, settings), partial.report.clone());
+        let (image, report) = partial.finished(scene, settings);
         self.complete.replace(Some(partial));
         Ok(Some((image, report)))
     }
@@ -142,6 +142,8 @@ impl<'a> Watch<'a> {
         let finished = AtomicBool::new(false);
         let (interrupted, progress) = (&self.interrupted, self.progress);
         std::thread::scope(|threads| {
+            // However the work ends, a panic included: the scope waits for the watcher.
+            let end = Finished(&finished);
             let watcher = threads.spawn(|| {
                 while !finished.load(Ordering::Relaxed) {
                     if at_once && interrupted.load(Ordering::Relaxed) {
@@ -154,13 +156,22 @@ impl<'a> Watch<'a> {
                 }
             });
             let result = work();
-            finished.store(true, Ordering::Relaxed);
+            drop(end);
             watcher.thread().unpark();
             if let Some(bar) = &bar {
                 bar.finish_and_clear();
             }
             result
         })
+    }
+}
+
+/// Tells the watcher that the work is over.
+struct Finished<'a>(&'a AtomicBool);
+
+impl Drop for Finished<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }
 
@@ -179,7 +190,9 @@ impl<'a> Saver<'a> {
     fn new(arguments: &'a Arguments, settings: &Settings, channels: usize) -> Option<Self> {
         let path: &PathBuf = arguments.checkpoint.as_ref()?;
         let cost = Duration::from_secs_f64(checkpoint::size(settings, channels) as f64 / SPEED);
-        let every = arguments.checkpoint_every.map(Duration::from_secs_f64);
+        // What no duration holds is never.
+        let duration = |seconds| Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        let every = arguments.checkpoint_every.map(duration);
         Some(Self { path, every, last: Instant::now(), cost, warned: false })
     }
 

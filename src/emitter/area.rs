@@ -1,7 +1,7 @@
 //! Shining surfaces.
 
 use super::{AnyEmitter, DirectSample};
-use crate::math::ray::way_between;
+use crate::math::ray::{free_way, position_error};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -44,8 +44,9 @@ impl Area {
             } else {
                 sphere.sample_cone::<false>(p, u, one_minus_cos)
             };
-            let chosen = AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf: 1.0, primitive: 0 };
-            return self.arriving(p, &chosen, λ).map(|sample| DirectSample { pdf, ..sample });
+            return self
+                .arriving(p, &sphere.chosen(&point, 1.0), λ)
+                .map(|sample| DirectSample { pdf, ..sample });
         }
         let chosen = shape.sample_area(u);
         self.arriving(p, &chosen, λ)
@@ -62,7 +63,7 @@ impl Area {
         if !(cos > 0.0 && d2 > 0.0) {
             return None;
         }
-        let distance = way_between(d, chosen.p, p);
+        let distance = free_way(d, position_error(p) + chosen.error);
         let radiance = self.radiance.eval(chosen.uv, λ);
         Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false, n: chosen.n })
     }

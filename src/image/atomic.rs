@@ -1,9 +1,11 @@
 //! Files that are either the old or the new one, never half of either.
 
 use super::ImageError;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 /// Replaces the file at `path` by one with these bytes, as [`write_file_with`] does.
 pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
@@ -12,7 +14,8 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
 
 /// Replaces the file at `path` by what `write` writes.
 ///
-/// The bytes go to the sibling `path.partial`, which is flushed to the disk and then renamed. On an error the partial file
+/// The bytes go to the sibling `path.partial`, which is flushed to the disk and then renamed. Who writes it holds a lock on it, so that of several
+/// processes with the same output each leaves a whole file and the last one stays. On an error the partial file
 /// is removed and an existing file at `path` stays as it was. A link is followed; a device or pipe, which cannot
 /// be renamed over, is written directly.
 pub(crate) fn write_file_with(
@@ -45,19 +48,24 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     if is_special(&target) {
         return Ok(());
     }
-    let partial = partial(&target);
-    let tried = File::create(&partial).and_then(|_| fs::remove_file(&partial));
+    // Neither the file nor what another process may be writing beside it is touched.
+    let exists = |path: &Path| path.exists().then(|| File::options().write(true).open(path).map(drop));
+    static PROBES: AtomicU64 = AtomicU64::new(0);
+    let number = PROBES.fetch_add(1, Ordering::Relaxed);
+    let probe = beside(&target, &format!(".{}-{number}.probe", std::process::id()));
+    let tried = exists(&partial(&target)).unwrap_or(Ok(()));
+    let tried = tried.and_then(|()| File::create_new(&probe).and_then(|_| fs::remove_file(&probe)));
     tried.map_err(|error| cannot(error.to_string()))
 }
 
-/// Finds out whether those of these files that are wanted could all be written, each in a place of its own and none over `input`, and leaves no
-/// trace.
+/// Finds out whether those of these files that are wanted could all be written, each in a place of its own and none over one of `inputs`, and
+/// leaves no trace.
 ///
 /// # Errors
 /// With the reason why one could not be.
-pub fn check_outputs(input: Option<&PathBuf>, outputs: &[Option<&PathBuf>]) -> Result<(), ImageError> {
+pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result<(), ImageError> {
     outputs.iter().flatten().try_for_each(|path| check_writable(path))?;
-    let mut taken: Vec<PathBuf> = input.map(|path| target(path)).into_iter().collect();
+    let mut taken: Vec<PathBuf> = inputs.iter().map(|path| target(path)).collect();
     for path in outputs.iter().flatten() {
         let target = target(path);
         // Streams and devices take everything that is written to them.
@@ -66,7 +74,7 @@ pub fn check_outputs(input: Option<&PathBuf>, outputs: &[Option<&PathBuf>]) -> R
         }
         let partial = partial(&target);
         if taken.contains(&target) || taken.contains(&partial) {
-            return Err(ImageError::new("the scene itself or another output has this place").at(path));
+            return Err(ImageError::new("a file of the scene or another output has this place").at(path));
         }
         taken.extend([target, partial]);
     }
@@ -88,9 +96,13 @@ fn is_special(target: &Path) -> bool {
 }
 
 fn partial(target: &Path) -> PathBuf {
-    let mut partial = target.as_os_str().to_owned();
-    partial.push(".partial");
-    partial.into()
+    beside(target, ".partial")
+}
+
+fn beside(target: &Path, ending: &str) -> PathBuf {
+    let mut name = target.as_os_str().to_owned();
+    name.push(ending);
+    name.into()
 }
 
 fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
@@ -101,12 +113,47 @@ fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
 
 fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let partial = partial(target);
-    let file = File::create(&partial)?;
+    let file = claim(&partial)?;
     let written = buffered(&file, write).and_then(|()| file.sync_all());
     written.and_then(|()| fs::rename(&partial, target)).inspect_err(|_| {
         // The first error is the one to report; that the partial file may stay behind is secondary.
         let _ = fs::remove_file(&partial);
     })
+}
+
+/// How long another process may take to write the same file.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Opens a partial file, empty, for this process alone. Its lock ends with it.
+fn claim(path: &Path) -> io::Result<File> {
+    let begin = Instant::now();
+    loop {
+        let file = File::options().write(true).create(true).truncate(false).open(path)?;
+        match file.try_lock() {
+            // Whoever had the lock may have renamed the file since it was opened: then it is the output, and not to be emptied.
+            Ok(()) if is_at(&file, path) => return file.set_len(0).map(|()| file),
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) if begin.elapsed() < PATIENCE => {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            Err(TryLockError::WouldBlock) => return Err(io::Error::other("another process is writing it")),
+            Err(TryLockError::Error(error)) => return Err(error),
+        }
+    }
+}
+
+/// Whether an open file is the one that has this name.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let place = |metadata: &fs::Metadata| (metadata.dev(), metadata.ino());
+    matches!((file.metadata(), fs::metadata(path)), (Ok(a), Ok(b)) if place(&a) == place(&b))
+}
+
+/// Elsewhere a file that is open cannot be renamed.
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
 }
 
 #[cfg(test)]
@@ -135,6 +182,28 @@ mod tests {
         let error = write_file(&path, b"new").expect_err("the partial file cannot be made");
         assert!(error.to_string().contains("out.exr: cannot write"), "{error}");
         assert_eq!(fs::read_to_string(&path)?, "old");
+        Ok(())
+    }
+
+    #[test]
+    fn of_many_writers_each_leaves_a_whole_file() -> io::Result<()> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("out.exr");
+        let content = |byte: u8| vec![byte; 1 << 16];
+        std::thread::scope(|threads| {
+            for byte in 0..8 {
+                let path = &path;
+                threads.spawn(move || {
+                    for _ in 0..20 {
+                        assert_eq!(check_writable(path), Ok(()));
+                        assert_eq!(write_file(path, &content(byte)), Ok(()));
+                        let found = fs::read(path).unwrap();
+                        assert!(found == content(found[0]), "{} bytes", found.len());
+                    }
+                });
+            }
+        });
+        assert_eq!(fs::read_dir(folder.path())?.count(), 1);
         Ok(())
     }
 

@@ -36,6 +36,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         return Err(SceneError::at(&element.span, message, "expected an integrator that fills R, G and B"));
     }
     let name = element.attribute("name").map_or(UNNAMED, |name| &name.value);
+    super::aov::check_name(name, &element.span)?;
     let means = nested.extra_channels().into_iter().chain(["X", "Y", "Z"].map(String::from));
     let means: Vec<String> = means.map(|channel| format!("{name}.{channel}")).collect();
     let squares = means.iter().map(|mean| format!("m2_{mean}"));

@@ -56,7 +56,8 @@ impl Ray {
 /// A bound of the rounding error of a computed surface point.
 ///
 /// Points are interpolated from stored vertices or projected onto quadrics in `f64`: about ten roundings of
-/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene.
+/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene. Of a point of something large that passes close to
+/// the world's origin, the numbers it was computed from are larger than its own: there `p` must be a bound of those.
 #[inline]
 pub fn position_error(p: DVec3) -> f64 {
     const TEN_ROUNDINGS: f64 = 1.0 / (1u64 << 49) as f64;
@@ -67,5 +68,11 @@ pub fn position_error(p: DVec3) -> f64 {
 /// may stand in the way.
 #[inline]
 pub fn way_between(distance: f64, p: DVec3, q: DVec3) -> f64 {
-    distance - 4.0 * (position_error(p) + position_error(q))
+    free_way(distance, position_error(p) + position_error(q))
+}
+
+/// The same for points that are known to such errors, together.
+#[inline]
+pub fn free_way(distance: f64, errors: f64) -> f64 {
+    distance - 4.0 * errors
 }

@@ -93,6 +93,24 @@ pub fn size(settings: &Settings, channels: usize) -> u64 {
     4 * (Accumulators::WORDS * channels * settings.window.pixels()) as u64
 }
 
+/// Refuses to begin a render over a file that exists: a checkpoint is work that would be lost, and anything else is not ours.
+///
+/// # Errors
+/// Says which it is.
+pub fn refuse_to_replace(path: &Path) -> Result<(), ImageError> {
+    let Ok(file) = File::open(path) else { return Ok(()) };
+    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+        return Ok(());
+    }
+    let mut magic = [0; MAGIC.len()];
+    let ours = BufReader::new(file).read_exact(&mut magic).is_ok() && magic == *MAGIC;
+    let cause = match ours {
+        true => "there is a checkpoint already; go on from it with --resume, or remove it",
+        false => "there is a file already, and it is no checkpoint",
+    };
+    Err(ImageError { path: Some(path.to_owned()), cause: cause.into() })
+}
+
 /// Saves a render on its way. An error leaves an older checkpoint as it was.
 pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), ImageError> {
     let report = &partial.report;

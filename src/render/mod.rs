@@ -18,6 +18,7 @@ use crate::image::{Attribute, Channel, Image, Provenance, Window};
 use crate::integrator::{KernelEntry, kernel_for};
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
+use pilot::{Noise, Quality};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sample::Camera;
@@ -69,6 +70,8 @@ pub struct Report {
     pub first_non_finite: Vec<NonFinite>,
     pub kernel: &'static str,
     pub threads: usize,
+    /// Of the whole image, from more digits than a file has.
+    pub quality: Option<Quality>,
 }
 
 impl Report {
@@ -110,7 +113,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     if scene.caustics.is_some() {
         let begun = Partial::new(scene, settings);
         let done = render_passes(scene, settings, begun, progress, |_| ControlFlow::Continue(()))?;
-        return Some((done.image(scene, settings), done.report));
+        return Some(done.finished(scene, settings));
     }
     let kernel = settings.kernel.unwrap_or_else(|| kernel_for(scene.features));
     let camera = Camera::new(scene, settings.seed, kernel);
@@ -131,6 +134,9 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         report.first_non_finite.extend(&tile.first_non_finite);
     }
     report.list_first();
+    let mut noise = Noise::default();
+    tiles.iter().for_each(|tile| noise.add(&tile.noise));
+    report.quality = Some(noise.quality(settings.window));
     let count = settings.samples.end - settings.samples.start;
     report.samples = count * settings.window.pixels() as u64;
     let provenance = provenance(scene, settings, kernel);

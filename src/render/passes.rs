@@ -4,6 +4,7 @@
 //! length. The sums are exact, so that neither the division into passes nor the order in which tiles arrive can change a
 //! pixel: the clock may decide how long a pass is.
 
+use super::pilot::Quality;
 use super::tile::{Tile, tile};
 use super::{NonFinite, Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
@@ -55,6 +56,12 @@ impl Partial {
             provenance: Some(provenance(scene, &so_far, kernel(scene, settings))),
             accumulators: settings.shard.then(|| self.sums.clone()),
         }
+    }
+
+    /// The image, and what happened on the way.
+    pub fn finished(&self, scene: &Scene, settings: &Settings) -> (Image, Report) {
+        let quality = Some(Quality::of(self, scene, settings.window));
+        (self.image(scene, settings), Report { quality, ..self.report.clone() })
     }
 
     fn add(&mut self, window: Window, tile: &Tile) {

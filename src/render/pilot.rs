@@ -55,43 +55,80 @@ pub struct Quality {
     pub pixels: usize,
 }
 
-impl Quality {
+/// Sums over pixels from which a [`Quality`] follows; those of parts of a window whose borders cut no square of correlated pixels add up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    sum: [f64; 3],
+    /// Of the values of pixels.
+    variance: f64,
+    /// Of the sum of pixels, and the sum of the squares of what its squares contribute.
+    of_sum: f64,
+    fourth: f64,
+}
+
+impl Noise {
     /// Sums up values and variances of the pixels of a window, channel by channel; of more than three channels the first three. Within
     /// squares of the film of this edge errors may be correlated, by however much.
-    pub fn new<C, V>(window: Window, edge: u32, channels: C) -> Self
+    pub fn of<C, V>(window: Window, edge: u32, channels: C) -> Self
     where
         C: IntoIterator<Item = V>,
         V: IntoIterator<Item = (f64, f64)>,
     {
-        let pixels = window.pixels();
         let columns = ((window.x + window.width).div_ceil(edge) - window.x / edge) as usize;
         let rows = ((window.y + window.height).div_ceil(edge) - window.y / edge) as usize;
-        let mut mean = [0.0; 3];
-        let mut variance = 0.0;
+        let mut noise = Self::default();
         // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel it is just that.
         let mut squares = vec![0.0; columns * rows];
-        for (mean, channel) in mean.iter_mut().zip(channels) {
+        for (sum, channel) in noise.sum.iter_mut().zip(channels) {
             let mut deviations = vec![0.0; columns * rows];
             for (i, (value, v)) in channel.into_iter().enumerate() {
                 let (x, y) = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
                 let square =
                     (y / edge - window.y / edge) as usize * columns + (x / edge - window.x / edge) as usize;
-                *mean += value / pixels as f64;
-                variance += v;
+                *sum += value;
+                noise.variance += v;
                 deviations[square] += v.sqrt();
             }
             squares.iter_mut().zip(&deviations).for_each(|(sum, deviation)| *sum += deviation * deviation);
         }
-        let sum: f64 = squares.iter().sum();
-        let fourth: f64 = squares.iter().map(|v| v * v).sum();
+        noise.of_sum = squares.iter().sum();
+        noise.fourth = squares.iter().map(|v| v * v).sum();
+        noise
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        self.sum.iter_mut().zip(other.sum).for_each(|(sum, more)| *sum += more);
+        self.variance += other.variance;
+        self.of_sum += other.of_sum;
+        self.fourth += other.fourth;
+    }
+
+    pub fn quality(&self, window: Window) -> Quality {
+        let pixels = window.pixels();
+        let mean = self.sum.map(|sum| sum / pixels as f64);
         let scale = mean.iter().sum::<f64>() / 3.0;
-        Self {
+        Quality {
             mean,
-            relative_standard_error: (variance / pixels as f64 / 3.0).sqrt() / scale,
-            relative_standard_error_of_mean: (sum / 3.0).sqrt() / pixels as f64 / scale,
-            effective_pixels: if fourth > 0.0 { sum * sum / fourth } else { pixels as f64 },
+            relative_standard_error: (self.variance / pixels as f64 / 3.0).sqrt() / scale,
+            relative_standard_error_of_mean: (self.of_sum / 3.0).sqrt() / pixels as f64 / scale,
+            effective_pixels: if self.fourth > 0.0 {
+                self.of_sum * self.of_sum / self.fourth
+            } else {
+                pixels as f64
+            },
             pixels,
         }
+    }
+}
+
+impl Quality {
+    /// Of values and variances; see [`Noise::of`].
+    pub fn new<C, V>(window: Window, edge: u32, channels: C) -> Self
+    where
+        C: IntoIterator<Item = V>,
+        V: IntoIterator<Item = (f64, f64)>,
+    {
+        Noise::of(window, edge, channels).quality(window)
     }
 
     /// Of an image; without variances nothing is known, and the errors are infinite.
@@ -105,7 +142,8 @@ impl Quality {
         Self::new(image.crop, correlated_edge(reuse.max(1)), channels)
     }
 
-    fn of(partial: &Partial, scene: &Scene, window: Window) -> Self {
+    /// Of what is rendered so far.
+    pub fn of(partial: &Partial, scene: &Scene, window: Window) -> Self {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));

@@ -1,12 +1,13 @@
 //! The part of an image that one thread makes at a time.
 
+use super::pilot::Noise;
 use super::sample::Camera;
 use super::splats::Splats;
 use super::{LISTED, NonFinite, Progress, Settings, pixel};
 use crate::film::ChannelAccumulator;
 use crate::image::Window;
 use crate::integrator::Counters;
-use crate::integrator::path::reuse;
+use crate::integrator::path::reuse::{self, correlated_edge};
 use std::sync::atomic::Ordering;
 
 /// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
@@ -18,6 +19,7 @@ pub struct Tile {
     /// Pixel by pixel, channel by channel: exact sums for a shard, else what will be written of them.
     pub sums: Vec<ChannelAccumulator>,
     pub moments: Vec<(f32, f32)>,
+    pub noise: Noise,
     pub counters: Counters,
     pub non_finite: u64,
     pub first_non_finite: Vec<NonFinite>,
@@ -37,6 +39,7 @@ pub fn tile(
         window,
         sums: vec![ChannelAccumulator::default(); channels * window.pixels()],
         moments: vec![],
+        noise: Noise::default(),
         counters: Counters::default(),
         non_finite: 0,
         first_non_finite: vec![],
@@ -83,6 +86,9 @@ pub fn tile(
     if !which.is_empty() {
         make(&mut which)?;
     }
+    let channel = |c: usize| tile.sums.iter().skip(c).step_by(channels);
+    let moments = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
+    tile.noise = Noise::of(window, correlated_edge(camera.reuse()), moments);
     if !settings.shard {
         tile.moments = tile.sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
         tile.sums = vec![];

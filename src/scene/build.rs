@@ -132,6 +132,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         mode,
         features,
         hash,
+        files: [&document.files[..], &loader.files()].concat(),
     };
     scene.settle_caustics();
     share::settle(&mut scene);

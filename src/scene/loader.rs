@@ -6,9 +6,14 @@ use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Pixels;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// No object is within so many others.
+const DEEPEST: usize = 64;
+/// No object is read more often. Each time costs some hundred bytes.
+const MOST_VISITS: u32 = 1 << 16;
 
 /// Names, caches and the colour mode of one reading.
 pub struct Loader<'d> {
@@ -18,6 +23,8 @@ pub struct Loader<'d> {
     aliases: &'d BTreeMap<String, String>,
     /// The objects being read, outermost first: a second visit to one of them is a cycle.
     open: RefCell<Vec<*const Element>>,
+    /// How often each object has been read.
+    visits: RefCell<HashMap<*const Element, u32>>,
     /// Decoded bitmaps; many materials share one.
     bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
     /// Every file that was read, for the scene's hash.
@@ -35,6 +42,7 @@ impl<'d> Loader<'d> {
             ids,
             aliases: &document.aliases,
             open: RefCell::default(),
+            visits: RefCell::default(),
             bitmaps: RefCell::default(),
             files: RefCell::default(),
         })
@@ -59,7 +67,8 @@ impl<'d> Loader<'d> {
         })
     }
 
-    /// Marks an object as being read; refuses one that is being read already.
+    /// Marks an object as being read; refuses one that is being read already, and references that lead deeper or repeat an object more often than
+    /// any scene has need of: each level of objects that refer to the level below twice doubles the work.
     pub(super) fn enter(&self, element: &Element) -> Result<(), SceneError> {
         let mut open = self.open.borrow_mut();
         if open.iter().any(|e| std::ptr::eq(*e, element)) {
@@ -67,6 +76,21 @@ impl<'d> Loader<'d> {
                 &element.span,
                 "this object contains itself",
                 "a <ref> inside leads back here",
+            ));
+        }
+        if open.len() >= DEEPEST {
+            let message = format!("objects lead to objects more than {DEEPEST} deep");
+            return Err(SceneError::at(&element.span, message, ""));
+        }
+        let mut visits = self.visits.borrow_mut();
+        let count = visits.entry(element).or_default();
+        *count += 1;
+        if *count > MOST_VISITS {
+            let message = format!("this object is used more than {MOST_VISITS} times by others");
+            return Err(SceneError::at(
+                &element.span,
+                message,
+                "<ref>s to objects that have <ref>s multiply",
             ));
         }
         open.push(element);

@@ -35,6 +35,7 @@ pub use build::load;
 pub use build::load_text;
 use instances::Instances;
 use owners::Owners;
+use std::path::PathBuf;
 
 /// A surface: its geometry, what it is made of and what it emits.
 pub struct Shape {
@@ -101,6 +102,8 @@ pub struct Overrides {
 
 /// Everything that a render needs.
 pub struct Scene {
+    /// All files that it was read from.
+    pub files: Vec<PathBuf>,
     pub shapes: Vec<Shape>,
     owners: Owners,
     /// Looks of groups of further shapes.

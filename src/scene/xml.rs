@@ -9,6 +9,10 @@ use std::sync::Arc;
 
 /// Includes may be nested this deep, as in Mitsuba.
 const MAX_INCLUDE_DEPTH: usize = 15;
+/// So many files may be included, one often counted as often: files that include two each multiply.
+const MOST_INCLUDES: usize = 1 << 12;
+/// No attribute is longer once its parameters stand in it, in bytes: a parameter of two others doubles.
+const LONGEST_VALUE: usize = 1 << 24;
 /// Elements may be nested this deep; no scene needs a tenth of it, and recursion over the tree must end.
 const MAX_ELEMENT_DEPTH: usize = 128;
 
@@ -69,6 +73,8 @@ pub struct Document {
     pub root: Element,
     /// `<alias id as>`: the second name of an object, and its first.
     pub aliases: BTreeMap<String, String>,
+    /// The scene file and what it includes; none of a text.
+    pub files: Vec<PathBuf>,
 }
 
 /// Reads a scene file; `definitions` are the command line's `-D name=value`.
@@ -96,6 +102,8 @@ struct Reader {
     aliases: BTreeMap<String, String>,
     /// The files being read, innermost last.
     open: Vec<PathBuf>,
+    /// Those that were read, each as often as it was.
+    files: Vec<PathBuf>,
     search: Vec<PathBuf>,
 }
 
@@ -112,7 +120,7 @@ impl Reader {
             (name.clone(), Parameter { value: value.clone(), given: true, used: false })
         };
         let parameters = definitions.iter().map(parameter).collect();
-        Self { parameters, aliases: BTreeMap::new(), open: vec![], search: vec![] }
+        Self { parameters, aliases: BTreeMap::new(), open: vec![], files: vec![], search: vec![] }
     }
 
     fn finish(self, root: Element) -> Result<Document, SceneError> {
@@ -124,7 +132,7 @@ impl Reader {
                 super::error::known(name, &names)
             )));
         }
-        Ok(Document { root, aliases: self.aliases })
+        Ok(Document { root, aliases: self.aliases, files: self.files })
     }
 
     fn file(&mut self, path: &Path, from: Option<&Span>) -> Result<Element, SceneError> {
@@ -132,8 +140,9 @@ impl Reader {
             Some(span) => e.or_at(span),
             None => e,
         };
-        let bytes = std::fs::read(path)
+        let bytes = read_file(path)
             .map_err(|e| located(SceneError::nowhere(format!("cannot read {}: {e}", path.display()))))?;
+        self.files.push(path.to_owned());
         let text = super::encoding::decode(path, bytes)?;
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if self.open.contains(&canonical) {
@@ -244,10 +253,16 @@ impl Reader {
             let Some((name, parameter)) = found else {
                 let names: Vec<&str> = self.parameters.keys().map(String::as_str).collect();
                 let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-                let help = format!("{}; define it with <default> or -D", super::error::known(&word, &names));
+                let known =
+                    if names.is_empty() { String::new() } else { super::error::known(&word, &names) + "; " };
+                let help = format!("{known}define it with <default> or -D");
                 return Err(SceneError::at(span, format!("undefined parameter `${word}`"), help));
             };
             parameter.used = true;
+            if result.len() + parameter.value.len() > LONGEST_VALUE {
+                let message = format!("with its parameters this is longer than {LONGEST_VALUE} bytes");
+                return Err(SceneError::at(span, message, ""));
+            }
             result.push_str(&parameter.value);
             rest = &rest[name.len()..];
         }
@@ -307,6 +322,13 @@ impl Reader {
         let path = find(&element.search, &name.value).ok_or_else(|| {
             SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), "")
         })?;
+        if self.files.len() > MOST_INCLUDES {
+            return Err(SceneError::at(
+                &name.value_span,
+                format!("more than {MOST_INCLUDES} files are included"),
+                "",
+            ));
+        }
         let mut included = self.file(&path, Some(&name.value_span))?;
         if included.tag == "scene" {
             children.append(&mut included.children);
@@ -317,6 +339,19 @@ impl Reader {
         }
         Ok(())
     }
+}
+
+/// The bytes of a file. A device or pipe may have no end, and is no file.
+pub fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(std::io::Error::other(if metadata.is_dir() {
+            "it is a folder"
+        } else {
+            "it is no regular file"
+        }));
+    }
+    std::fs::read(path)
 }
 
 /// The first of `folders` that has `name`.

@@ -4,6 +4,7 @@ use super::patch::on_circle;
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::atan2;
+use crate::math::ray::position_error;
 use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Ray, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -128,7 +129,9 @@ impl Cylinder {
         let outward = self.x * c.x + self.y * c.y;
         let p = self.start + self.axis * (u.y * self.length) + outward * self.radius;
         let n = if self.inward { -outward } else { outward };
-        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0 }
+        // Each coordinate of the wall is at most that of the start, the length and the radius together.
+        let error = position_error(self.start.abs() + (self.length + self.radius));
+        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0, error }
     }
 
     pub fn bounds(&self) -> Bounds {

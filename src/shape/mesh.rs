@@ -5,6 +5,7 @@ use super::{AreaSample, SurfacePoint};
 use crate::math::bounds::around;
 use crate::math::frame::{length, unit};
 use crate::math::function::acos;
+use crate::math::ray::position_error;
 use crate::math::simd::prefetch;
 use crate::math::{Bounds, DVec2, DVec3, Discrete, Frame, Transform, warp};
 
@@ -162,6 +163,9 @@ impl Mesh {
             uv: point.uv,
             pdf: 1.0 / self.areas.total(),
             primitive: triangle as u32,
+            error: position_error(
+                self.corners(triangle as u32).map(DVec3::abs).into_iter().fold(DVec3::ZERO, DVec3::max),
+            ),
         }
     }
 

@@ -131,6 +131,8 @@ pub struct AreaSample {
     pub pdf: f64,
     /// The primitive it lies on, counted over this shape.
     pub primitive: u32,
+    /// A bound of the rounding error of `p`: that of the numbers it was computed from, which may be larger than `p`.
+    pub error: f64,
 }
 
 impl Geometry {

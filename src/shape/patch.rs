@@ -3,6 +3,7 @@
 use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
 use crate::math::function::{atan2, sin_cos_turn};
+use crate::math::ray::position_error;
 use crate::math::{Bounds, DVec2, DVec3, INV_PI, Transform, warp};
 use std::f64::consts::PI;
 
@@ -24,6 +25,8 @@ pub struct Patch {
     pub n: DVec3,
     pub outline: Outline,
     area: f64,
+    /// Of points of it; see [`AreaSample::error`].
+    error: f64,
 }
 
 impl Patch {
@@ -34,8 +37,10 @@ impl Patch {
             Outline::Square => 4.0,
             Outline::Circle => PI,
         };
+        let centre = to_world.point(DVec3::ZERO);
         Self {
-            centre: to_world.point(DVec3::ZERO),
+            error: position_error(centre.abs() + e1.abs() + e2.abs()),
+            centre,
             e1,
             e2,
             n: if flip { -n } else { n },
@@ -85,7 +90,7 @@ impl Patch {
             }
         };
         let p = self.centre + self.e1 * xy.x + self.e2 * xy.y;
-        AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area, primitive: 0 }
+        AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area, primitive: 0, error: self.error }
     }
 
     /// The corners of the parallelogram, or of the one about the ellipse.

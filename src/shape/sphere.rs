@@ -3,6 +3,7 @@
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::{acos, atan2};
+use crate::math::ray::position_error;
 use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Transform, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -22,6 +23,8 @@ pub struct Sphere {
     pub radius: f64,
     /// Normals point inwards.
     pub inward: bool,
+    /// Of points of it; see [`AreaSample::error`].
+    error: f64,
     /// Rows take world directions to the axes of uv.
     axes: [DVec3; 3],
 }
@@ -38,9 +41,11 @@ pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
 
 impl Sphere {
     pub fn new(to_world: &Transform, centre: DVec3, radius: f64, flip: bool) -> Self {
+        let (centre, radius) = (to_world.point(centre), radius * length(to_world.vector(DVec3::X)));
         Self {
-            centre: to_world.point(centre),
-            radius: radius * length(to_world.vector(DVec3::X)),
+            error: position_error(centre.abs() + radius),
+            centre,
+            radius,
             inward: flip != to_world.mirrors(),
             axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| unit(to_world.vector(axis))),
         }
@@ -77,7 +82,7 @@ impl Sphere {
 
     pub fn sample_area(&self, u: DVec2) -> AreaSample {
         let surface = self.point::<true>(self.centre + warp::sphere(u) * self.radius);
-        AreaSample { p: surface.p, n: surface.ng, uv: surface.uv, pdf: 1.0 / self.area(), primitive: 0 }
+        self.chosen(&surface, 1.0 / self.area())
     }
 
     /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose outside is its
@@ -103,6 +108,12 @@ impl Sphere {
         let half = (self.radius * self.radius - distance * distance * sin2).max(0.0).sqrt();
         let point = self.point::<UV>(p + direction * (distance * local.z - half));
         (point, warp::cone_pdf(one_minus_cos))
+    }
+
+    /// A point of the surface that was chosen with this density.
+    #[inline(always)]
+    pub fn chosen(&self, point: &SurfacePoint, pdf: f64) -> AreaSample {
+        AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf, primitive: 0, error: self.error }
     }
 
     pub fn bounds(&self) -> Bounds {

@@ -142,7 +142,8 @@ fn parse_spectrum<'d>(
                 )
             })?;
             loader.depends_on(&path);
-            let text = std::fs::read_to_string(&path).map_err(|e| e.to_string());
+            let bytes = crate::scene::xml::read_file(&path).map_err(|e| e.to_string());
+            let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(|e| e.to_string()));
             let table = text.and_then(|t| Tabulated::parse_spd(&t)).map_err(|e| {
                 SceneError::at(
                     &name.value_span,

@@ -66,7 +66,7 @@ impl Material for Principled {
         r#"<bsdf type="principled">
             <rgb name="base_color" value="0.5, 0.2, 0.3"/><float name="spec_tint" value="0.7"/><float name="sheen" value="0.1"/>
             <float name="sheen_tint" value="0.5"/><float name="main_specular_sampling_rate" value="0.5"/>
-            <float name="clearcoat" value="0.5"/><float name="clearcoat_sampling_rate" value="2"/>
+            <float name="clearcoat" value="0.1"/><float name="clearcoat_sampling_rate" value="2"/>
             <float name="diffuse_reflectance_sampling_rate" value="1.5"/>
         </bsdf>"#,
     ];
@@ -75,20 +75,23 @@ impl Material for Principled {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = params.texture("base_color", 0.5, Usage::Reflectance, "colour of the material")?;
-        let mut share =
-            |name, default, about| params.texture(name, default, Usage::Reflectance, about);
+        let mut share = |name, default, about| params.texture(name, default, Usage::Reflectance, about);
         let roughness = share("roughness", 0.5, "square root of the microfacets' α")?;
         let anisotropic = share("anisotropic", 0.0, "how much rougher it is along the tangent than across")?;
-        let metallic = share("metallic", 0.0, "share of metal, which has no other lobes than microfacets and coat")?;
+        let metallic =
+            share("metallic", 0.0, "share of metal, which has no other lobes than microfacets and coat")?;
         let spec_trans = share("spec_trans", 0.0, "share of glass in what is no metal; the rest is matte")?;
-        let spec_tint = share("spec_tint", 0.0, "how far reflection of what is no metal has the base's colour")?;
+        let spec_tint =
+            share("spec_tint", 0.0, "how far reflection of what is no metal has the base's colour")?;
         let sheen = share("sheen", 0.0, "brightness at grazing, as of cloth")?;
         let sheen_tint = share("sheen_tint", 0.0, "how far the sheen has the base's colour")?;
-        let flatness = share("flatness", 0.0, "how far the matte lobe is one of light from below the surface")?;
+        let flatness =
+            share("flatness", 0.0, "how far the matte lobe is one of light from below the surface")?;
         let clearcoat = share("clearcoat", 0.0, "brightness of a second, colourless reflection")?;
         let clearcoat_gloss = share("clearcoat_gloss", 0.0, "α of the coat: 0.1 at 0, 0.001 at 1")?;
         let eta = index(params, spec_trans.constant() != Some(0.0))?;
-        let mut rate = |name, about| params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0);
+        let mut rate =
+            |name, about| params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0);
         let rates = Rates {
             diffuse: rate("diffuse_reflectance_sampling_rate", "how readily the matte lobe is sampled")?,
             specular: rate("main_specular_sampling_rate", "how readily microfacets are sampled")?,
@@ -125,10 +128,12 @@ impl Material for Principled {
                 _ => Spectrum::ONE,
             },
         };
-        let [metallic, spec_trans, clearcoat] = [&self.metallic, &self.spec_trans, &self.clearcoat].map(share);
+        let [metallic, spec_trans, clearcoat] =
+            [&self.metallic, &self.spec_trans, &self.clearcoat].map(share);
         let roughness = share(&self.roughness);
         let aspect = (1.0 - 0.9 * share(&self.anisotropic)).sqrt();
-        let [along, across] = [roughness * roughness / aspect, roughness * roughness * aspect].map(|a| a.max(1e-3));
+        let [along, across] =
+            [roughness * roughness / aspect, roughness * roughness * aspect].map(|a| a.max(1e-3));
         let matte = (1.0 - metallic) * (1.0 - spec_trans);
         let (diffuse, coat) = (matte * self.rates.diffuse, 0.25 * clearcoat * self.rates.coat);
         let total = diffuse + coat + self.rates.specular;
@@ -189,7 +194,9 @@ fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
     let about = "index of refraction inside over that outside, instead of `specular`";
     if params.has("eta") {
         params.float_where("specular", 0.5, SPECULAR, "", |_| true)?;
-        let eta = params.float_where("eta", 1.5, about, "a number above 0, from 1e-20 to 1e20", |eta| (1e-20..=1e20).contains(&eta))?;
+        let eta = params.float_where("eta", 1.5, about, "a number above 0, from 1e-20 to 1e20", |eta| {
+            super::ior::RANGE.contains(&eta)
+        })?;
         return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
     }
     params.optional_float("eta", about)?;

@@ -24,8 +24,38 @@ fn settings(scene: &Scene, seed: u32) -> Settings {
 
 /// What `etalon render` prints of an image.
 fn printed(scene: &Scene, settings: &Settings) -> Quality {
-    let (image, _) = render(scene, settings, &Progress::default()).expect("it renders");
-    Quality::of_image(&image)
+    let (image, report) = render(scene, settings, &Progress::default()).expect("it renders");
+    let quality = report.quality.expect("it is known");
+    let of_image = Quality::of_image(&image);
+    let [a, b] = [quality, of_image].map(|quality| quality.relative_standard_error_of_mean);
+    assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
+    quality
+}
+
+/// A file holds variances in single precision, which ends at 10⁻⁴⁵ and 10³⁸: light of 10⁻²⁵ has smaller ones and light of 10²⁵ larger ones.
+#[test]
+fn errors_are_known_of_the_dimmest_and_of_the_brightest_light() {
+    let of = |power: i32, shared: &str, shard: bool| {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="3"/>{shared}</integrator>
+            <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="18"/></film></sensor>
+            <shape type="sphere"><transform name="to_world"><translate z="4"/></transform></shape>
+            <emitter type="point"><rgb name="intensity" value="{}"/><point name="position" x="2" y="3" z="-1"/></emitter></scene>"#,
+            libm::exp2(f64::from(power))
+        );
+        let scene = load_text("scene.xml", &text, ColorMode::Spectral).expect("it loads");
+        let settings = Settings { samples: 0..4 * BLOCK, shard, ..settings(&scene, 3) };
+        let (_, report) = render(&scene, &settings, &Progress::default()).expect("it renders");
+        let Quality { relative_standard_error, relative_standard_error_of_mean, effective_pixels, .. } =
+            report.quality.expect("it is known");
+        [relative_standard_error, relative_standard_error_of_mean, effective_pixels]
+    };
+    for (shared, shard) in [("", false), ("", true), (r#"<integer name="reuse" value="16"/>"#, false)] {
+        let known = of(0, shared, shard);
+        assert!(known.iter().all(|v| v.is_finite() && *v > 0.0), "{known:?}");
+        // Powers of two change no digit.
+        assert_eq!([of(-84, shared, shard), of(84, shared, shard)], [known, known]);
+    }
 }
 
 #[test]

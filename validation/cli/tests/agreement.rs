@@ -17,6 +17,8 @@ const MASKING: &str = "Beckmann's masking is approximated in Mitsuba's density";
 const LOBES: &str = "lobes are chosen with other probabilities";
 /// Coefficients of upsampled colours are f32, and a polynomial in nanometres multiplies their roundings.
 const UPSAMPLING: &str = "upsampled colours are f32 polynomials";
+/// 1 + (α² − 1) cos² θ of a coat's facets is a small difference near the mirror direction, in f32.
+const COAT: &str = "the coat's density is rounded in Mitsuba";
 /// Mitsuba's luminance of a base colour is one of the wavelengths at hand; `principled-tint` compares tints in rgb, where it is not.
 const LUMINANCE: &str = "a tint's luminance depends on the wavelengths";
 /// Mitsuba tabulates the transmittance of rough interfaces in f32 with its own quadrature.
@@ -33,9 +35,9 @@ const KNOWN: &[Known] = &[
     ("roughplastic[1]", [5e-4, 1e-2], TRANSMITTANCE),
     ("roughplastic[2]", [1e-4, 5e-2], LOBES),
     ("roughplastic[3]", [1e-3, 3e-3], TRANSMITTANCE),
-    ("principled[2]", [2e-5, 0.0], UPSAMPLING),
+    ("principled[2]", [2e-5, 2e-5], COAT),
     ("principled[3]", [2e-5, 0.0], UPSAMPLING),
-    ("principled[4]", [0.5, 0.0], LUMINANCE),
+    ("principled[4]", [0.5, 1e-5], LUMINANCE),
     ("twosided[2]", [1e-4, 5e-3], TRANSMITTANCE),
     ("mask[1]", [0.0, 3e-3], MASKING),
     ("blendbsdf[0]", [0.0, 2e-3], MASKING),

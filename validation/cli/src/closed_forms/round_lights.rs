@@ -26,6 +26,13 @@ pub fn cases() -> Vec<ClosedForm> {
             ball([0.5, 0.3, 1.0], 0.4),
             shown(cap([0.5, 0.3, 1.0], 0.4)),
         ),
+        // It passes close to the world's origin, where numbers are small and its rounding errors are not.
+        ClosedForm::new(
+            "sphere_that_nearly_touches",
+            "E = πL sin²σ cos θ (Nusselt's analogon of a spherical cap)",
+            ball([0.0, 0.0, 1010.0], 1000.0),
+            shown(cap([0.0, 0.0, 1010.0], 1000.0)),
+        ),
         ClosedForm::new(
             "sphere_on_the_horizon",
             "a spherical cap cut by the horizon (Snyder 1996, NASA TM 111768, area light of a sphere)",

@@ -1,0 +1,41 @@
+//! An end with a sentence where memory ends.
+//!
+//! Rust aborts where an allocation fails: no exit code of ours, and no word to those who wait for a render in a queue. Files are replaced
+//! only when they are complete, so there is nothing to save, and the process can end at once.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+
+/// The system's allocator; where it has no more, the process ends with [`BAD_INPUT`](crate::cli::BAD_INPUT).
+pub struct Telling;
+
+// SAFETY: every call is handed to the system's allocator as it came, and what that returns is returned.
+unsafe impl GlobalAlloc for Telling {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller's promises are those of the same function of `System`.
+        checked(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as above.
+        checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as above.
+        checked(unsafe { System.realloc(pointer, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+fn checked(pointer: *mut u8, size: usize) -> *mut u8 {
+    if pointer.is_null() {
+        // Neither needs memory of its own.
+        eprintln!("error: out of memory: {size} bytes more are not to be had; no output was touched");
+        std::process::exit(i32::from(crate::cli::BAD_INPUT));
+    }
+    pointer
+}
