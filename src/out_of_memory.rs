@@ -1,7 +1,8 @@
 //! An end with a sentence where memory ends.
 //!
 //! Rust aborts where an allocation fails: no exit code of ours, and no word to those who wait for a render in a queue. Files are replaced
-//! only when they are complete, so there is nothing to save, and the process can end at once.
+//! only when they are complete, so there is nothing to save, and the process can end at once; a `.partial` may stay behind. What would have taken
+//! the failure for an error of its own (`try_reserve`, which reads of whole files use) ends here too, without the name of the file.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 
@@ -34,7 +35,7 @@ unsafe impl GlobalAlloc for Telling {
 fn checked(pointer: *mut u8, size: usize) -> *mut u8 {
     if pointer.is_null() {
         // Neither needs memory of its own.
-        eprintln!("error: out of memory: {size} bytes more are not to be had; no output was touched");
+        eprintln!("error: out of memory: {size} bytes more are not to be had");
         std::process::exit(i32::from(crate::cli::BAD_INPUT));
     }
     pointer

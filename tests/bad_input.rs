@@ -345,9 +345,9 @@ fn what_multiplies_is_refused_soon() {
         format!("\n<default name=\"x{i}\" value=\"$x{0}$x{0}\"/>", i - 1)
     });
     all_refused(&[
-        ("id=\"b0\"", &blends, &["used more than 65536 times"]),
+        ("id=\"b0\"", &blends, &["repeat objects within objects more than"]),
         ("id=\"b0\"", &masks, &["more than 64 deep"]),
-        ("name=\"x25\"", &values, &["longer than 16777216 bytes"]),
+        ("name=\"x27\"", &values, &["longer than 134217728 bytes"]),
     ]);
     let folder = Folder::new(b"<scene version=\"3.0.0\">\n<include filename=\"1.xml\"/></scene>");
     for file in 1..15 {

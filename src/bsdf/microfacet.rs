@@ -166,6 +166,9 @@ pub fn reflect(w: DVec3, m: DVec3) -> DVec3 {
     m * (2.0 * w.dot(m)) - w
 }
 
+/// A roughness below which lobes are narrow: half of what such a metal reflects goes into a cone of 30°.
+pub const NARROW: f64 = 0.25;
+
 /// Roughness as scene files give it.
 pub struct Roughness {
     shape: Shape,
@@ -205,8 +208,6 @@ impl Roughness {
 
     /// Whether lobes are narrow in any direction and place.
     pub fn narrow(&self) -> bool {
-        /// Half of what such a metal reflects goes into a cone of 30°.
-        const NARROW: f64 = 0.25;
         [Some(&self.alpha_u), self.alpha_v.as_ref()].into_iter().flatten().any(|alpha| alpha.mean() < NARROW)
     }
 

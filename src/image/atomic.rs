@@ -49,13 +49,12 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
         return Ok(());
     }
     // Neither the file nor what another process may be writing beside it is touched.
-    let exists = |path: &Path| path.exists().then(|| File::options().write(true).open(path).map(drop));
-    static PROBES: AtomicU64 = AtomicU64::new(0);
-    let number = PROBES.fetch_add(1, Ordering::Relaxed);
-    let probe = beside(&target, &format!(".{}-{number}.probe", std::process::id()));
-    let tried = exists(&partial(&target)).unwrap_or(Ok(()));
-    let tried = tried.and_then(|()| File::create_new(&probe).and_then(|_| fs::remove_file(&probe)));
-    tried.map_err(|error| cannot(error.to_string()))
+    let in_use = match File::options().write(true).open(partial(&target)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        tried => tried.map(drop),
+    };
+    let tried = in_use.and_then(|()| create_unique(&target, "probe"));
+    tried.and_then(|(_, probe)| fs::remove_file(probe)).map_err(|error| cannot(error.to_string()))
 }
 
 /// Finds out whether those of these files that are wanted could all be written, each in a place of its own and none over one of `inputs`, and
@@ -99,6 +98,20 @@ fn partial(target: &Path) -> PathBuf {
     beside(target, ".partial")
 }
 
+/// A new file beside `target` that nobody else has.
+fn create_unique(target: &Path, ending: &str) -> io::Result<(File, PathBuf)> {
+    static NUMBERS: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let number = NUMBERS.fetch_add(1, Ordering::Relaxed);
+        let path = beside(target, &format!(".{}-{number}.{ending}", std::process::id()));
+        match File::create_new(&path) {
+            // Of a process with the same number, of another time or in another container.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            created => return created.map(|file| (file, path)),
+        }
+    }
+}
+
 fn beside(target: &Path, ending: &str) -> PathBuf {
     let mut name = target.as_os_str().to_owned();
     name.push(ending);
@@ -112,8 +125,7 @@ fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
 }
 
 fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let partial = partial(target);
-    let file = claim(&partial)?;
+    let (file, partial) = claim(target)?;
     let written = buffered(&file, write).and_then(|()| file.sync_all());
     written.and_then(|()| fs::rename(&partial, target)).inspect_err(|_| {
         // The first error is the one to report; that the partial file may stay behind is secondary.
@@ -124,20 +136,20 @@ fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
 /// How long another process may take to write the same file.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Opens a partial file, empty, for this process alone. Its lock ends with it.
-fn claim(path: &Path) -> io::Result<File> {
-    let begin = Instant::now();
+/// Opens a partial file, empty, for this process alone; its lock ends with it. Where another process does not come to an end, or the file
+/// system has no locks, it gets a name of its own: a render that is complete must not be lost for want of one.
+fn claim(target: &Path) -> io::Result<(File, PathBuf)> {
+    let (begin, path) = (Instant::now(), partial(target));
     loop {
-        let file = File::options().write(true).create(true).truncate(false).open(path)?;
+        let file = File::options().write(true).create(true).truncate(false).open(&path)?;
         match file.try_lock() {
             // Whoever had the lock may have renamed the file since it was opened: then it is the output, and not to be emptied.
-            Ok(()) if is_at(&file, path) => return file.set_len(0).map(|()| file),
+            Ok(()) if is_at(&file, &path) => return file.set_len(0).map(|()| (file, path)),
             Ok(()) => {}
             Err(TryLockError::WouldBlock) if begin.elapsed() < PATIENCE => {
                 std::thread::sleep(Duration::from_millis(10));
             }
-            Err(TryLockError::WouldBlock) => return Err(io::Error::other("another process is writing it")),
-            Err(TryLockError::Error(error)) => return Err(error),
+            Err(_) => return create_unique(target, "partial"),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! the functions of the `libm` crate; the one that every path needs several times, [`sin_cos_turn`], is a pair of
 //! polynomials.
 
-pub use libm::{asin, atan, atan2, cos, cosh, exp, log as ln, pow, sin, sincos, sinh, tan, tanh};
+pub use libm::{asin, atan, atan2, cos, cosh, exp, expm1, log as ln, pow, sin, sincos, sinh, tan, tanh};
 
 /// The arc cosine, as twice the angle whose tangent is √((1 − x)/(1 + x)). `libm`'s own holds an SSE root, at which the
 /// processor waits for its AVX registers; see [`length`](super::length).

@@ -98,17 +98,20 @@ pub fn size(settings: &Settings, channels: usize) -> u64 {
 /// # Errors
 /// Says which it is.
 pub fn refuse_to_replace(path: &Path) -> Result<(), ImageError> {
-    let Ok(file) = File::open(path) else { return Ok(()) };
-    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-        return Ok(());
+    let error = |cause: String| Err(ImageError { path: Some(path.to_owned()), cause });
+    match std::fs::metadata(path) {
+        Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(why) => return error(why.to_string()),
+        Ok(metadata) if !metadata.is_file() => return error("it is no regular file".into()),
+        Ok(_) => {}
     }
     let mut magic = [0; MAGIC.len()];
-    let ours = BufReader::new(file).read_exact(&mut magic).is_ok() && magic == *MAGIC;
+    let ours = File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == *MAGIC;
     let cause = match ours {
         true => "there is a checkpoint already; go on from it with --resume, or remove it",
         false => "there is a file already, and it is no checkpoint",
     };
-    Err(ImageError { path: Some(path.to_owned()), cause: cause.into() })
+    error(cause.into())
 }
 
 /// Saves a render on its way. An error leaves an older checkpoint as it was.

@@ -134,10 +134,13 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         report.first_non_finite.extend(&tile.first_non_finite);
     }
     report.list_first();
-    let mut noise = Noise::default();
-    tiles.iter().for_each(|tile| noise.add(&tile.noise));
-    report.quality = Some(noise.quality(settings.window));
     let count = settings.samples.end - settings.samples.start;
+    let mut noise = Noise::default();
+    for tile in &tiles {
+        let of_sums = || tile.noise(names.len(), count, camera.reuse());
+        noise.add(&if settings.shard { of_sums() } else { tile.noise });
+    }
+    report.quality = Some(noise.quality(settings.window));
     report.samples = count * settings.window.pixels() as u64;
     let provenance = provenance(scene, settings, kernel);
     Some((assemble(scene, settings, names, tiles, provenance), report))

@@ -19,6 +19,7 @@ pub struct Tile {
     /// Pixel by pixel, channel by channel: exact sums for a shard, else what will be written of them.
     pub sums: Vec<ChannelAccumulator>,
     pub moments: Vec<(f32, f32)>,
+    /// None of a shard, whose sums tell it.
     pub noise: Noise,
     pub counters: Counters,
     pub non_finite: u64,
@@ -86,10 +87,8 @@ pub fn tile(
     if !which.is_empty() {
         make(&mut which)?;
     }
-    let channel = |c: usize| tile.sums.iter().skip(c).step_by(channels);
-    let moments = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
-    tile.noise = Noise::of(window, correlated_edge(camera.reuse()), moments);
     if !settings.shard {
+        tile.noise = tile.noise(channels, count, camera.reuse());
         tile.moments = tile.sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
         tile.sums = vec![];
     }
@@ -97,6 +96,13 @@ pub fn tile(
 }
 
 impl Tile {
+    /// How sure the pixels are, of which so many share, from the sums of so many samples.
+    pub fn noise(&self, channels: usize, count: u64, reuse: u32) -> Noise {
+        let channel = |c: usize| self.sums.iter().skip(c).step_by(channels);
+        let moments = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
+        Noise::of(self.window, correlated_edge(reuse), moments)
+    }
+
     /// Adds up camera samples with what light paths bring to them; how many of them lie in the window.
     fn add(
         &mut self,

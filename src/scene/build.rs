@@ -25,6 +25,19 @@ use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::path::Path;
 
+/// Asks whether a file can hold the channels: OpenEXR has room for 255 bytes of a name, and tells channels by them.
+fn check_channels(integrator: &AnyIntegrator) -> Result<(), String> {
+    const LONGEST: usize = 255 - "variance.".len();
+    let names = integrator.extra_channels();
+    if let Some(name) = names.iter().find(|name| name.len() > LONGEST) {
+        return Err(format!("the name of a channel would have {} bytes, more than {LONGEST}", name.len()));
+    }
+    match (0..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        Some(i) => Err(format!("two channels would have the name `{}`", names[i])),
+        None => Ok(()),
+    }
+}
+
 /// What a scene holds.
 const TOP_LEVEL: [&str; 10] =
     ["shape", "emitter", "sensor", "integrator", "bsdf", "texture", "spectrum", "film", "rfilter", "sampler"];
@@ -95,7 +108,11 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     };
     let integrator = match integrators[..] {
         [] => AnyIntegrator::default(),
-        [one] => construct(INTEGRATORS, one, &loader, Usage::Unbounded)?,
+        [one] => {
+            let integrator = construct(INTEGRATORS, one, &loader, Usage::Unbounded)?;
+            check_channels(&integrator).map_err(|message| SceneError::at(&one.span, message, ""))?;
+            integrator
+        }
         [_, second, ..] => {
             return Err(SceneError::at(&second.span, "a second integrator", "expected only one"));
         }

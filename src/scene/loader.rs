@@ -5,15 +5,15 @@ use super::xml::{Document, Element};
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Pixels;
-use std::cell::RefCell;
-use std::collections::{BTreeMap, HashMap};
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// No object is within so many others.
 const DEEPEST: usize = 64;
-/// No object is read more often. Each time costs some hundred bytes.
-const MOST_VISITS: u32 = 1 << 16;
+/// Objects within objects are read again, by `<ref>`s, so many times for each element of the document, and this often besides. Each time costs some hundred bytes.
+const REPEATS: (usize, usize) = (16, 1 << 16);
 
 /// Names, caches and the colour mode of one reading.
 pub struct Loader<'d> {
@@ -23,8 +23,11 @@ pub struct Loader<'d> {
     aliases: &'d BTreeMap<String, String>,
     /// The objects being read, outermost first: a second visit to one of them is a cycle.
     open: RefCell<Vec<*const Element>>,
-    /// How often each object has been read.
-    visits: RefCell<HashMap<*const Element, u32>>,
+    /// Those that have been read, and how often one of them was read again within two others and more.
+    read: RefCell<HashSet<*const Element>>,
+    repeats: Cell<usize>,
+    /// How many elements the document has.
+    elements: usize,
     /// Decoded bitmaps; many materials share one.
     bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
     /// Every file that was read, for the scene's hash.
@@ -42,7 +45,9 @@ impl<'d> Loader<'d> {
             ids,
             aliases: &document.aliases,
             open: RefCell::default(),
-            visits: RefCell::default(),
+            read: RefCell::default(),
+            repeats: Cell::new(0),
+            elements: count(&document.root),
             bitmaps: RefCell::default(),
             files: RefCell::default(),
         })
@@ -67,8 +72,8 @@ impl<'d> Loader<'d> {
         })
     }
 
-    /// Marks an object as being read; refuses one that is being read already, and references that lead deeper or repeat an object more often than
-    /// any scene has need of: each level of objects that refer to the level below twice doubles the work.
+    /// Marks an object as being read; refuses one that is being read already, and references that lead deeper or repeat objects more often than
+    /// the size of the document accounts for: each level of objects that refer to the level below twice doubles the work.
     pub(super) fn enter(&self, element: &Element) -> Result<(), SceneError> {
         let mut open = self.open.borrow_mut();
         if open.iter().any(|e| std::ptr::eq(*e, element)) {
@@ -82,11 +87,13 @@ impl<'d> Loader<'d> {
             let message = format!("objects lead to objects more than {DEEPEST} deep");
             return Err(SceneError::at(&element.span, message, ""));
         }
-        let mut visits = self.visits.borrow_mut();
-        let count = visits.entry(element).or_default();
-        *count += 1;
-        if *count > MOST_VISITS {
-            let message = format!("this object is used more than {MOST_VISITS} times by others");
+        if !self.read.borrow_mut().insert(element) && open.len() > 1 {
+            self.repeats.set(self.repeats.get() + 1);
+        }
+        let (each, besides) = REPEATS;
+        let most = each * self.elements + besides;
+        if self.repeats.get() > most {
+            let message = format!("<ref>s repeat objects within objects more than {most} times");
             return Err(SceneError::at(
                 &element.span,
                 message,
@@ -127,6 +134,10 @@ impl<'d> Loader<'d> {
         self.bitmaps.borrow_mut().insert(path.to_owned(), pixels.clone());
         Ok(pixels)
     }
+}
+
+fn count(element: &Element) -> usize {
+    1 + element.children.iter().map(count).sum::<usize>()
 }
 
 fn collect<'d>(element: &'d Element, ids: &mut BTreeMap<&'d str, &'d Element>) -> Result<(), SceneError> {

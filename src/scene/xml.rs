@@ -11,8 +11,8 @@ use std::sync::Arc;
 const MAX_INCLUDE_DEPTH: usize = 15;
 /// So many files may be included, one often counted as often: files that include two each multiply.
 const MOST_INCLUDES: usize = 1 << 12;
-/// No attribute is longer once its parameters stand in it, in bytes: a parameter of two others doubles.
-const LONGEST_VALUE: usize = 1 << 24;
+/// Attributes in which parameters stand are no longer all together, in bytes: a parameter of two others doubles.
+const MOST_SUBSTITUTED: usize = 1 << 27;
 /// Elements may be nested this deep; no scene needs a tenth of it, and recursion over the tree must end.
 const MAX_ELEMENT_DEPTH: usize = 128;
 
@@ -104,6 +104,8 @@ struct Reader {
     open: Vec<PathBuf>,
     /// Those that were read, each as often as it was.
     files: Vec<PathBuf>,
+    /// Bytes of attributes in which parameters stand.
+    substituted: usize,
     search: Vec<PathBuf>,
 }
 
@@ -120,7 +122,14 @@ impl Reader {
             (name.clone(), Parameter { value: value.clone(), given: true, used: false })
         };
         let parameters = definitions.iter().map(parameter).collect();
-        Self { parameters, aliases: BTreeMap::new(), open: vec![], files: vec![], search: vec![] }
+        Self {
+            parameters,
+            aliases: BTreeMap::new(),
+            open: vec![],
+            files: vec![],
+            substituted: 0,
+            search: vec![],
+        }
     }
 
     fn finish(self, root: Element) -> Result<Document, SceneError> {
@@ -259,9 +268,11 @@ impl Reader {
                 return Err(SceneError::at(span, format!("undefined parameter `${word}`"), help));
             };
             parameter.used = true;
-            if result.len() + parameter.value.len() > LONGEST_VALUE {
-                let message = format!("with its parameters this is longer than {LONGEST_VALUE} bytes");
-                return Err(SceneError::at(span, message, ""));
+            self.substituted += parameter.value.len();
+            if self.substituted > MOST_SUBSTITUTED {
+                let message =
+                    format!("with this the scene's parameters are longer than {MOST_SUBSTITUTED} bytes");
+                return Err(SceneError::at(span, message, "parameters of parameters multiply"));
             }
             result.push_str(&parameter.value);
             rest = &rest[name.len()..];

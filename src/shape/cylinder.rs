@@ -120,6 +120,11 @@ impl Cylinder {
         SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length }
     }
 
+    /// See [`Geometry::point_error`]. Each coordinate of the wall is at most that of the start, the length and the radius together.
+    pub fn point_error(&self) -> f64 {
+        position_error(self.start.abs() + (self.length + self.radius))
+    }
+
     pub fn area(&self) -> f64 {
         2.0 * PI * self.radius * self.length
     }
@@ -129,9 +134,7 @@ impl Cylinder {
         let outward = self.x * c.x + self.y * c.y;
         let p = self.start + self.axis * (u.y * self.length) + outward * self.radius;
         let n = if self.inward { -outward } else { outward };
-        // Each coordinate of the wall is at most that of the start, the length and the radius together.
-        let error = position_error(self.start.abs() + (self.length + self.radius));
-        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0, error }
+        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0, error: self.point_error() }
     }
 
     pub fn bounds(&self) -> Bounds {

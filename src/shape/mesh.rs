@@ -21,6 +21,8 @@ pub struct Mesh {
     flipped: bool,
     /// Triangles by area, for meshes that emit.
     areas: Discrete,
+    /// Of a mesh that emits; see [`Geometry::point_error`](super::Geometry::point_error).
+    error: f64,
 }
 
 fn double(v: [f32; 3]) -> DVec3 {
@@ -59,7 +61,15 @@ impl Mesh {
             }
         };
         let (triangles, uvs) = (data.triangles, data.uvs);
-        Self { positions, triangles, normals, uvs, flipped: flip != mirrored, areas: Discrete::default() }
+        Self {
+            positions,
+            triangles,
+            normals,
+            uvs,
+            flipped: flip != mirrored,
+            areas: Discrete::default(),
+            error: 0.0,
+        }
     }
 
     /// The vertices of a triangle.
@@ -150,6 +160,13 @@ impl Mesh {
     /// Builds the table that [`Mesh::sample_area`] needs; only meshes that emit have it.
     pub fn prepare_sampling(&mut self) {
         self.areas = Discrete::new((0..self.triangles.len() as u32).map(|i| self.triangle_area(i)));
+        let (lo, hi) = self.bounds();
+        self.error = position_error(lo.abs().max(hi.abs()));
+    }
+
+    /// See [`Geometry::point_error`](super::Geometry::point_error).
+    pub fn point_error(&self) -> f64 {
+        self.error
     }
 
     #[inline]
@@ -163,9 +180,7 @@ impl Mesh {
             uv: point.uv,
             pdf: 1.0 / self.areas.total(),
             primitive: triangle as u32,
-            error: position_error(
-                self.corners(triangle as u32).map(DVec3::abs).into_iter().fold(DVec3::ZERO, DVec3::max),
-            ),
+            error: self.error,
         }
     }
 

@@ -131,7 +131,7 @@ pub struct AreaSample {
     pub pdf: f64,
     /// The primitive it lies on, counted over this shape.
     pub primitive: u32,
-    /// A bound of the rounding error of `p`: that of the numbers it was computed from, which may be larger than `p`.
+    /// See [`Geometry::point_error`].
     pub error: f64,
 }
 
@@ -174,6 +174,18 @@ impl Geometry {
             Self::Patch(patch) => patch.area(),
             Self::Sphere(sphere) => sphere.area(),
             Self::Cylinder(cylinder) => cylinder.area(),
+        }
+    }
+
+    /// A bound of the rounding error of points on it: that of the numbers they are computed from, which may be larger than the points
+    /// themselves. Meshes know it if they emit.
+    #[inline]
+    pub fn point_error(&self) -> f64 {
+        match self {
+            Self::Mesh(mesh) => mesh.point_error(),
+            Self::Patch(patch) => patch.point_error(),
+            Self::Sphere(sphere) => sphere.point_error(),
+            Self::Cylinder(cylinder) => cylinder.point_error(),
         }
     }
 

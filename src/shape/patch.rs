@@ -25,7 +25,7 @@ pub struct Patch {
     pub n: DVec3,
     pub outline: Outline,
     area: f64,
-    /// Of points of it; see [`AreaSample::error`].
+    /// See [`Geometry::point_error`](super::Geometry::point_error).
     error: f64,
 }
 
@@ -58,6 +58,11 @@ impl Patch {
 
     pub fn area(&self) -> f64 {
         self.area
+    }
+
+    /// See [`Geometry::point_error`](super::Geometry::point_error).
+    pub fn point_error(&self) -> f64 {
+        self.error
     }
 
     /// The point with patch coordinates (x, y).

@@ -23,7 +23,7 @@ pub struct Sphere {
     pub radius: f64,
     /// Normals point inwards.
     pub inward: bool,
-    /// Of points of it; see [`AreaSample::error`].
+    /// See [`Geometry::point_error`](super::Geometry::point_error).
     error: f64,
     /// Rows take world directions to the axes of uv.
     axes: [DVec3; 3],
@@ -74,6 +74,11 @@ impl Sphere {
         };
         let dp_dv = (around * local.z - self.axes[2] * rho) * (PI * self.radius);
         SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv }
+    }
+
+    /// See [`Geometry::point_error`].
+    pub fn point_error(&self) -> f64 {
+        self.error
     }
 
     pub fn area(&self) -> f64 {

@@ -1,7 +1,7 @@
 //! The facets of a clear coat: Burley's "generalised Trowbridge–Reitz" law with exponent 1, whose tail is longer than GGX's
 //! (Burley 2012, appendix B.2).
 
-use crate::math::function::{exp, ln, sin_cos_turn};
+use crate::math::function::{exp, expm1, ln, sin_cos_turn};
 use crate::math::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -35,7 +35,7 @@ impl Gtr1 {
     /// sin² θ = α² (α^{−2u} − 1) / (1 − α²).
     pub fn sample(&self, u: DVec2) -> DVec3 {
         let rest = 1.0 - self.alpha2;
-        let sin2 = self.alpha2 * libm::expm1(-self.ln_alpha2 * u.x) / rest;
+        let sin2 = self.alpha2 * expm1(-self.ln_alpha2 * u.x) / rest;
         let cos2 = (1.0 - exp(self.ln_alpha2 * (1.0 - u.x))) / rest;
         let (sin_phi, cos_phi) = sin_cos_turn(u.y);
         let sin = sin2.max(0.0).sqrt();

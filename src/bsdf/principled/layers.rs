@@ -51,7 +51,11 @@ impl Meeting {
         let eta = seen(eta, wo);
         let (wo, wi) = (upward(wo, wo), upward(wi, wo));
         let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
-        let m = unit(if h.z < 0.0 { -h } else { h });
+        Self::at(wo, wi, unit(if h.z < 0.0 { -h } else { h }), eta)
+    }
+
+    /// Of a viewer above the surface, where the facet is known.
+    fn at(wo: DVec3, wi: DVec3, m: DVec3, eta: f64) -> Self {
         Self { wo, wi, m, eta, face: fresnel::dielectric(wo.dot(m).max(0.0), eta) }
     }
 }
@@ -78,7 +82,8 @@ impl Layers {
             + approximate(self.hue * (r0 * r0) as f32) * tinted as f32
     }
 
-    /// The matte lobe and the sheen: Burley 2012, section 5.3, and for `flatness` 2015, equation 4 (after Hanrahan and Krueger 1993).
+    /// The matte lobe and the sheen: Burley 2012, section 5.3, with retroreflection as in 2015, equation 4; for `flatness` the fit of 2012 to light from
+    /// below the surface (after Hanrahan and Krueger 1993).
     fn matte(&self, at: &Meeting) -> Spectrum {
         let (cos_o, cos_i) = (at.wo.z, at.wi.z);
         let cos_d = at.wi.dot(at.m);
@@ -93,6 +98,9 @@ impl Layers {
 
     /// The clear coat. Its masking is that of a roughness of ½, whatever its own (Burley 2012, section 5.6), and it is not divided by 4 cos θo cos θi.
     fn coat(&self, at: &Meeting) -> f64 {
+        if self.clearcoat == 0.0 {
+            return 0.0;
+        }
         let masking = Distribution::new(Shape::Ggx, 0.25, 0.25, true);
         let reflectance = 0.04 + 0.96 * self.schlick(at);
         let shown = self.coat.density(at.m) * masking.masking(at.wo, at.m) * masking.masking(at.wi, at.m);
@@ -136,6 +144,15 @@ impl Layers {
         }
     }
 
+    /// All lobes, seen from outside or from inside.
+    fn lobes(&self, at: &Meeting, outside: bool) -> Evaluation {
+        match at.wi.z > 0.0 {
+            true => self.reflection(at, outside),
+            false if self.clear > 0.0 => self.transmission(at, outside),
+            false => Evaluation::ZERO,
+        }
+    }
+
     /// Whether anything is seen from the side that `wo` is on.
     fn shows(&self, wo: DVec3) -> bool {
         wo.z > 0.0 || wo.z < 0.0 && self.clear > 0.0
@@ -153,12 +170,7 @@ impl Bsdf for Layers {
         if !self.shows(wo) || wi.z == 0.0 {
             return Evaluation::ZERO;
         }
-        let at = Meeting::new(wo, wi, self.eta);
-        match at.wi.z > 0.0 {
-            true => self.reflection(&at, wo.z > 0.0),
-            false if self.clear > 0.0 => self.transmission(&at, wo.z > 0.0),
-            false => Evaluation::ZERO,
-        }
+        self.lobes(&Meeting::new(wo, wi, self.eta), wo.z > 0.0)
     }
 
     fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
@@ -168,10 +180,11 @@ impl Bsdf for Layers {
         let (viewer, wo, eta) = (wo, upward(wo, wo), seen(self.eta, wo));
         let outside = viewer.z > 0.0;
         let [diffuse, coat] = if outside { self.chances } else { [0.0; 2] };
-        let (wi, reflected) = if lobe < diffuse {
-            (warp::cosine_hemisphere(u), true)
+        let above = |wi: DVec3| Meeting::at(wo, wi, unit(wo + wi), eta);
+        let (at, reflected) = if lobe < diffuse {
+            (above(warp::cosine_hemisphere(u)), true)
         } else if lobe < diffuse + coat {
-            (reflect(wo, self.coat.sample(u)), true)
+            (above(reflect(wo, self.coat.sample(u))), true)
         } else {
             // The choice among facets' lobes must not depend on other lobes' directions, or the density would be an integral.
             let m = self.facets.sample(wo, u);
@@ -179,15 +192,16 @@ impl Bsdf for Layers {
             let share = if outside { self.clear } else { 1.0 };
             let through = share * fresnel::dielectric(cos.max(0.0), eta).transmittance;
             let reflected = rescale(lobe, diffuse + coat, 1.0) >= through;
-            (if reflected { reflect(wo, m) } else { fresnel::refract(wo, m, cos, eta)? }, reflected)
+            let wi = if reflected { reflect(wo, m) } else { fresnel::refract(wo, m, cos, eta)? };
+            // The facet is the one that was drawn: where η is next to 1, two directions hardly tell it.
+            (Meeting::at(wo, wi, m, eta), reflected)
         };
         // A facet may send light to where its surface is.
-        if wi.z == 0.0 || (wi.z > 0.0) != reflected {
+        if at.wi.z == 0.0 || (at.wi.z > 0.0) != reflected {
             return None;
         }
-        let wi = upward(wi, viewer);
-        let Evaluation { value, pdf } = self.evaluate(viewer, wi);
-        let sample = Sample::smooth(wi, value * (1.0 / pdf) as f32, pdf);
+        let Evaluation { value, pdf } = self.lobes(&at, outside);
+        let sample = Sample::smooth(upward(at.wi, viewer), value * (1.0 / pdf) as f32, pdf);
         (pdf > 0.0).then_some(Sample { eta: if reflected { 1.0 } else { eta }, ..sample })
     }
 }

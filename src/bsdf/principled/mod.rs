@@ -8,7 +8,7 @@
 mod gtr1;
 mod layers;
 
-use super::microfacet::{Distribution, Shape};
+use super::microfacet::{Distribution, NARROW, Shape};
 use super::{Laws, Material, Traits};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -172,13 +172,15 @@ impl Material for Principled {
             &self.clearcoat,
             &self.clearcoat_gloss,
         ];
-        // As narrow as what counts as such of rough metal, and more than the gloss of something matte.
+        // As narrow in either direction as what counts as such of rough metal, and more than the gloss of something matte.
         let bright = transmits || self.metallic.mean() > 0.5;
+        let across =
+            self.roughness.mean() * self.roughness.mean() * (1.0 - 0.9 * self.anisotropic.mean()).sqrt();
         Traits {
             smooth: true,
             rough: !transmits,
             transmits,
-            glossy: bright && self.roughness.mean() < 0.5,
+            glossy: bright && across < NARROW,
             anisotropic: self.anisotropic.constant() != Some(0.0),
             textured: shares.iter().any(|texture| texture.varies()),
             ..Traits::default()

@@ -29,10 +29,10 @@ use super::light::{Proposal, Vertex, power_heuristic_of_three};
 use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::{AnyEmitter, EmitterPoint};
 use crate::math::bounds::union;
-use crate::math::ray::{position_error, way_between};
+use crate::math::ray::{free_way, position_error};
 use crate::math::{DVec2, DVec3, Ray, length};
 use crate::scene::{Scene, Shape};
-use crate::shape::SurfacePoint;
+use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
 pub use link::{Link, Surface};
 use mirrors::Mirrors;
@@ -135,7 +135,7 @@ pub fn density_of(
     if straight.direction.dot(point.ng) >= 0.0 {
         return None;
     }
-    let to = straight.at(way_between(distance, point.p, seen_from));
+    let to = straight.at(free_way(distance, geometry.point_error() + position_error(seen_from)));
     let link = Link::find(scene, from, to, mirror, passage.surfaces as usize, λ, counters)?;
     let same = length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
@@ -181,7 +181,8 @@ pub fn sample_emitter<B: Bsdf>(
         return None;
     }
     // Beside the point the emitter's surface may come earlier by this.
-    let early = 2.0 * link.miss / cos + 4.0 * position_error(link.last.origin);
+    let error = shape.map_or(0.0, Geometry::point_error) + position_error(link.last.origin);
+    let early = 2.0 * link.miss / cos + 4.0 * error;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));
     let pdf = density(light.pdf, (light.wi, light.distance), &link, light.n) * probability * chance * count;
     if scattered.value.is_zero() || pdf.is_nan() || pdf <= 0.0 {

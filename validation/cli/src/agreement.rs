@@ -73,7 +73,7 @@ impl Golden {
             let ours = model.evaluate(*wo, *wi);
             // Where there is nothing to see, a density of directions that are never drawn says nothing: Mitsuba's `principled` has one behind what
             // is opaque.
-            if ours == [0.0; 5] && theirs[..4] == [0.0; 4] {
+            if example.name.starts_with("principled") && ours == [0.0; 5] && theirs[..4] == [0.0; 4] {
                 continue;
             }
             let allowed = model.allowed(*wo, *wi, &ours);

@@ -31,7 +31,12 @@ pub(super) fn compare(a: &[[f64; 5]], b: &[[f64; 5]], margin: f64, effort: &Effo
         let difference = Estimate::of(a.iter().zip(b).map(|(a, b)| b[i] - a[i]));
         let half_width = Welch::new(nothing, difference).half_width(level) + effort.tolerance;
         let interval = Interval::around(difference.mean, half_width);
-        (interval.verdict(0.0, margin), interval.high.max(-interval.low))
+        // What is within the margin is no difference: short of it there is no verdict, only too few samples.
+        let verdict = match interval.verdict(0.0, margin) {
+            Verdict::Different if interval.meets(0.0, margin) => Verdict::Inconclusive,
+            verdict => verdict,
+        };
+        (verdict, interval.high.max(-interval.low))
     };
     let answers: [(Verdict, f64); 5] = std::array::from_fn(answer);
     let order =

@@ -11,7 +11,7 @@ use crate::{
     scatterer::{DVec3, Scatterer},
     statistics::{
         Stream, Verdict,
-        hotelling::{Components, Expected, hotelling},
+        hotelling::{Components, Covariance, Expected, hotelling},
         power::detectable_chi_square,
     },
 };
@@ -33,6 +33,9 @@ const QUADRATURE: f64 = 1e-4;
 
 /// Error of the expected variances.
 const ROUGHLY: f64 = 1e-3;
+
+/// At least so many other samples tell what the judged ones may have missed.
+const OTHERS: usize = 1 << 14;
 
 /// Tests use this share of the samples: harmonics cost more than samples do.
 const SHARE: usize = 4;
@@ -68,11 +71,13 @@ fn run_to<const N: usize>(
         }
     });
     let variance = std::array::from_fn(|i| (squares[i] - blur - exact[i] * exact[i]).max(0.0));
-    let expected = Expected { mean: exact, error, variance };
     let carried = |stream: &mut Stream| match draw(scatterer, wo, stream).filter(|sample| !sample.delta) {
         Some(sample) => harmonics::<N>(sample.wi).map(|y| y * sample.weight),
         None => [0.0; N],
     };
+    let mut stream = pilot(seeds);
+    let others = Covariance::of((0..samples.max(OTHERS)).map(|_| carried(&mut stream)));
+    let expected = Expected { mean: exact, error, variance, others: Some(others) };
     let judge = |&seed: &u64| {
         // The same samples twice, since the second look depends on the first.
         let again = || {

@@ -64,6 +64,11 @@ impl Interval {
         target - margin <= self.low && self.high <= target + margin
     }
 
+    /// True if some of the interval lies within `target` ± `margin`; false if an end is NaN.
+    pub fn meets(&self, target: f64, margin: f64) -> bool {
+        self.low <= target + margin && target - margin <= self.high
+    }
+
     /// Equivalent if inside the margin, else different if it excludes the target, else inconclusive. A difference that
     /// is visible but smaller than the margin is therefore equivalent; an interval with NaN is different.
     pub fn verdict(&self, target: f64, margin: f64) -> Verdict {

@@ -31,8 +31,25 @@ pub fn cases() -> Vec<Case> {
     let slivers = |place: Point| shape("obj", &[translate(place)], &wears);
     let scenes = [room.clone(), room.replace("</scene>", &(slivers([0.0, -1.0, 1.0]) + "</scene>"))];
     cases.push(Case::same("triangles_without_area", nothing, scenes, 1e-3));
+    cases.push(coincident_glass());
     cases.extend(mixed_scales().into_iter().map(Case::answer));
     cases
+}
+
+/// A ball of glass in a film of water of no thickness: two interfaces in one place.
+fn coincident_glass() -> Case {
+    let ball = |inside: f64, outside: f64| {
+        sphere([0.0; 3], 1.0, &bsdf("dielectric", &(float("int_ior", inside) + &float("ext_ior", outside))))
+    };
+    let camera = pinhole(&look_at([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0]), 20.0, &film(6, 6));
+    let balls = ball(1.33, 1.0) + &ball(1.5, 1.33);
+    let furnace = scene(&[&path(-1), &camera, &balls, &constant(1.0)]);
+    let source = "lossless bodies in a furnace of radiance 1 cannot be seen (Kirchhoff)";
+    let case = ClosedForm::new("coincident_glass", source, furnace, 1.0).samples(1 << 10);
+    Case::answer(case).limit(
+        "of surfaces in one place a ray meets the first alone, and what the others do to radiance, η², is missing; 10⁻⁹ apart they are met",
+        0.1,
+    )
 }
 
 fn face(steps: &[String], z: f64) -> String {
@@ -105,6 +122,14 @@ fn mixed_scales() -> Vec<ClosedForm> {
         + &shape("rectangle", &[scale([1.0; 3]), translate([0.0, 0.0, -1.0])], &diffuse(0.5));
     vec![
         under("lamp_of_1e7_above_1", 1e7, 2.0),
+        // Where it is closest to the floor its surface passes the world's origin, and its numbers are 1000 times as large as those of its points.
+        ClosedForm::new(
+            "ball_of_1000_past_the_origin",
+            "E = πLr²/d² under a ball",
+            floor_under(&sphere([0.0, 0.0, 1010.0], 1000.0, &area(1.0))),
+            shown(PI * (1000.0 / 1010.0) * (1000.0 / 1010.0)),
+        )
+        .samples(1 << 14),
         ClosedForm::new(
             "ball_of_1e-7_in_1",
             "π tan²σ of a film 4 tan²(fov/2) large, sin σ = r/d",
