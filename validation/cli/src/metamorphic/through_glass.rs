@@ -18,6 +18,19 @@ pub(super) fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relati
     as_plain(name, longest, everywhere, (&camera(), world))
 }
 
+/// A floor under a pane and under a lamp so large that its numbers are a thousand times those of its points that matter.
+fn lamp_past_the_origin() -> Relation {
+    let floor = shape("rectangle", &[], &diffuse(0.5));
+    let face = |steps: &[String]| shape("rectangle", &[&[scale([40.0; 3])], steps].concat(), &glass(""));
+    let pane =
+        face(&[translate([0.0, 0.0, 0.5])]) + &face(&[rotate('x', 180.0), translate([0.0, 0.0, 0.45])]);
+    let lamp = sphere([0.0, 0.0, 1001.0], 1000.0, &area(1.0));
+    let place = look_at([0.0, 0.0, 0.4], [0.0; 3], [0.0, 1.0, 0.0]);
+    let camera = pinhole(&place, 40.0, &(film(8, 8) + INDEPENDENT));
+    let links = with_links(&with_light_paths(0.0, 6), "everywhere");
+    as_plain("lamp_past_the_origin", 6, links, (&camera, &(floor + &pane + &lamp)))
+}
+
 pub fn relations() -> Vec<Relation> {
     let clear = || glass("");
     let bulb = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &clear());
@@ -87,6 +100,7 @@ pub fn relations() -> Vec<Relation> {
         // Through the glass the lamp is two edges from the floor, and the camera a third.
         up_to(3, "one_edge_too_far", 0.0, &room(&ball(&clear()))),
         up_to(4, "no_edge_too_far", 1.0, &room(&ball(&clear()))),
+        lamp_past_the_origin(),
         relation("in_spectra", 1.0, &globe).in_spectra(),
         relation(
             "dispersion",
