@@ -174,6 +174,15 @@ fn numbers_out_of_range_are_refused() {
 }
 
 #[test]
+fn spots_shine_into_less_than_a_half_space() {
+    for value in ["-5", "0", "90", "180"] {
+        let spot =
+            format!("<emitter type=\"spot\">\n<float name=\"cutoff_angle\" value=\"{value}\"/></emitter>");
+        all_refused(&[("name=\"cutoff_angle\"", &spot, &["`cutoff_angle`"])]);
+    }
+}
+
+#[test]
 fn transforms_that_flatten_are_refused() {
     let shape = |step: &str| {
         format!("<shape type=\"sphere\"><transform name=\"to_world\">\n{step}</transform></shape>")

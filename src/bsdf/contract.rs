@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::math::length;
+use crate::scene::catalogue::catalogue;
 use crate::scene::xml;
 use crate::spectrum::ColorMode;
 use std::f64::consts::{PI, TAU};
@@ -152,6 +153,44 @@ fn nothing_gives_more_light_than_it_gets() {
             }
         }
     });
+}
+
+/// The snippet with a checkered parameter, instead of a number or colour of that name.
+fn checkered(snippet: &str, parameter: &str) -> Option<String> {
+    let name = |name: &str| format!("name=\"{name}\"");
+    let texture = |parameter: &str| format!("<texture type=\"checkerboard\" {}/>", name(parameter));
+    // A roughness along the tangent comes with one across.
+    let more: String = match parameter {
+        "alpha_u" | "alpha_v" => ["alpha_u", "alpha_v"].map(texture).concat(),
+        _ => texture(parameter),
+    };
+    let end = snippet.find('>')?;
+    let (head, rest) = match snippet[..end].strip_suffix('/') {
+        Some(head) => (head, "</bsdf>"),
+        None => (&snippet[..end], &snippet[end + 1..]),
+    };
+    let Some(at) = rest.find(&name(parameter)) else { return Some(format!("{head}>{more}{rest}")) };
+    let (begin, length) = (rest[..at].rfind('<')?, rest[at..].find('>')? + 1);
+    let plain = rest[..at + length].ends_with("/>");
+    plain.then(|| format!("{head}>{more}{}{}", &rest[..begin], &rest[at + length..]))
+}
+
+/// A kernel without textures knows no place on the surface: a material that needs one must say so.
+#[test]
+fn whatever_is_checkered_is_textured() {
+    for model in catalogue().iter().filter(|model| model.kind == "bsdf") {
+        // A checkerboard has no normals.
+        let checkerable = |name: &str| name != "normalmap";
+        let textures = model.parameters.iter().filter(|p| p.kind == "texture" && checkerable(p.name));
+        for parameter in textures.map(|parameter| parameter.name) {
+            let snippets = model.examples.iter().filter_map(|snippet| checkered(snippet, parameter));
+            let materials: Vec<AnyMaterial> =
+                snippets.filter_map(|snippet| parse(&snippet, ColorMode::Rgb).ok()).collect();
+            assert!(!materials.is_empty(), "{}: no example takes a checkered `{parameter}`", model.name);
+            let textured = materials.iter().all(|material| material.traits().textured);
+            assert!(textured, "{} with a checkered `{parameter}`", model.name);
+        }
+    }
 }
 
 #[test]

@@ -54,3 +54,17 @@ impl Point {
         self.intensity.mean() * 4.0 * std::f64::consts::PI
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_falls_off_with_the_square_of_the_distance_and_does_not_reach_itself() {
+        let place = DVec3::new(0.1, 0.2, 0.3);
+        let (towards, distance, falloff) = arriving(place - DVec3::Z * 4.0, place).unwrap();
+        assert!((towards - DVec3::Z).abs().max_element() < 1e-15 && (distance - 4.0).abs() < 1e-15);
+        assert_eq!(falloff, 0.0625);
+        assert!(arriving(place, place).is_none());
+    }
+}

@@ -107,11 +107,11 @@ mod tests {
         let (names, means) = rendered(1);
         let moments = ["it.d.T", "it.X", "it.Y", "it.Z", "m2_it.d.T", "m2_it.X", "m2_it.Y", "m2_it.Z"];
         assert_eq!(names, [&["R", "G", "B"][..], &moments].concat());
-        for pixel in 0..means[0].len() {
-            let value = |channel: usize| means[channel][pixel];
-            assert!(alike(value(5), luminance([value(0), value(1), value(2)])), "{pixel}");
-            assert!((3..7).all(|c| alike(value(c + 4), value(c) * value(c))), "{pixel}");
-        }
+        let pixels = means[0].len();
+        let value = |channel: usize, pixel: usize| means[channel][pixel];
+        let shown = |i: usize| luminance([value(0, i), value(1, i), value(2, i)]);
+        assert!((0..pixels).all(|i| alike(value(5, i), shown(i))));
+        assert!((0..pixels).all(|i| (3..7).all(|c| alike(value(c + 4, i), value(c, i) * value(c, i)))));
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl Material for Principled {
             <float name="roughness" value="0.5"/><float name="anisotropic" value="0.3"/>
         </bsdf>"#,
         r#"<bsdf type="principled">
-            <rgb name="base_color" value="0.5, 0.2, 0.3"/><float name="spec_tint" value="0.7"/><float name="sheen" value="0.1"/>
+            <rgb name="base_color" value="0.3, 0.15, 0.2"/><float name="spec_tint" value="0.7"/><float name="sheen" value="0.1"/>
             <float name="sheen_tint" value="0.5"/><float name="main_specular_sampling_rate" value="0.5"/>
             <float name="clearcoat" value="0.1"/><float name="clearcoat_sampling_rate" value="2"/>
             <float name="diffuse_reflectance_sampling_rate" value="1.5"/>

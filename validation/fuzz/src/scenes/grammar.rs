@@ -206,7 +206,7 @@ mod tests {
         let names = models.all().flat_map(|k| k.examples.iter().map(move |e| (k, e)));
         // Mitsuba's other samplers have no independent samples to judge by.
         let missing: Vec<String> = names
-            .filter(|(k, _)| k.model.kind != "sampler" && !UNLIKE.contains(&&*k.model.name))
+            .filter(|(k, _)| k.model.kind != "sampler" && !UNLIKE.contains(&k.model.name))
             .map(|(k, e)| format!("{}:{}", e.tag, k.model.name))
             .filter(|name| !seen(name))
             .collect();
