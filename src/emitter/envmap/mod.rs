@@ -174,3 +174,25 @@ fn importance(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    /// Black texels are no light, and no error.
+    #[test]
+    fn a_map_may_be_black_in_places() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sky.png");
+        let texel = |x: u32, y: u32| ::image::Rgb(if (x, y) == (2, 1) { [255; 3] } else { [0; 3] });
+        ::image::RgbImage::from_fn(4, 3, texel).save(&path).unwrap();
+        let text = format!(
+            r#"<scene version="3.0.0"><sensor type="perspective"/>
+            <emitter type="envmap"><string name="filename" value="{}"/></emitter></scene>"#,
+            path.display()
+        );
+        let scene = load_text("scene.xml", &text, ColorMode::Spectral).unwrap();
+        assert!(scene.emitters.environment.is_some());
+    }
+}
