@@ -173,9 +173,8 @@ fn table(element: &Element, loader: &Loader) -> Result<Spread, SceneError> {
             let path = crate::scene::xml::find(&element.search, &name.value);
             let path = path.ok_or_else(|| bad(name, format!("there is no file `{}`", name.value)))?;
             loader.depends_on(&path);
-            let bytes = crate::scene::xml::read_file(&path).map_err(|why| bad(name, why.to_string()))?;
-            let text = String::from_utf8(bytes).map_err(|why| bad(name, why.to_string()))?;
-            Tabulated::parse_spd(&text).map(Spread::Table).map_err(|why| bad(name, why))
+            let table = crate::scene::xml::read_utf8(&path).and_then(|text| Tabulated::parse_spd(&text));
+            table.map(Spread::Table).map_err(|why| bad(name, why))
         }
         _ => Err(SceneError::at(
             &element.span,

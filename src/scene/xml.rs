@@ -353,7 +353,7 @@ impl Reader {
 }
 
 /// The bytes of a file. A device or pipe may have no end, and is no file.
-pub fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if !metadata.is_file() {
         return Err(std::io::Error::other(if metadata.is_dir() {
@@ -363,6 +363,12 @@ pub fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
         }));
     }
     std::fs::read(path)
+}
+
+/// The text of a file in UTF-8, or why there is none.
+pub fn read_utf8(path: &Path) -> Result<String, String> {
+    let bytes = read_file(path).map_err(|e| e.to_string())?;
+    String::from_utf8(bytes).map_err(|e| e.to_string())
 }
 
 /// The first of `folders` that has `name`.

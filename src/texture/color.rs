@@ -142,15 +142,14 @@ fn parse_spectrum<'d>(
                 )
             })?;
             loader.depends_on(&path);
-            let bytes = crate::scene::xml::read_file(&path).map_err(|e| e.to_string());
-            let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(|e| e.to_string()));
-            let table = text.and_then(|t| Tabulated::parse_spd(&t)).map_err(|e| {
-                SceneError::at(
-                    &name.value_span,
-                    format!("{}: {e}", path.display()),
-                    "expected lines of `nm value`",
-                )
-            })?;
+            let table =
+                crate::scene::xml::read_utf8(&path).and_then(|t| Tabulated::parse_spd(&t)).map_err(|e| {
+                    SceneError::at(
+                        &name.value_span,
+                        format!("{}: {e}", path.display()),
+                        "expected lines of `nm value`",
+                    )
+                })?;
             from_table(table, name, usage, loader)
         }
         _ => Err(SceneError::at(
