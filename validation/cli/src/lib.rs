@@ -16,6 +16,7 @@ pub mod calibrate;
 pub mod closed_forms;
 pub mod companions;
 pub mod console;
+mod crew;
 pub mod converge;
 pub mod distributions;
 pub mod drawn_light;

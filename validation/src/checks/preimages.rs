@@ -19,9 +19,10 @@ const SCAN: usize = 32;
 /// The largest number below 1.
 const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Points of the square in the table that inverses start from, and starts from each part of the first numbers.
+/// Points of the square in the table that inverses start from, and the most starts from each part of the first numbers: few
+/// are needed but where the map tears between a start and the preimage.
 const TABLE: usize = 4096;
-const STARTS: usize = 5;
+const STARTS: usize = 40;
 
 /// Preimages in one lobe nearer than this in stretched coordinates are one.
 const NEAR: f64 = 1e-3;
@@ -198,12 +199,15 @@ impl Preimages {
     /// The density at `wi` of all preimages found, to which `own` at `v` belongs, as soon as it meets `stated`.
     pub fn sum(&self, map: &Map, wi: DVec3, own: f64, v: [f64; 2], stated: f64, tolerance: f64) -> f64 {
         let mut found = vec![(stretched(v), own)];
-        for entry in self.lobes.iter().flat_map(|entries| nearest(entries, wi)) {
+        let starts: Vec<Vec<&Entry>> = self.lobes.iter().map(|entries| nearest(entries, wi)).collect();
+        let in_turn = (0..STARTS).flat_map(|rank| starts.iter().filter_map(move |lobe| lobe.get(rank).copied()));
+        for entry in in_turn {
             let Some(t) = invert(map, entry, wi) else { continue };
-            // The same place, and this lobe leads from there to the same direction.
+            // The same place, and this lobe leads from there to the same direction: where two lobes spread equally far,
+            // each has a preimage nearby that the other only nearly meets.
             let same = |other: [f64; 2]| {
                 (0..2).all(|i| (other[i] - t[i]).abs() < NEAR)
-                    && map.at(entry.lobe, unstretched(other)).is_some_and(|w| (w - wi).length() < NEAR)
+                    && map.at(entry.lobe, unstretched(other)).is_some_and(|w| (w - wi).length() < 2.0 * ARRIVED)
             };
             if found.iter().any(|(other, _)| same(*other)) {
                 continue;
@@ -239,6 +243,10 @@ fn nearest(entries: &[Entry], wi: DVec3) -> Vec<&Entry> {
     best.into_iter().map(|(_, entry)| entry).collect()
 }
 
+/// How near a preimage comes to its direction, in units of what the slopes say, but never more: where the map tears, the
+/// quotient across the tear makes a slope of any size, and places beside it would pass for preimages.
+const ARRIVED: f64 = 1e-7;
+
 /// Newton's method with halved steps in stretched coordinates, from a table entry to the preimage of `wi`.
 fn invert(map: &Map, entry: &Entry, wi: DVec3) -> Option<[f64; 2]> {
     const STEP: f64 = 1e-5;
@@ -261,11 +269,12 @@ fn invert(map: &Map, entry: &Entry, wi: DVec3) -> Option<[f64; 2]> {
         let (ra, rb) = (a.dot(rest), b.dot(rest));
         let step = [(bb * ra - ab * rb) / determinant, (aa * rb - ab * ra) / determinant];
         let length = step[0].abs().max(step[1].abs());
+        let arrived = rest.length() <= ARRIVED * (aa + bb).sqrt().min(1.0);
         if !length.is_finite() {
             return None;
         }
         if length < 1e-9 {
-            return (rest.length() <= 1e-7 * (aa + bb).sqrt()).then_some(t);
+            return arrived.then_some(t);
         }
         let mut factor = (2.0 / length).min(1.0);
         let better = loop {
@@ -281,7 +290,7 @@ fn invert(map: &Map, entry: &Entry, wi: DVec3) -> Option<[f64; 2]> {
         match better {
             Some((next, moved)) => (t, rest) = (next, moved),
             // As near as rounding lets it come, or stuck.
-            None => return (rest.length() <= 1e-7 * (aa + bb).sqrt()).then_some(t),
+            None => return arrived.then_some(t),
         }
     }
     None

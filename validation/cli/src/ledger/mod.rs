@@ -3,6 +3,7 @@
 
 pub mod command;
 
+use crate::crew::ask_all;
 use crate::provenance::Provenance;
 use crate::trial::Trial;
 use serde::{Deserialize, Serialize};
@@ -71,8 +72,8 @@ pub fn append(path: &Path, outcomes: &[Outcome], number: u64) -> Result<(), Stri
 pub fn rerun(path: &Path, trials: &[(Trial, Effort)], numbers: Range<u64>) -> Result<(), String> {
     let mut runs: BTreeMap<u64, Vec<String>> = numbers.clone().map(|number| (number, vec![])).collect();
     let mut lines = vec![];
-    for (trial, effort) in trials {
-        for (number, outcome) in numbers.clone().zip(trial.repeat(effort, numbers.clone())?) {
+    for outcomes in ask_all(trials, |(trial, effort)| trial.repeat(effort, numbers.clone()))? {
+        for (number, outcome) in numbers.clone().zip(outcomes?) {
             lines.extend(p_value(&outcome, number));
             if outcome.verdict == Verdict::Different {
                 let what = format!("{}: {}", outcome.subject, outcome.message);

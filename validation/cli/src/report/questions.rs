@@ -1,8 +1,8 @@
-//! Which questions are asked, and by how many threads at once.
+//! Which questions are asked.
 
+use crate::crew::ask_all;
 use crate::trial::Trial;
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use validation::{Outcome, Verdict};
 
 /// Of the trials that differ in direction only, the second: it is oblique. All of them unless `sparse`.
@@ -23,40 +23,20 @@ pub fn one_of_a_family<T>(mut things: Vec<T>, name: impl Fn(&T) -> &String, spar
     things
 }
 
-/// The answers to all questions, in their order, asked by as many threads as there are cores. One that could not be
-/// asked is inconclusive and says why.
+/// The answers to all questions, in their order. One that could not be asked is inconclusive and says why.
 pub fn judge<T: Sync>(
     questions: &[T],
     name: impl Fn(&T) -> &String,
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut answers = vec![];
-        while let Some((index, question)) = {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            questions.get(index).map(|question| (index, question))
-        } {
-            answers.push((index, ask(question)));
-        }
-        answers
+    let unasked = |question: &T, error: String| {
+        Outcome::new("question", Verdict::Inconclusive, error).of(name(question))
     };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut answers = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().map(|worker| worker.join()).collect::<Result<Vec<_>, _>>()
-    })
-    .map_err(|_| "a check stopped without an answer".to_string())?
-    .concat();
-    answers.sort_by_key(|(index, _)| *index);
-    let unasked = |index: usize, error: String| {
-        let outcome = questions.get(index).map(&name);
-        Outcome::new("question", Verdict::Inconclusive, error).of(outcome.cloned().unwrap_or_default())
+    let answers = ask_all(questions, ask)?.into_iter().zip(questions);
+    let settle = |(answer, question): (Result<_, _>, &T)| {
+        answer.unwrap_or_else(|error| Some(unasked(question, error)))
     };
-    let settle = |(index, answer): (usize, Result<Option<Outcome>, String>)| {
-        answer.unwrap_or_else(|error| Some(unasked(index, error)))
-    };
-    Ok(answers.into_iter().filter_map(settle).collect())
+    Ok(answers.filter_map(settle).collect())
 }
 
 #[cfg(test)]
