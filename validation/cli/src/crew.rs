@@ -31,7 +31,10 @@ mod tests {
     #[test]
     fn answers_keep_the_order_of_questions() {
         let questions: Vec<usize> = (0..1000).collect();
-        assert_eq!(ask_all(&questions, |question| 2 * question).unwrap(), (0..2000).step_by(2).collect::<Vec<_>>());
+        assert_eq!(
+            ask_all(&questions, |question| 2 * question).unwrap(),
+            (0..2000).step_by(2).collect::<Vec<_>>()
+        );
     }
 
     #[test]

@@ -11,7 +11,7 @@
 //! for the sum a fault. Cannot see a wrong weight, nor faults of the map and its density in common.
 
 use super::{
-    Check, Effort, always, pilot,
+    Check, Effort, always, has_no_digits, pilot,
     preimages::{Map, Preimages},
     relative_difference, show,
 };
@@ -88,10 +88,7 @@ fn judge(map: &Map, preimages: &Preimages, seed: u64, effort: &Effort) -> Outcom
 
 fn look(map: &Map, preimages: &Preimages, lobe: f64, v: [f64; 2], wi: DVec3, stated: f64) -> State {
     // A density that changes within the rounding of a direction has no digits to compare.
-    let digits = |pdf: f64| relative_difference(pdf, stated) <= 0.1 * TOLERANCE;
-    let across = wi.any_orthonormal_vector();
-    let nudged = [across, wi.cross(across)].map(|t| (wi + 4.0 * f64::EPSILON * t).normalize());
-    if stated.is_finite() && stated > 0.0 && !nudged.iter().all(|&w| digits(map.scatterer.pdf(map.wo, w))) {
+    if has_no_digits(|wi| map.scatterer.pdf(map.wo, wi), wi, TOLERANCE) {
         return State::Blurred;
     }
     let Some(own) = map.density(lobe, v) else { return State::Blurred };

@@ -141,6 +141,18 @@ fn relative_difference(a: f64, b: f64) -> f64 {
     if a == b && a.is_finite() { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) }
 }
 
+/// Whether a quantity changes by more than a tenth of the tolerance within the rounding of a direction, as it does near its
+/// zeros and at its jumps: then there is nothing to compare.
+fn has_no_digits(quantity: impl Fn(DVec3) -> f64, w: DVec3, tolerance: f64) -> bool {
+    let middle = quantity(w);
+    let across = w.any_orthonormal_vector();
+    let other = w.cross(across);
+    [across, -across, other, -other].into_iter().any(|tangent| {
+        let nudged = (w + 4.0 * f64::EPSILON * tangent).normalize();
+        relative_difference(quantity(nudged), middle) > 0.1 * tolerance
+    })
+}
+
 fn show(direction: DVec3) -> String {
     format!("({}, {}, {})", direction.x, direction.y, direction.z)
 }

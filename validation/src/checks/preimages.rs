@@ -200,14 +200,17 @@ impl Preimages {
     pub fn sum(&self, map: &Map, wi: DVec3, own: f64, v: [f64; 2], stated: f64, tolerance: f64) -> f64 {
         let mut found = vec![(stretched(v), own)];
         let starts: Vec<Vec<&Entry>> = self.lobes.iter().map(|entries| nearest(entries, wi)).collect();
-        let in_turn = (0..STARTS).flat_map(|rank| starts.iter().filter_map(move |lobe| lobe.get(rank).copied()));
+        let in_turn =
+            (0..STARTS).flat_map(|rank| starts.iter().filter_map(move |lobe| lobe.get(rank).copied()));
         for entry in in_turn {
             let Some(t) = invert(map, entry, wi) else { continue };
             // The same place, and this lobe leads from there to the same direction: where two lobes spread equally far,
             // each has a preimage nearby that the other only nearly meets.
             let same = |other: [f64; 2]| {
                 (0..2).all(|i| (other[i] - t[i]).abs() < NEAR)
-                    && map.at(entry.lobe, unstretched(other)).is_some_and(|w| (w - wi).length() < 2.0 * ARRIVED)
+                    && map
+                        .at(entry.lobe, unstretched(other))
+                        .is_some_and(|w| (w - wi).length() < 2.0 * ARRIVED)
             };
             if found.iter().any(|(other, _)| same(*other)) {
                 continue;

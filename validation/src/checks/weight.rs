@@ -3,7 +3,7 @@
 //! Holds for every single sample, so no statistics: `weight` × `pdf` must be `value`, and the density that comes with the
 //! sample must be the one the model states for that direction. A χ² test of directions cannot see either.
 
-use super::{Check, Effort, always, draw, relative_difference, show};
+use super::{Check, Effort, always, draw, has_no_digits, relative_difference, show};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer},
@@ -36,7 +36,11 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         let weight = relative_difference(sample.weight * pdf, value);
         let density = relative_difference(sample.pdf, pdf);
         checked += 1;
-        if weight > effort.tolerance && has_no_digits(scatterer, wo, sample.wi, effort) {
+        let blurred_by_rounding = || {
+            has_no_digits(|wi| scatterer.value(wo, wi), sample.wi, effort.tolerance)
+                || has_no_digits(|wi| scatterer.pdf(wo, wi), sample.wi, effort.tolerance)
+        };
+        if (weight > effort.tolerance || density > effort.tolerance) && blurred_by_rounding() {
             blurred += 1;
             continue;
         }
@@ -69,14 +73,4 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         .figure("checked", checked as f64)
         .figure("wrong", wrong as f64)
         .figure("worst", largest)
-}
-
-/// Whether the value changes by more than the tolerance within the rounding of a direction, as it does near its zeros.
-fn has_no_digits(scatterer: &dyn Scatterer, wo: DVec3, wi: DVec3, effort: &Effort) -> bool {
-    let value = scatterer.value(wo, wi);
-    let across = wi.any_orthonormal_vector();
-    [across, wi.cross(across)].into_iter().any(|tangent| {
-        let nudged = (wi + 4.0 * f64::EPSILON * tangent).normalize();
-        relative_difference(scatterer.value(wo, nudged), value) > 0.1 * effort.tolerance
-    })
 }
