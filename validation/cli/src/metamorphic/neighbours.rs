@@ -93,6 +93,32 @@ fn grazed_floor() -> Relation {
     Case { camera, view: Some(one_of::<4>), ..case }.relation().samples(3 * 8192)
 }
 
+/// A board close to the eye, and a wall far behind it, lit by a spot behind the eye that a metal plate throws there. A pixel
+/// sees a thousand times less of the board than of the wall, so its own paths bring nearly all light of the board and light paths
+/// nearly all of the wall's: light found for the one and weighed as its own would be counted again for the other.
+fn near_and_far() -> Relation {
+    let eye = [0.0, -4.5, 2.2];
+    let place = look_at(eye, [0.0, 0.0, eye[2]], [0.0, 0.0, 1.0]);
+    // A single group, and the board before its left half.
+    let camera = pinhole(&place, 50.0, &(film(4, 4) + INDEPENDENT));
+    let upright = |half: [f64; 2], place: Point, turn: f64| {
+        let steps = [scale([half[0], half[1], 1.0]), rotate('x', turn), translate(place)];
+        shape("rectangle", &steps, &diffuse(0.8))
+    };
+    let board = upright([0.06, 0.1], [-0.06, eye[1] + 0.1, eye[2]], 90.0);
+    let wall = upright([2.0, 1.4], [0.0, -1.5, 2.1], 90.0);
+    let screen = upright([1.5, 0.8], [0.0, -6.5, 1.45], -90.0);
+    let plate = [scale([0.5, 0.5, 1.0]), translate([0.0, -5.5, 0.0])];
+    let plate = shape("rectangle", &plate, &bsdf("roughconductor", &float("alpha", 0.15)));
+    // Lower than what is lit by way of the plate, and turned away from it.
+    let lamp = [scale([0.1, 0.1, 1.0]), rotate('x', 180.0), translate([0.0, eye[1], 0.6])];
+    let lamp = shape("rectangle", &lamp, &area(100.0));
+    let case = case("near_and_far", board + &wall + &screen + &plate + &lamp);
+    Case { camera, integrator: with_links(&path(4), "never"), view: Some(one_of::<4>), ..case }
+        .relation()
+        .samples(6 * 8192)
+}
+
 /// A dark room seen in a mirror, where light paths are of no use, and lit by a bulb in glass, which guided samples find.
 fn seen_in_a_mirror() -> Relation {
     let steps = [scale([0.5, 0.5, 1.0]), rotate('x', 90.0), rotate('z', 45.0), translate([0.0, -3.5, 1.5])];
@@ -107,5 +133,6 @@ pub fn relations() -> Vec<Relation> {
     let relations = [two_rooms(), grazed_floor()].map(|relation| relation.within(MARGIN));
     // What one wavelength stands for would be brought to eight, and what is dark would be white.
     let at_a_glance = [two_panes(), seen_in_a_mirror()].map(|relation| relation.within(2.5 * MARGIN));
-    relations.into_iter().chain(at_a_glance).collect()
+    let twice = near_and_far().within(4.0 * MARGIN);
+    relations.into_iter().chain(at_a_glance).chain([twice]).collect()
 }
