@@ -1,12 +1,10 @@
 //! What is said on standard output, and how numbers are read from the command line.
 
-use crate::provenance::Made;
 use std::error::Error;
 use std::fmt::Arguments;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use validation::report::to_json;
-use validation::{Outcome, Report, Verdict};
+use validation::Outcome;
 
 /// A line on standard output. A reader that has had enough, such as `head`, is no reason to stop: documents are still
 /// written, and the exit code still tells.
@@ -17,16 +15,6 @@ pub fn say(line: Arguments) {
 /// An outcome as a line.
 pub fn print(outcome: &Outcome) {
     say(format_args!("{:<13} {}: {}", outcome.verdict.to_string(), outcome.subject, outcome.message));
-}
-
-/// The last line of a command, and its document where one is wanted.
-pub fn finish(report: Report, json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
-    let count = |v: Verdict| report.outcomes.iter().filter(|o| o.verdict == v).count();
-    let (equal, open, bad) =
-        (count(Verdict::Equivalent), count(Verdict::Inconclusive), count(Verdict::Different));
-    say(format_args!("{}: {equal} hold, {open} inconclusive, {bad} differ", report.verdict));
-    write(json.as_deref(), || Ok(to_json(&Made::here(&report)?)?))?;
-    Ok(report.verdict)
 }
 
 /// Writes a document to a file, if one is wanted.

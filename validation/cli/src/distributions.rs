@@ -1,13 +1,15 @@
 //! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
 
-use crate::console::{check_writable, finish, print};
+use crate::console::print;
+use crate::crew::ask_all;
+use crate::documents::Documents;
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{furnace, ledger, limits, materials, peers, sampling};
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Duration;
 use validation::checks::Effort;
-use validation::{Report, Verdict};
+use validation::{Outcome, Report, Verdict};
 
 /// How closely the checks look, and what is written down of them.
 #[derive(clap::Args)]
@@ -21,9 +23,8 @@ struct Settings {
     /// Another number, other seeds
     #[arg(long, alias = "seed", default_value_t = 0)]
     number: u64,
-    /// Write a JSON document
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    documents: Documents,
     /// Append every p-value to a file of JSON lines
     #[arg(long, value_name = "FILE")]
     ledger: Option<PathBuf>,
@@ -61,11 +62,10 @@ pub struct FurnaceArguments {
     /// Another number, other seeds
     #[arg(long, alias = "seed", default_value_t = 0)]
     number: u64,
-    /// Write a JSON document
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    documents: Documents,
     /// Write what single scattering loses, and check nothing
-    #[arg(long, value_name = "CSV", conflicts_with = "json")]
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["json", "digest"])]
     losses: Option<PathBuf>,
 }
 
@@ -75,8 +75,12 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
     let name = name.as_deref();
     if let Some(command) = peer {
         let limit = Duration::from_secs(timeout);
-        let Settings { samples, number, json, .. } = settings;
-        return finish(peers::run(&command, &peers::Settings { name, samples, number, limit }, print)?, json);
+        let Settings { samples, number, documents, .. } = settings;
+        return documents.finish(peers::run(
+            &command,
+            &peers::Settings { name, samples, number, limit },
+            print,
+        )?);
     }
     let trials = [materials::trials(name), limits::trials(name)].concat();
     if trials.is_empty() {
@@ -99,7 +103,7 @@ pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>>
 
 /// Energy over roughness, index and angle.
 pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
-    let FurnaceArguments { name, samples, number, json, losses } = arguments;
+    let FurnaceArguments { name, samples, number, documents, losses } = arguments;
     if let Some(path) = losses {
         std::fs::write(path, furnace::losses())?;
         return Ok(Verdict::Equivalent);
@@ -108,32 +112,39 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     if cells.is_empty() {
         return Err("there is nothing of this name".into());
     }
-    check_writable(&[&json])?;
+    documents.check_writable()?;
     let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), true) };
-    let mut outcomes = vec![];
-    for cell in cells {
-        outcomes.push(cell.run(&effort, number)?);
-        outcomes.last().map(print);
-    }
-    finish(Report::new("furnace", outcomes), json)
+    let outcomes = ask(&cells, |cell| cell.run(&effort, number).map(Some))?;
+    documents.finish(Report::new("furnace", outcomes))
 }
 
 fn judge(
     title: &str,
     trials: Vec<Trial>,
     effort: &Effort,
-    Settings { number, json, ledger, .. }: Settings,
+    Settings { number, documents, ledger, .. }: Settings,
 ) -> Result<Verdict, Box<dyn Error>> {
-    check_writable(&[&json])?;
-    let mut outcomes = vec![];
-    for trial in trials {
-        if let Some(outcome) = trial.run(effort, number)? {
-            print(&outcome);
-            outcomes.push(outcome);
-        }
-    }
+    documents.check_writable()?;
+    let outcomes = ask(&trials, |trial| trial.run(effort, number))?;
     if let Some(path) = ledger {
         ledger::append(&path, &outcomes, number)?;
     }
-    finish(Report::new(title, outcomes), json)
+    documents.finish(Report::new(title, outcomes))
+}
+
+/// Questions between two that are printed.
+const AT_ONCE: usize = 32;
+
+/// The answers to all questions, printed as they come.
+fn ask<T: Sync>(
+    questions: &[T],
+    answer: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
+) -> Result<Vec<Outcome>, String> {
+    let mut outcomes = vec![];
+    for some in questions.chunks(AT_ONCE) {
+        for outcome in ask_all(some, &answer)? {
+            outcomes.extend(outcome?.inspect(print));
+        }
+    }
+    Ok(outcomes)
 }

@@ -19,6 +19,7 @@ pub mod console;
 pub mod converge;
 mod crew;
 pub mod distributions;
+mod documents;
 pub mod drawn_light;
 pub mod drawn_places;
 pub mod furnace;

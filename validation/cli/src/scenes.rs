@@ -1,6 +1,7 @@
 //! The command that judges whole renders: `validate scenes`.
 
-use crate::console::{check_writable, finish, percentage, print, write};
+use crate::console::{check_writable, percentage, print, write};
+use crate::documents::Documents;
 use crate::{closed_forms, metamorphic, references};
 use std::error::Error;
 use std::path::PathBuf;
@@ -25,15 +26,15 @@ pub struct Arguments {
     /// Write the tables of closed forms and relations
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
-    /// Write a JSON document
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    documents: Documents,
 }
 
 /// Etalon against the stored references, closed forms and metamorphic relations.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
-    let Arguments { name, spp, margin, number, thorough, markdown, json } = arguments;
-    check_writable(&[&markdown, &json])?;
+    let Arguments { name, spp, margin, number, thorough, markdown, documents } = arguments;
+    check_writable(&[&markdown])?;
+    documents.check_writable()?;
     let mut outcomes = vec![];
     for reference in references::references(&references::folder())? {
         if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
@@ -62,5 +63,5 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         return Err("there is no such scene".into());
     }
     write(markdown.as_deref(), || Ok(closed_forms::markdown(&table, &related)))?;
-    finish(Report::new("scenes", outcomes), json)
+    documents.finish(Report::new("scenes", outcomes))
 }
