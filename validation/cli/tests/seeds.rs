@@ -36,7 +36,7 @@ const EXCEPTIONS: [(&str, &str); 11] = [
     ("src/image/merge/tests.rs", "another seed must be refused"),
     ("src/render/checkpoint/tests.rs", "another seed must be refused"),
     ("tests/resume.rs", "another seed must be refused"),
-    ("tests/bad_files.rs", "a seed of more than 32 bits must be refused"),
+    ("tests/refusal/files.rs", "a seed of more than 32 bits must be refused"),
     ("validation/src/statistics/seed.rs", "the hash itself"),
     ("validation/cli/src/renderers.rs", "the text of a command is compared"),
     ("validation/cli/tests/seeds.rs", "the marks themselves"),

@@ -1,42 +1,46 @@
-//! What every refusal has in common.
+//! Bad input: the program says what is wrong and where, exits with 2, and touches nothing.
+
+mod files;
+mod numbers;
+mod structure;
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 /// A small film, so that a scene that is accepted by mistake does not cost time.
-pub const SENSOR: &str = r#"<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>"#;
+const SENSOR: &str = r#"<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>"#;
 
 const OLD: &[u8] = b"the image of yesterday";
 
 /// A folder with `scene.xml` and an `out.exr` that must survive.
-pub struct Folder(tempfile::TempDir);
+struct Folder(tempfile::TempDir);
 
 impl Folder {
-    pub fn new(scene: &[u8]) -> Self {
+    fn new(scene: &[u8]) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         fs::write(folder.path().join("scene.xml"), scene).expect("written");
         fs::write(folder.path().join("out.exr"), OLD).expect("written");
         Self(folder)
     }
 
-    pub fn path(&self) -> &Path {
+    fn path(&self) -> &Path {
         self.0.path()
     }
 
     /// Asserts that rendering the scene is refused.
-    pub fn refused(&self, words: &[&str]) {
+    fn refused(&self, words: &[&str]) {
         self.refused_given(&[], words);
     }
 
     /// Asserts that rendering the scene with further arguments is refused.
-    pub fn refused_given(&self, arguments: &[&str], words: &[&str]) {
+    fn refused_given(&self, arguments: &[&str], words: &[&str]) {
         let all = [&["render", "scene.xml", "-o", "out.exr", "--threads", "1"], arguments].concat();
         self.command_refused(&all, words);
     }
 
     /// Asserts that the program exits with 2 after one error that holds all the words, and leaves the folder as it was.
-    pub fn command_refused(&self, arguments: &[&str], words: &[&str]) {
+    fn command_refused(&self, arguments: &[&str], words: &[&str]) {
         let before = self.list();
         let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
         // Little memory: a refusal needs none.
@@ -77,8 +81,25 @@ fn limited(command: &mut Command) -> Command {
     Command::new(command.get_program())
 }
 
+/// Asserts that a scene is refused with an error that points at the first line that holds `place` and shows it.
+fn refused(scene: &str, place: &str, words: &[&str]) {
+    let line = scene.lines().position(|line| line.contains(place)).unwrap_or(0) + 1;
+    let at = format!("scene.xml:{line}:");
+    Folder::new(scene.as_bytes()).refused(&[words, &[at.as_str(), place]].concat());
+}
+
+/// `(where, body, words)`: a scene with this body is refused with a message that points at the line of `where` and
+/// holds all the words.
+type Trial<'a> = (&'a str, &'a str, &'a [&'a str]);
+
+fn all_refused(trials: &[Trial]) {
+    for (place, body, words) in trials {
+        refused(&format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n"), place, words);
+    }
+}
+
 /// Asserts that a scene with other files beside it is refused.
-pub fn refused_with(scene: &str, files: &[(&str, &[u8])], words: &[&str]) {
+fn refused_with(scene: &str, files: &[(&str, &[u8])], words: &[&str]) {
     let folder = Folder::new(scene.as_bytes());
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("written");

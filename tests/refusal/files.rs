@@ -1,8 +1,6 @@
 //! Files and command lines that cannot be used: the program says why, exits with 2, and touches nothing.
 
-mod refusal;
-
-use refusal::{Folder, SENSOR, refused_with};
+use super::{Folder, SENSOR, refused_with};
 use std::process::Command;
 
 fn scene(body: &str) -> String {

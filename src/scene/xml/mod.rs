@@ -1,0 +1,121 @@
+//! From XML text to a tree of elements: parameters substituted, includes spliced in, old names upgraded, nothing
+//! interpreted yet. Every piece remembers where it stood.
+
+mod parameters;
+mod place;
+mod reader;
+
+use super::error::{SceneError, Span};
+pub use place::{find, read_utf8};
+use reader::Reader;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// An attribute whose `$parameters` are substituted.
+#[derive(Clone, Debug)]
+pub struct Attribute {
+    pub name: String,
+    pub value: String,
+    pub name_span: Span,
+    pub value_span: Span,
+}
+
+/// One XML element.
+#[derive(Clone, Debug)]
+pub struct Element {
+    pub tag: String,
+    pub attributes: Vec<Attribute>,
+    pub children: Vec<Element>,
+    /// The element's start tag.
+    pub span: Span,
+    /// Folders in which this element's relative file names are looked up, most specific first.
+    pub search: Arc<Vec<PathBuf>>,
+}
+
+impl Element {
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.name == name)
+    }
+
+    /// The value of an attribute, or an error that names it.
+    pub fn require(&self, name: &str) -> Result<&Attribute, SceneError> {
+        self.attribute(name).ok_or_else(|| {
+            SceneError::at(&self.span, format!("<{}> has no `{name}`", self.tag), format!("add {name}=\"…\""))
+        })
+    }
+
+    /// The property name under which the parent looks for this element.
+    pub fn name(&self) -> Option<&str> {
+        self.attribute("name").map(|a| a.value.as_str())
+    }
+
+    /// Refuses attributes beyond the named ones.
+    pub fn only(&self, names: &[&str]) -> Result<(), SceneError> {
+        match self.attributes.iter().find(|a| !names.contains(&a.name.as_str())) {
+            None => Ok(()),
+            Some(a) => Err(SceneError::at(
+                &a.name_span,
+                format!("<{}> has no attribute `{}`", self.tag, a.name),
+                super::error::known(&a.name, names),
+            )),
+        }
+    }
+}
+
+/// A scene file and everything it includes.
+#[derive(Debug)]
+pub struct Document {
+    pub root: Element,
+    /// `<alias id as>`: the second name of an object, and its first.
+    pub aliases: BTreeMap<String, String>,
+    /// The scene file and what it includes; none of a text.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads a scene file; `definitions` are the command line's `-D name=value`.
+pub fn read(path: &Path, definitions: &[(String, String)]) -> Result<Document, SceneError> {
+    let mut reader = Reader::new(definitions);
+    let root = reader.file(path, None)?;
+    reader.finish(root)
+}
+
+/// Reads a scene from text, as if it stood in a file called `name`.
+pub fn read_text(name: &str, text: &str) -> Result<Document, SceneError> {
+    let mut reader = Reader::new(&[]);
+    let root = reader.text(Path::new(name), text.to_owned())?;
+    reader.finish(root)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(text: &str) -> SceneError {
+        read_text("test.xml", text).unwrap_err()
+    }
+
+    #[test]
+    fn parameters_are_substituted_longest_name_first() {
+        let text = r#"<scene version="3.0.0"><default name="a" value="1"/><default name="ab" value="2"/>
+            <float name="x" value="$ab,$a,$b"/></scene>"#;
+        assert!(error(text).message.contains("undefined parameter `$b`"));
+        let document = read_text("t", &text.replace(",$b", "")).unwrap();
+        assert_eq!(document.root.children[0].attribute("value").unwrap().value, "2,1");
+    }
+
+    #[test]
+    fn malformed_documents_are_refused_with_a_place() {
+        assert_eq!(error("<scene version=\"3.0.0\">\n  <bsdf></scene>").line_column().unwrap().0, 2);
+        assert!(error("<scene/>").message.contains("version"));
+        assert!(error("<scene version=\"x\"/>").message.contains("no version"));
+        assert!(
+            error("<!DOCTYPE a [<!ENTITY b \"c\">]><scene version=\"3.0.0\">&b;</scene>")
+                .line_column()
+                .is_some()
+        );
+        assert!(error("<scene version=\"3.0.0\">hello</scene>").message.contains("text"));
+        let deep = format!("<scene version=\"3.0.0\">{}", "<a>".repeat(100_000));
+        assert!(error(&deep).message.contains("nested"));
+    }
+}

@@ -1,0 +1,227 @@
+//! Reads files and what they include into one tree.
+
+use super::parameters::Parameters;
+use super::place::{check_nesting, find, offset, read_file, start_tag};
+use super::{Attribute, Document, Element};
+use crate::scene::error::{SceneError, Source, Span};
+use crate::scene::{encoding, upgrade};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Includes may be nested this deep, as in Mitsuba.
+const MAX_INCLUDE_DEPTH: usize = 15;
+/// So many files may be included, one often counted as often: files that include two each multiply.
+const MOST_INCLUDES: usize = 1 << 12;
+
+/// What is known while files are read.
+pub struct Reader {
+    parameters: Parameters,
+    aliases: BTreeMap<String, String>,
+    /// The files being read, innermost last.
+    open: Vec<PathBuf>,
+    /// Those that were read, each as often as it was.
+    files: Vec<PathBuf>,
+    search: Vec<PathBuf>,
+}
+
+/// What the elements of one file share.
+struct File {
+    source: Arc<Source>,
+    version: u32,
+    search: Arc<Vec<PathBuf>>,
+}
+
+impl Reader {
+    pub fn new(definitions: &[(String, String)]) -> Self {
+        Self {
+            parameters: Parameters::new(definitions),
+            aliases: BTreeMap::new(),
+            open: vec![],
+            files: vec![],
+            search: vec![],
+        }
+    }
+
+    /// The document of this root.
+    pub fn finish(self, root: Element) -> Result<Document, SceneError> {
+        self.parameters.finish()?;
+        Ok(Document { root, aliases: self.aliases, files: self.files })
+    }
+
+    /// The root element of a file that is named at `from`.
+    pub fn file(&mut self, path: &Path, from: Option<&Span>) -> Result<Element, SceneError> {
+        let located = |e: SceneError| match from {
+            Some(span) => e.or_at(span),
+            None => e,
+        };
+        let bytes = read_file(path)
+            .map_err(|e| located(SceneError::nowhere(format!("cannot read {}: {e}", path.display()))))?;
+        self.files.push(path.to_owned());
+        let text = encoding::decode(path, bytes)?;
+        let canonical = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        if self.open.contains(&canonical) {
+            return Err(located(SceneError::nowhere(format!("{} includes itself", path.display()))));
+        }
+        if self.open.len() > MAX_INCLUDE_DEPTH {
+            return Err(located(SceneError::nowhere(format!(
+                "includes are nested over {MAX_INCLUDE_DEPTH} deep"
+            ))));
+        }
+        self.open.push(canonical);
+        let element = self.text(path, text);
+        self.open.pop();
+        element
+    }
+
+    /// The root element of a text, as if it stood in a file.
+    pub fn text(&mut self, path: &Path, text: String) -> Result<Element, SceneError> {
+        let source = Arc::new(Source { path: path.to_owned(), text });
+        check_nesting(&source)?;
+        let document = roxmltree::Document::parse(&source.text).map_err(|e| {
+            let range = offset(&source.text, e.pos());
+            SceneError::at(&Span { source: source.clone(), range }, format!("not well-formed XML: {e}"), "")
+        })?;
+        let root = document.root_element();
+        let span = Span { source: source.clone(), range: start_tag(root) };
+        let version = root.attribute("version").ok_or_else(|| {
+            SceneError::at(&span, "the root element has no `version`", "add version=\"3.0.0\"")
+        })?;
+        let major = version.split('.').next().and_then(|v| v.parse().ok());
+        let version = major.filter(|_| version.split('.').count() == 3).ok_or_else(|| {
+            SceneError::at(
+                &span,
+                format!("`{version}` is no version"),
+                "expected three numbers such as 3.0.0",
+            )
+        })?;
+        let depth = self.search.len();
+        self.search.push(path.parent().unwrap_or(Path::new("")).to_owned());
+        let search = Arc::new(self.search.iter().rev().cloned().collect());
+        let mut file = File { source: source.clone(), version, search };
+        let element = self.element(root, &mut file);
+        self.search.truncate(depth);
+        element
+    }
+
+    fn element(&mut self, node: roxmltree::Node, file: &mut File) -> Result<Element, SceneError> {
+        let source = file.source.clone();
+        let span = |range| Span { source: source.clone(), range };
+        let mut attributes = vec![];
+        for a in node.attributes() {
+            let value_span = span(a.range_value());
+            let mut value = self.parameters.substitute(a.value(), &value_span)?;
+            let name = if file.version < 2 && a.name() == "name" {
+                value = upgrade::name(&value, node);
+                a.name()
+            } else {
+                a.name()
+            };
+            attributes.push(Attribute {
+                name: name.into(),
+                value,
+                name_span: span(a.range_qname()),
+                value_span,
+            });
+        }
+        let element_span = span(start_tag(node));
+        let mut children = vec![];
+        for child in node.children() {
+            if child.is_text() && !child.text().unwrap_or("").trim().is_empty() {
+                let text = &source.text[child.range()];
+                let start = child.range().end - text.trim_start().len();
+                let words = span(start..start + text.trim().len());
+                return Err(SceneError::at(&words, "text between elements", "expected an element"));
+            }
+            if !child.is_element() {
+                continue;
+            }
+            match child.tag_name().name() {
+                "default" => self.default(child, file)?,
+                "path" => self.path(child, file)?,
+                "alias" => self.alias(child, file)?,
+                "include" => self.include(child, file, &mut children)?,
+                _ => children.push(self.element(child, file)?),
+            }
+        }
+        let mut element = Element {
+            tag: node.tag_name().name().into(),
+            attributes,
+            children,
+            span: element_span,
+            search: file.search.clone(),
+        };
+        if file.version < 2 {
+            upgrade::texture_offsets(&mut element);
+        }
+        Ok(element)
+    }
+
+    fn default(&mut self, node: roxmltree::Node, file: &mut File) -> Result<(), SceneError> {
+        let element = self.element(node, file)?;
+        element.only(&["name", "value"])?;
+        let name = element.require("name")?;
+        if name.value.is_empty() {
+            return Err(SceneError::at(&name.value_span, "a parameter needs a name", "expected a name"));
+        }
+        let value = element.require("value")?.value.clone();
+        self.parameters.default(&name.value, value);
+        Ok(())
+    }
+
+    fn path(&mut self, node: roxmltree::Node, file: &mut File) -> Result<(), SceneError> {
+        let element = self.element(node, file)?;
+        element.only(&["value"])?;
+        let value = element.require("value")?;
+        let folder = find(&element.search, &value.value).filter(|f| f.is_dir()).ok_or_else(|| {
+            SceneError::at(&value.value_span, format!("there is no folder `{}`", value.value), "")
+        })?;
+        self.search.push(folder);
+        file.search = Arc::new(self.search.iter().rev().cloned().collect());
+        Ok(())
+    }
+
+    fn alias(&mut self, node: roxmltree::Node, file: &mut File) -> Result<(), SceneError> {
+        let element = self.element(node, file)?;
+        element.only(&["id", "as"])?;
+        let (id, name) = (element.require("id")?, element.require("as")?);
+        if self.aliases.insert(name.value.clone(), id.value.clone()).is_some() {
+            return Err(SceneError::at(
+                &name.value_span,
+                format!("`{}` is taken", name.value),
+                "expected a new name",
+            ));
+        }
+        Ok(())
+    }
+
+    fn include(
+        &mut self,
+        node: roxmltree::Node,
+        file: &mut File,
+        children: &mut Vec<Element>,
+    ) -> Result<(), SceneError> {
+        let element = self.element(node, file)?;
+        element.only(&["filename", "name"])?;
+        let name = element.require("filename")?;
+        let path = find(&element.search, &name.value).ok_or_else(|| {
+            SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), "")
+        })?;
+        if self.files.len() > MOST_INCLUDES {
+            return Err(SceneError::at(
+                &name.value_span,
+                format!("more than {MOST_INCLUDES} files are included"),
+                "",
+            ));
+        }
+        let mut included = self.file(&path, Some(&name.value_span))?;
+        if included.tag == "scene" {
+            children.append(&mut included.children);
+        } else {
+            included.attributes.retain(|a| a.name != "name" && a.name != "version");
+            included.attributes.extend(element.attributes.iter().find(|a| a.name == "name").cloned());
+            children.push(included);
+        }
+        Ok(())
+    }
+}

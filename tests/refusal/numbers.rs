@@ -1,0 +1,199 @@
+//! Numbers, transforms and sizes that cannot be.
+
+use super::{all_refused, refused};
+use std::time::Instant;
+
+#[test]
+fn numbers_out_of_range_are_refused() {
+    let sphere =
+        |value: &str| format!("<shape type=\"sphere\">\n<float name=\"radius\" value=\"{value}\"/></shape>");
+    for value in ["-1", "0", "NaN", "inf", "-inf", "1e999", "", "one", "0x10", "1,5"] {
+        all_refused(&[("name=\"radius\"", &sphere(value), &["`radius`", "expected a positive number"])]);
+    }
+    // 0 is accepted and means nearly smooth, as in Mitsuba.
+    for (model, value) in
+        ["roughconductor", "roughdielectric", "roughplastic"].iter().flat_map(|m| [(m, "-0.1"), (m, "nan")])
+    {
+        let body = format!("<bsdf type=\"{model}\">\n<float name=\"alpha\" value=\"{value}\"/></bsdf>");
+        all_refused(&[("name=\"alpha\"", &body, &[value])]);
+    }
+    for value in ["2", "-0.1", "0.5, 0.5, 1.01", "0.5, nan, 0.5", "1, 2", "#12345g"] {
+        let body = format!("<bsdf type=\"diffuse\">\n<rgb name=\"reflectance\" value=\"{value}\"/></bsdf>");
+        all_refused(&[("name=\"reflectance\"", &body, &["expected"])]);
+    }
+    all_refused(&[
+        (
+            "<spectrum",
+            "<bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" value=\"2\"/></bsdf>",
+            &["expected"],
+        ),
+        (
+            "<spectrum",
+            "<bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" value=\"500:0.1, 400:0.2\"/></bsdf>",
+            &["expected"],
+        ),
+        (
+            "<rgb",
+            "<emitter type=\"constant\">\n<rgb name=\"radiance\" value=\"-1, 0, 0\"/></emitter>",
+            &["expected"],
+        ),
+        (
+            "<rgb",
+            "<emitter type=\"constant\">\n<rgb name=\"radiance\" value=\"inf, 0, 0\"/></emitter>",
+            &["expected"],
+        ),
+        (
+            "<rgb",
+            "<emitter type=\"constant\">\n<rgb name=\"radiance\" value=\"1e300\"/></emitter>",
+            &["expected"],
+        ),
+        (
+            "int_ior",
+            "<bsdf type=\"dielectric\">\n<float name=\"int_ior\" value=\"0\"/></bsdf>",
+            &["expected"],
+        ),
+        (
+            "int_ior",
+            "<bsdf type=\"dielectric\">\n<float name=\"int_ior\" value=\"-1.5\"/></bsdf>",
+            &["expected"],
+        ),
+        (
+            "max_depth",
+            "<integrator type=\"path\">\n<integer name=\"max_depth\" value=\"-2\"/></integrator>",
+            &["expected"],
+        ),
+        (
+            "max_depth",
+            "<integrator type=\"path\">\n<integer name=\"max_depth\" value=\"1.5\"/></integrator>",
+            &["expected"],
+        ),
+    ]);
+}
+
+#[test]
+fn spots_shine_into_less_than_a_half_space() {
+    for value in ["-5", "0", "90", "180"] {
+        let spot =
+            format!("<emitter type=\"spot\">\n<float name=\"cutoff_angle\" value=\"{value}\"/></emitter>");
+        all_refused(&[("name=\"cutoff_angle\"", &spot, &["`cutoff_angle`"])]);
+    }
+}
+
+#[test]
+fn transforms_that_flatten_are_refused() {
+    let shape = |step: &str| {
+        format!("<shape type=\"sphere\"><transform name=\"to_world\">\n{step}</transform></shape>")
+    };
+    for step in [
+        r#"<scale value="0"/>"#,
+        r#"<scale x="0"/>"#,
+        r#"<scale value="nan"/>"#,
+        r#"<scale value="1, 2"/>"#,
+        r#"<matrix value="1 0 0 0  0 1 0 0  1 1 0 0  0 0 0 1"/>"#,
+        r#"<matrix value="1 2 3  2 4 6  0 0 1"/>"#,
+        r#"<matrix value="1 0 0 0  0 1 0 0"/>"#,
+        r#"<rotate x="0" angle="30"/>"#,
+        r#"<rotate x="1"/>"#,
+        r#"<lookat origin="0,0,0" target="0,0,0" up="0,1,0"/>"#,
+        r#"<lookat origin="0,0,0" target="0,1,0" up="0,1,0"/>"#,
+        r#"<translate x="inf"/>"#,
+        r#"<shear x="1"/>"#,
+    ] {
+        let tag = step.split(' ').next().unwrap_or_default();
+        all_refused(&[(tag, &shape(step), &[])]);
+    }
+    all_refused(&[("<shape", &shape(r#"<translate x="1e38"/>"#), &["overflow", "expected a smaller shape"])]);
+}
+
+#[test]
+fn cameras_and_films_that_cannot_be_are_refused() {
+    let scene = |inside: &str| {
+        format!("<scene version=\"3.0.0\">\n<sensor type=\"perspective\">\n{inside}\n</sensor>\n</scene>")
+    };
+    for fov in ["0", "180", "-5", "NaN", "inf", "270"] {
+        let text = scene(&format!("<float name=\"fov\" value=\"{fov}\"/>"));
+        refused(&text, "\"fov\"", &["expected degrees above 0 and below 180"]);
+    }
+    let film = |width: &str, height: &str| {
+        let size = format!(
+            "<integer name=\"width\" value=\"{width}\"/><integer name=\"height\" value=\"{height}\"/>"
+        );
+        scene(&format!("<film type=\"hdrfilm\">\n{size}</film>"))
+    };
+    for (width, height) in [("0", "4"), ("4", "0"), ("-4", "4"), ("4.5", "4"), ("99999999999999999999", "1")]
+    {
+        refused(&film(width, height), "\"width\"", &["expected"]);
+    }
+    let start = Instant::now();
+    refused(&film("100000", "10000"), "\"width\"", &["100000", "too large"]);
+    assert!(start.elapsed().as_secs() < 10, "a film of 10⁹ pixels was not refused at once");
+    let crop = "<film type=\"hdrfilm\"><integer name=\"width\" value=\"4\"/><integer name=\"height\" value=\"4\"/>\n";
+    refused(
+        &scene(&format!("{crop}<integer name=\"crop_offset_x\" value=\"4\"/></film>")),
+        "crop_offset_x",
+        &["expected"],
+    );
+    refused(
+        &scene(&format!("{crop}<integer name=\"crop_width\" value=\"5\"/></film>")),
+        "crop_width",
+        &["expected"],
+    );
+    refused(&scene("<float name=\"near_clip\" value=\"0\"/>"), "near_clip", &["positive"]);
+    refused(
+        &scene("<float name=\"near_clip\" value=\"2\"/>\n<float name=\"far_clip\" value=\"1\"/>"),
+        "far_clip",
+        &["beyond"],
+    );
+    refused(
+        &scene("<transform name=\"to_world\"><scale value=\"2\"/></transform>"),
+        "to_world",
+        &["cannot be scaled"],
+    );
+    refused(
+        &scene("<sampler type=\"sobol\">\n<integer name=\"sample_count\" value=\"0\"/></sampler>"),
+        "sample_count",
+        &["expected"],
+    );
+    refused(
+        &scene("<film type=\"hdrfilm\">\n<rfilter type=\"boxx\"/></film>"),
+        "boxx",
+        &["did you mean `box`?"],
+    );
+}
+
+#[test]
+fn amounts_and_shapes_that_no_number_can_hold_are_refused() {
+    let light = |inside: &str| format!("<emitter type=\"constant\">\n{inside}</emitter>");
+    for (kind, parameter, value) in [
+        ("d65", "rgb name=\"color\"", "-1, 0, 0.5"),
+        ("d65", "rgb name=\"color\"", "1e300"),
+        ("d65", "float name=\"scale\"", "1e300"),
+        ("uniform", "float name=\"value\"", "1e300"),
+        ("blackbody", "float name=\"scale\"", "1e300"),
+        ("blackbody", "float name=\"temperature\"", "1e300"),
+    ] {
+        let spectrum = format!(
+            "<spectrum type=\"{kind}\" name=\"radiance\">\n<{parameter} value=\"{value}\"/></spectrum>"
+        );
+        all_refused(&[(value, &light(&spectrum), &["expected"])]);
+    }
+    let cold = "<blackbody name=\"radiance\" temperature=\"5000K\"\nscale=\"-1e-6\"/>";
+    all_refused(&[
+        ("-1e-6", &light(cold), &["expected"]),
+        ("3e38", &light("<rgb name=\"radiance\"\nvalue=\"3e38\"/>"), &["expected"]),
+    ]);
+    let of = |element: &str, kind: &str, name: &str, value: &str| {
+        format!("<{element} type=\"{kind}\">\n<float name=\"{name}\" value=\"{value}\"/></{element}>")
+    };
+    let film = |filter: &str| {
+        format!("<sensor type=\"perspective\"><film type=\"hdrfilm\">{filter}</film></sensor>")
+    };
+    let too_dense = of("bsdf", "plastic", "int_ior", "4");
+    all_refused(&[
+        ("int_ior", &of("bsdf", "dielectric", "int_ior", "1e300"), &["no index of refraction"]),
+        ("int_ior", &too_dense, &["exceeds 1", "expected a ratio of indices up to 3.8"]),
+        ("stddev", &film(&of("rfilter", "gaussian", "stddev", "1e-9")), &["to 16"]),
+        ("radius", &film(&of("rfilter", "tent", "radius", "1e-6")), &["to 16"]),
+        ("\"B\"", &film(&of("rfilter", "mitchell", "B", "1e300")), &["-10 to 10"]),
+    ]);
+}
