@@ -10,7 +10,8 @@ use crate::{
 const SAME: f64 = 1e-12;
 
 /// What rounding to f64 leaves of a sixth-order difference of directions, in units of 1/step: (45 + 9 + 1)/30 of a
-/// coordinate's rounding, thrice for the operations that made it.
+/// coordinate's rounding, thrice for the operations that made it, and as much again for that of a place in the square times the
+/// slope there, which is steep where the disk's rim becomes the horizon.
 const ROUNDING: f64 = 6.0 * 0.5 * f64::EPSILON;
 
 /// First numbers that are tried to find the lobes at a point of the square.
@@ -102,7 +103,9 @@ impl Map<'_> {
             let slope = |axis: usize| self.slope(lobe, v, axis, steps[axis]);
             if let (Some((du, jump_u)), Some((dv, jump_v))) = (slope(0), slope(1)) {
                 let value = du.cross(dv).length();
-                let rounding = ROUNDING * (dv.length() / steps[0] + du.length() / steps[1]);
+                let (along_u, along_v) = (du.length(), dv.length());
+                let rounding =
+                    ROUNDING * (along_v * (1.0 + along_u) / steps[0] + along_u * (1.0 + along_v) / steps[1]);
                 let jump = jump_u.cross(dv).length() + du.cross(jump_v).length();
                 let apart = (value - last).abs();
                 // Not `max`, which would take rounding for the error of a first quotient, that nothing has confirmed.
