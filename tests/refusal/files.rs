@@ -1,11 +1,7 @@
 //! Files and command lines that cannot be used: the program says why, exits with 2, and touches nothing.
 
-use super::{Folder, SENSOR, refused_with};
+use super::{Folder, SENSOR, refused_with, scene};
 use std::process::Command;
-
-fn scene(body: &str) -> String {
-    format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n")
-}
 
 fn mesh_refused(kind: &str, content: &[u8], words: &[&str]) {
     let body = format!("<shape type=\"{kind}\">\n<string name=\"filename\" value=\"m\"/></shape>");

@@ -81,6 +81,11 @@ fn limited(command: &mut Command) -> Command {
     Command::new(command.get_program())
 }
 
+/// A scene with the small film and this besides.
+fn scene(body: &str) -> String {
+    format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n")
+}
+
 /// Asserts that a scene is refused with an error that points at the first line that holds `place` and shows it.
 fn refused(scene: &str, place: &str, words: &[&str]) {
     let line = scene.lines().position(|line| line.contains(place)).unwrap_or(0) + 1;
@@ -94,7 +99,7 @@ type Trial<'a> = (&'a str, &'a str, &'a [&'a str]);
 
 fn all_refused(trials: &[Trial]) {
     for (place, body, words) in trials {
-        refused(&format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n"), place, words);
+        refused(&scene(body), place, words);
     }
 }
 

@@ -96,11 +96,12 @@ impl Map<'_> {
     /// rounding of directions leaves of them, and a sixty-fourth of that of the quotient before; and they agree about a
     /// kink, where they are the mean of two slopes, so what the slope jumps by counts as error.
     fn area_factor(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
+        let middle = self.at(lobe, v)?;
         let mut steps = v.map(|x| (0.25 * x.min(1.0 - x)).min(1.0 / 32.0));
         let mut best = Integral { value: f64::NAN, error: f64::INFINITY };
         let (mut last, mut last_apart) = (f64::NAN, f64::INFINITY);
         for _ in 0..18 {
-            let slope = |axis: usize| self.slope(lobe, v, axis, steps[axis]);
+            let slope = |axis: usize| self.slope(middle, lobe, v, axis, steps[axis]);
             if let (Some((du, jump_u)), Some((dv, jump_v))) = (slope(0), slope(1)) {
                 let value = du.cross(dv).length();
                 let (along_u, along_v) = (du.length(), dv.length());
@@ -124,11 +125,10 @@ impl Map<'_> {
         (best.value > 0.0).then_some(best)
     }
 
-    /// ∂ω along one axis by (−1, 9, −45, 0, 45, −9, 1)/60, and how much larger it is on one side than on the other: the second differences
+    /// ∂ω about `middle` along one axis by (−1, 9, −45, 0, 45, −9, 1)/60, and how much larger it is on one side than on the other: the second differences
     /// over 1, 2 and 3 steps, each divided by its step, extrapolated to no step at all. Without a kink they are odd in the step, and
     /// (5, −4, 1)/2 cancels its first and third power.
-    fn slope(&self, lobe: f64, v: [f64; 2], axis: usize, step: f64) -> Option<(DVec3, DVec3)> {
-        let middle = self.at(lobe, v)?;
+    fn slope(&self, middle: DVec3, lobe: f64, v: [f64; 2], axis: usize, step: f64) -> Option<(DVec3, DVec3)> {
         let moved = |by: f64| {
             let mut v = v;
             v[axis] += by;

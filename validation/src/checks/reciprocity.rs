@@ -39,9 +39,11 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         }
         let error = relative_difference(one_way, other_way);
         checked += 1;
-        let ways: [&dyn Fn(DVec3) -> f64; 2] =
-            [&|wi| reduced(scatterer, &laws, wo, wi), &|wi| reduced(scatterer, &laws, wi, wo)];
-        if error > effort.tolerance && ways.iter().any(|way| has_no_digits(way, wi, effort.tolerance)) {
+        let blurred_by_rounding = || {
+            has_no_digits(|wi| reduced(scatterer, &laws, wo, wi), wi, effort.tolerance)
+                || has_no_digits(|wi| reduced(scatterer, &laws, wi, wo), wi, effort.tolerance)
+        };
+        if error > effort.tolerance && blurred_by_rounding() {
             blurred += 1;
             continue;
         }
