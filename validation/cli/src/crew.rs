@@ -1,27 +1,59 @@
 //! Many questions asked by as many threads as there are cores, answered in their order.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 
-/// The answer to each question, in the order of the questions; an error if one of them panicked.
-pub fn ask_all<T: Sync, A: Send>(questions: &[T], ask: impl Fn(&T) -> A + Sync) -> Result<Vec<A>, String> {
+/// Asks all questions and tells their answers in the order of the questions, each as soon as those before it are known.
+/// The first error of `tell` ends it; so does, when all others have answered, a question that panicked.
+pub fn ask_in_turn<T: Sync, A: Send>(
+    questions: &[T],
+    ask: impl Fn(&T) -> A + Sync,
+    mut tell: impl FnMut(A) -> Result<(), String>,
+) -> Result<(), String> {
     let next = AtomicUsize::new(0);
-    let work = || {
-        let mut answers = vec![];
+    let (answered, answers) = mpsc::channel();
+    let work = |answered: mpsc::Sender<(usize, A)>| {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(question) = questions.get(index) else { return answers };
-            answers.push((index, ask(question)));
+            let Some(question) = questions.get(index) else { return };
+            // Nobody listens any more once an answer has been an error.
+            if answered.send((index, ask(question))).is_err() {
+                return;
+            }
         }
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let answers = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().map(|worker| worker.join()).collect::<Result<Vec<_>, _>>()
-    });
-    let mut answers: Vec<(usize, A)> =
-        answers.map_err(|_| "a check stopped without an answer".to_string())?.into_iter().flatten().collect();
-    answers.sort_by_key(|(index, _)| *index);
-    Ok(answers.into_iter().map(|(_, answer)| answer).collect())
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|_| {
+                let answered = answered.clone();
+                scope.spawn(|| work(answered))
+            })
+            .collect();
+        drop(answered);
+        let mut early = BTreeMap::new();
+        let mut told = 0;
+        for (index, answer) in answers {
+            early.insert(index, answer);
+            while let Some(answer) = early.remove(&told) {
+                tell(answer)?;
+                told += 1;
+            }
+        }
+        let finished = workers.into_iter().map(|worker| worker.join()).collect::<Result<(), _>>();
+        finished.map_err(|_| "a check stopped without an answer".into())
+    })
+}
+
+/// The answer to each question, in the order of the questions; an error if one of them panicked.
+pub fn ask_all<T: Sync, A: Send>(questions: &[T], ask: impl Fn(&T) -> A + Sync) -> Result<Vec<A>, String> {
+    let mut answers = Vec::with_capacity(questions.len());
+    ask_in_turn(questions, ask, |answer| {
+        answers.push(answer);
+        Ok(())
+    })?;
+    Ok(answers)
 }
 
 #[cfg(test)]
@@ -40,5 +72,19 @@ mod tests {
     #[test]
     fn a_panic_is_an_error() {
         assert!(ask_all(&[0, 1, 2], |&question| assert_ne!(question, 1)).is_err());
+    }
+
+    #[test]
+    fn an_error_ends_the_questions() {
+        let asked = AtomicUsize::new(0);
+        let questions: Vec<usize> = (0..100_000).collect();
+        let ask = |&question: &usize| {
+            asked.fetch_add(1, Ordering::Relaxed);
+            std::thread::sleep(std::time::Duration::from_micros(10));
+            question
+        };
+        let refused = |answer| if answer < 5 { Ok(()) } else { Err(format!("{answer} is refused")) };
+        assert_eq!(ask_in_turn(&questions, ask, refused), Err("5 is refused".into()));
+        assert!(asked.into_inner() < questions.len());
     }
 }

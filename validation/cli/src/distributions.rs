@@ -1,7 +1,7 @@
 //! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
 
 use crate::console::print;
-use crate::crew::ask_all;
+use crate::crew::ask_in_turn;
 use crate::documents::Documents;
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{furnace, ledger, limits, materials, peers, sampling};
@@ -132,19 +132,15 @@ fn judge(
     documents.finish(Report::new(title, outcomes))
 }
 
-/// Questions between two that are printed.
-const AT_ONCE: usize = 32;
-
 /// The answers to all questions, printed as they come.
 fn ask<T: Sync>(
     questions: &[T],
     answer: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
     let mut outcomes = vec![];
-    for some in questions.chunks(AT_ONCE) {
-        for outcome in ask_all(some, &answer)? {
-            outcomes.extend(outcome?.inspect(print));
-        }
-    }
+    ask_in_turn(questions, answer, |outcome| {
+        outcomes.extend(outcome?.inspect(print));
+        Ok(())
+    })?;
     Ok(outcomes)
 }
