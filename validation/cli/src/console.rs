@@ -1,13 +1,14 @@
 //! What is said on standard output, and how numbers are read from the command line.
 
+use crate::provenance::Provenance;
 use std::error::Error;
 use std::fmt::Arguments;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use validation::Outcome;
 
-/// A line on standard output. A reader that has had enough, such as `head`, is no reason to stop: documents are still
-/// written, and the exit code still tells.
+/// A line on standard output. A reader that has had enough, such as `head`, is no reason to stop: documents
+/// are still written, and the exit code still tells.
 pub fn say(line: Arguments) {
     writeln!(std::io::stdout(), "{line}").ok();
 }
@@ -30,10 +31,14 @@ pub fn write(
     Ok(std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?)
 }
 
-/// Finds out before anything is done whether the documents that are wanted can be written.
+/// Finds out before anything is done whether the documents that are wanted can be written, and what they are
+/// made of.
 pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
-    let mut wanted = paths.iter().filter_map(|path| path.as_ref());
-    wanted.try_for_each(|path| Ok(etalon::image::check_writable(path)?))
+    for path in paths.iter().copied().flatten() {
+        etalon::image::check_writable(path)?;
+        Provenance::here()?;
+    }
+    Ok(())
 }
 
 /// A share written with a per cent sign. Error: anything else, or nothing at all.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// What every committed document of results begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,8 +32,14 @@ impl<'a, T> Made<'a, T> {
 }
 
 impl Provenance {
-    /// Here and today. Errors: there is no git, or no checkout.
+    /// Here and today, as it was when this was first asked: sources may change while a long run looks at what
+    /// was built of them. Errors: there is no git, or no checkout.
     pub fn here() -> Result<Self, String> {
+        static HERE: OnceLock<Result<Provenance, String>> = OnceLock::new();
+        HERE.get_or_init(Self::now).clone()
+    }
+
+    fn now() -> Result<Self, String> {
         let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
