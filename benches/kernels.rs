@@ -1,8 +1,8 @@
-//! What the parts of a render cost: rays, trees, every material of the registry, random numbers, pixels, and whole small
-//! frames.
+//! What the parts of a render cost: rays, trees, every material of the registry, random numbers, pixels, and
+//! whole small frames.
 //!
-//! `cargo bench` prints the time of each, `cargo bench -- roughconductor` of those whose name contains the word; ratios between
-//! two runs on the same machine are what counts.
+//! `cargo bench` prints the time of each, `cargo bench -- roughconductor` of those whose name contains the
+//! word; ratios between two runs on the same machine are what counts.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS};

@@ -1,5 +1,5 @@
-//! How often `--target-error` attains what it says, and how often the intervals of the standard errors hold the truth, over
-//! many seeds and several scenes. The truth is the mean over all seeds.
+//! How often `--target-error` attains what it says, and how often the intervals of the standard errors hold
+//! the truth, over many seeds and several scenes. The truth is the mean over all seeds.
 //!
 //! ```sh
 //! cargo run --release --example attainment
@@ -121,9 +121,10 @@ fn row(runs: &[Run], target: f64) -> String {
     )
 }
 
-/// Another way to see heavy tails. In a pixel whose light came in k equal blocks, the variance of the mean is about mean²/k: a pixel
-/// of few events is one whose standard error is as large as its value. Only such variances can be far off, and they are taken
-/// for heavy where fewer than [`FEW`] of them would make as uncertain a sum.
+/// Another way to see heavy tails. In a pixel whose light came in k equal blocks, the variance of the mean is
+/// about mean²/k: a pixel of few events is one whose standard error is as large as its value. Only such
+/// variances can be far off, and they are taken for heavy where fewer than [`FEW`] of them would make as
+/// uncertain a sum.
 fn few_events(pixels: &[(f64, f64)]) -> bool {
     let sum: f64 = pixels.iter().map(|p| p.1).sum();
     let uncertain =

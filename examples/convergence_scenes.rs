@@ -1,5 +1,6 @@
-//! Makes what the scenes of `scenes/convergence` need and what is too large to keep, or is easier to state than to draw:
-//! two meshes with 1 966 080 triangles in three bodies, a sky with a sun, and the interior's textures.
+//! Makes what the scenes of `scenes/convergence` need and what is too large to keep, or is easier to state
+//! than to draw: two meshes with 1 966 080 triangles in three bodies, a sky with a sun, and the interior's
+//! textures.
 //!
 //! ```sh
 //! cargo run --release --example convergence_scenes
@@ -35,7 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A latitude–longitude image: direction (sin θ sin φ, cos θ, −sin θ cos φ) at the place (φ/2π, θ/π), where φ = 0 is the centre.
+/// A latitude–longitude image: direction (sin θ sin φ, cos θ, −sin θ cos φ) at the place (φ/2π, θ/π), where φ
+/// = 0 is the centre.
 fn sky() -> Image {
     let (width, height) = (SKY, SKY / 2);
     let length = SUN.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -61,7 +63,8 @@ fn sky() -> Image {
     }
 }
 
-/// Radiance from a height above the horizon and the cosine of the angle to the sun: blue above, pale at the horizon, earth below.
+/// Radiance from a height above the horizon and the cosine of the angle to the sun: blue above, pale at the
+/// horizon, earth below.
 fn radiance(height: f64, toward: f64) -> [f64; 3] {
     if toward > libm::cos(SUN_RADIUS) {
         return [1600.0, 1450.0, 1200.0];

@@ -1,8 +1,10 @@
-//! How often the 95 % intervals of the standard errors hold the truth, and what another way of estimating them would do:
-//! blocks of other lengths, Student's quantile instead of the normal one. The truth is the mean over all replicates.
+//! How often the 95 % intervals of the standard errors hold the truth, and what another way of estimating
+//! them would do: blocks of other lengths, Student's quantile instead of the normal one. The truth is the
+//! mean over all replicates.
 //!
-//! Every replicate is rendered in ranges of four samples, from whose means each estimator makes its variance, so that all of
-//! them judge the same pictures. A line of JSON for every scene, sampler, integrator and estimator:
+//! Every replicate is rendered in ranges of four samples, from whose means each estimator makes its variance,
+//! so that all of them judge the same pictures. A line of JSON for every scene, sampler, integrator and
+//! estimator:
 //!
 //! ```sh
 //! cargo run --release --example coverage -- --replicates 2000 --spp 64 > coverage.jsonl
@@ -165,9 +167,9 @@ fn estimators(pieces: usize) -> Vec<Estimator> {
     std::iter::once(plain).chain(others).collect()
 }
 
-/// The variance of the image's mean, from its estimate `v` of `blocks` blocks and that of a quarter as many. With samples whose
-/// mean has a variance ∝ n^−θ, B blocks find B^(θ−1) times the variance; the ratio r of both estimates is 4^(1−θ), and
-/// v r^log₄B is what one block would find. For independent samples r = 1.
+/// The variance of the image's mean, from its estimate `v` of `blocks` blocks and that of a quarter as many.
+/// With samples whose mean has a variance ∝ n^−θ, B blocks find B^(θ−1) times the variance; the ratio r of
+/// both estimates is 4^(1−θ), and v r^log₄B is what one block would find. For independent samples r = 1.
 fn extrapolated(replicate: &[Vec<f64>], v: f64, blocks: usize) -> f64 {
     if blocks < 8 {
         return v;
@@ -197,8 +199,9 @@ fn estimate(values: &[f64], blocks: usize) -> (f64, f64) {
 
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// The two-sided 95 % quantile of Student's distribution, by Cornish and Fisher's expansion with four terms (Abramowitz and
-/// Stegun 26.7.5); below three degrees of freedom it is not good enough, and the exact values stand.
+/// The two-sided 95 % quantile of Student's distribution, by Cornish and Fisher's expansion with four terms
+/// (Abramowitz and Stegun 26.7.5); below three degrees of freedom it is not good enough, and the exact values
+/// stand.
 fn quantile(degrees: usize) -> f64 {
     let (z, n) = (NORMAL_95, degrees as f64);
     let z2 = z * z;

@@ -1,8 +1,9 @@
 //! An end with a sentence where memory ends.
 //!
-//! Rust aborts where an allocation fails: no exit code of ours, and no word to those who wait for a render in a queue. Files are replaced
-//! only when they are complete, so there is nothing to save, and the process can end at once; a `.partial` may stay behind. What would have taken
-//! the failure for an error of its own (`try_reserve`, which reads of whole files use) ends here too, without the name of the file.
+//! Rust aborts where an allocation fails: no exit code of ours, and no word to those who wait for a render in
+//! a queue. Files are replaced only when they are complete, so there is nothing to save, and the process can
+//! end at once; a `.partial` may stay behind. What would have taken the failure for an error of its own
+//! (`try_reserve`, which reads of whole files use) ends here too, without the name of the file.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 

@@ -1,8 +1,9 @@
-//! The same file from builds that share nothing but the source: every optimisation level, processors with less and with more
-//! than AVX2, a processor that valgrind emulates, and any other that a command runs the program on.
+//! The same file from builds that share nothing but the source: every optimisation level, processors with
+//! less and with more than AVX2, a processor that valgrind emulates, and any other that a command runs the
+//! program on.
 //!
-//! What takes long is left out unless asked for: `cargo test --release --test builds -- --ignored processor valgrind`; another
-//! machine by `tests/aarch64.sh`.
+//! What takes long is left out unless asked for: `cargo test --release --test builds -- --ignored processor
+//! valgrind`; another machine by `tests/aarch64.sh`.
 
 mod scenes;
 

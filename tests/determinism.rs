@@ -1,5 +1,5 @@
-//! A render is a function of scene, seed and sample range: no thread count, division of work, kernel, unit of light or
-//! unit of length may change a bit of it.
+//! A render is a function of scene, seed and sample range: no thread count, division of work, kernel, unit of
+//! light or unit of length may change a bit of it.
 
 mod scenes;
 
@@ -183,7 +183,8 @@ fn powers_of_two_of_light_scale_the_image_exactly() {
     }
 }
 
-/// Equal to the bit, but where f32 itself runs out of bits: below its smallest normal number, to a step of its grid there.
+/// Equal to the bit, but where f32 itself runs out of bits: below its smallest normal number, to a step of
+/// its grid there.
 fn require_scaled(unit: &[f32], scaled: &[f32], factor: f32, place: &str) {
     let step = f32::from_bits(1) * factor.max(1.0);
     for (a, b) in unit.iter().zip(scaled) {

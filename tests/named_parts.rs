@@ -4,7 +4,8 @@ use etalon::render::{Progress, Settings, render};
 use etalon::scene::load_text;
 use etalon::spectrum::ColorMode;
 
-/// The bits of a picture of a lamp over a floor; each part stands in its place, or at the top with a reference to it.
+/// The bits of a picture of a lamp over a floor; each part stands in its place, or at the top with a
+/// reference to it.
 fn picture(named: bool) -> Vec<u32> {
     let mut top = String::new();
     let mut part = |element: &str, id: &str| {

@@ -1,5 +1,5 @@
-//! A hundred deaths, a full disk, a folder that must not be written, a checkpoint of another version; and samples that are
-//! not finite are shown.
+//! A hundred deaths, a full disk, a folder that must not be written, a checkpoint of another version; and
+//! samples that are not finite are shown.
 
 use std::fs;
 use std::path::PathBuf;
@@ -111,7 +111,8 @@ fn a_hundred_deaths_change_no_bit() {
     killed(100, "60000");
 }
 
-/// What a shell's `limit` makes of a render over an image that is there: one error that has these words, and all files as they were.
+/// What a shell's `limit` makes of a render over an image that is there: one error that has these words, and
+/// all files as they were.
 #[cfg(unix)]
 fn refused_within(limit: &str, arguments: &str, words: &[&str]) {
     let folder = Folder::new(SCENE);
@@ -204,11 +205,12 @@ fn the_checkpoint_of_another_version_is_refused() {
     assert!(!folder.path("out.exr").exists());
 }
 
-/// Two lights whose sum is beyond the largest `f32`: samples that see both are counted, listed, and shown by the command that
-/// is printed with them.
+/// Two lights whose sum is beyond the largest `f32`: samples that see both are counted, listed, and shown by
+/// the command that is printed with them.
 #[test]
 fn a_sample_that_is_not_finite_is_counted_and_its_path_is_shown() {
-    // Each light is within what `f32` holds; a veil, the mirror behind it and what it shows are not, together.
+    // Each light is within what `f32` holds; a veil, the mirror behind it and what it shows are not,
+    // together.
     let bright =
         |kind: &str| format!("<emitter type=\"{kind}\"><rgb name=\"radiance\" value=\"1.7e38\"/></emitter>");
     let ball = "<shape type=\"sphere\"><transform name=\"to_world\"><translate z=\"4\"/></transform>";

@@ -1,8 +1,9 @@
-//! The files that pass between the programs: little-endian numbers of four bytes, so that a reader is three lines in
-//! any language.
+//! The files that pass between the programs: little-endian numbers of four bytes, so that a reader is three
+//! lines in any language.
 //!
-//! `.mesh`: the numbers of vertices and triangles, then x y z of each vertex (`f32`) and three indices a triangle (`u32`).
-//! `.rays`: per ray its origin, the distance where it starts, its direction and the distance where it ends (`f32`).
+//! `.mesh`: the numbers of vertices and triangles, then x y z of each vertex (`f32`) and three indices a
+//! triangle (`u32`). `.rays`: per ray its origin, the distance where it starts, its direction and the
+//! distance where it ends (`f32`).
 
 use std::io::{self, Write};
 use std::path::Path;

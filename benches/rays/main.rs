@@ -5,9 +5,10 @@
 //! cargo run --release --example rays -- replay FOLDER MESH
 //! ```
 //!
-//! `record` writes `MESH.mesh` and `MESH-KIND.rays`. `replay` builds the tree, prints a line of JSON about it, and then
-//! answers lines on standard input: `closest KIND` and `occluded KIND` trace the set once and print `{"seconds": s}`;
-//! `hits KIND FILE` also writes what each ray met. `benches/rays_side_by_side.py` drives it.
+//! `record` writes `MESH.mesh` and `MESH-KIND.rays`. `replay` builds the tree, prints a line of JSON about
+//! it, and then answers lines on standard input: `closest KIND` and `occluded KIND` trace the set once and
+//! print `{"seconds": s}`; `hits KIND FILE` also writes what each ray met. `benches/rays_side_by_side.py`
+//! drives it.
 
 mod file;
 mod meshes;

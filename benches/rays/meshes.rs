@@ -1,4 +1,5 @@
-//! Meshes of four characters: round and closed, many of these in a room, long and thin, and a landscape seen from above.
+//! Meshes of four characters: round and closed, many of these in a room, long and thin, and a landscape seen
+//! from above.
 
 use crate::file::Soup;
 use etalon::math::{DVec3, Transform, warp};

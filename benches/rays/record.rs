@@ -14,8 +14,8 @@ use std::path::Path;
 /// Rays in each direction of the picture.
 const SIDE: u32 = 512;
 
-/// Writes a mesh and its rays: *primary* from a pinhole in rows, *shadow* from where these end to a square lamp, and *bounce*
-/// from there in a cosine-distributed direction.
+/// Writes a mesh and its rays: *primary* from a pinhole in rows, *shadow* from where these end to a square
+/// lamp, and *bounce* from there in a cosine-distributed direction.
 pub fn record(folder: &Path, name: &str, subject: &Subject) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     write_mesh(&folder.join(format!("{name}.mesh")), &subject.soup)?;

@@ -1,8 +1,8 @@
 //! Schlick's approximation against Fresnel's equations, in a picture and in closed form.
 //!
 //! Both pictures are made of the same random numbers, so that most of their noise is the same and leaves the
-//! difference. How much is left is measured: the comparison is repeated with other seeds, and what is printed is the mean
-//! over seeds with its standard error.
+//! difference. How much is left is measured: the comparison is repeated with other seeds, and what is printed
+//! is the mean over seeds with its standard error.
 
 use crate::picture::Studio;
 use etalon::bsdf::fresnel;
@@ -16,7 +16,8 @@ const SEEDS: u32 = 4;
 /// A linear difference of ±1/`GAIN` is white or black in the picture; none is grey.
 const GAIN: f32 = 10.0;
 
-/// Compares the two on a scene with a parameter `fresnel`, prints the figures, and returns three captioned pictures.
+/// Compares the two on a scene with a parameter `fresnel`, prints the figures, and returns three captioned
+/// pictures.
 pub fn run(studio: &Studio, path: &Path) -> Result<Vec<(String, Rgb8)>, Box<dyn Error>> {
     let read = |term: &str| studio.load(path, &[("fresnel", term.into())]);
     let (schlick, exact) = (read("schlick")?, read("exact")?);
@@ -111,8 +112,8 @@ fn mean(image: &Image, select: impl Fn(usize) -> bool) -> f64 {
     sum / n as f64
 }
 
-/// A number for each pixel and channel from those of two images. It is no render any more: nothing is said of its
-/// variance and provenance.
+/// A number for each pixel and channel from those of two images. It is no render any more: nothing is said of
+/// its variance and provenance.
 fn combine(a: &Image, b: &Image, f: impl Fn(f32, f32) -> f32) -> Image {
     let channel = |(a, b): (&Channel, &Channel)| Channel {
         name: a.name.clone(),

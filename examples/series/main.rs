@@ -1,5 +1,5 @@
-//! The pictures of the course path tracer that Etalon grew out of: mirror and glass by number of bounces, a thin lens
-//! by aperture and focus, and what Schlick's approximation to Fresnel's equations costs.
+//! The pictures of the course path tracer that Etalon grew out of: mirror and glass by number of bounces, a
+//! thin lens by aperture and focus, and what Schlick's approximation to Fresnel's equations costs.
 //!
 //! ```sh
 //! cargo run --release --example series            # all of it, into target/series

@@ -47,8 +47,8 @@ impl Material for BumpMap {
         Ok(Self { heights, scale, adapter })
     }
 
-    /// The normal of the surface p + h·n, without ∂n: (∂p/∂u + n ∂h/∂u) × (∂p/∂v + n ∂h/∂v), with ∂p in the plane
-    /// across the shading normal n (Blinn 1978).
+    /// The normal of the surface p + h·n, without ∂n: (∂p/∂u + n ∂h/∂u) × (∂p/∂v + n ∂h/∂v), with ∂p in the
+    /// plane across the shading normal n (Blinn 1978).
     #[inline]
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Perturbed<'a> {
         let slope = self.heights.gradient(point.uv).unwrap_or(DVec2::ZERO) * self.scale;
@@ -74,8 +74,8 @@ mod tests {
     use crate::scene::xml;
     use crate::spectrum::ColorMode;
 
-    /// A mirror under the heights of a reference scene, scaled and stretched, reflects straight light about the normal
-    /// (−∂h/∂u, −∂h/∂v, 1) of the relief, wherever the geometric normal points.
+    /// A mirror under the heights of a reference scene, scaled and stretched, reflects straight light about
+    /// the normal (−∂h/∂u, −∂h/∂v, 1) of the relief, wherever the geometric normal points.
     #[test]
     fn a_mirror_has_the_normals_of_the_relief() {
         let name = concat!(env!("CARGO_MANIFEST_DIR"), "/validation/references/scenes/example.xml");

@@ -44,8 +44,8 @@ impl Coat {
         Ok(Self { eta, diffuse, specular, nonlinear, specular_weight })
     }
 
-    /// `internal` is the coat's reflectance for diffuse light from inside. Without `nonlinear` all colours lose as
-    /// much to it as white does.
+    /// `internal` is the coat's reflectance for diffuse light from inside. Without `nonlinear` all colours
+    /// lose as much to it as white does.
     #[inline]
     pub fn at(&self, point: &SurfacePoint, λ: &Wavelengths, internal: f64) -> Coated {
         let diffuse = self.diffuse.eval(point.uv, λ);
@@ -69,7 +69,8 @@ impl Coat {
 }
 
 impl Coated {
-    /// The probabilities of the coat's and the base's lobe, where the coat reflects and transmits these shares.
+    /// The probabilities of the coat's and the base's lobe, where the coat reflects and transmits these
+    /// shares.
     #[inline]
     pub fn lobes(&self, reflected: f64, transmitted: f64) -> (f64, f64) {
         let specular = reflected * self.specular_weight;

@@ -49,7 +49,8 @@ fn grid(n: usize, lobes: usize) -> impl Iterator<Item = (f64, DVec2)> {
     })
 }
 
-/// Point `i` of an even sequence in three dimensions: multiples of powers of 1/g with g⁴ = g + 1 (Roberts 2018).
+/// Point `i` of an even sequence in three dimensions: multiples of powers of 1/g with g⁴ = g + 1 (Roberts
+/// 2018).
 fn lattice(i: usize) -> (f64, DVec2) {
     const G: f64 = 1.220_744_084_605_759_5;
     let part = |step: f64| (0.5 + i as f64 * step).fract();
@@ -77,7 +78,8 @@ fn weights_are_values_over_densities() {
     });
 }
 
-/// What light is sampled for, where a material neither transmits nor has a relief: the hemisphere that ωo is in.
+/// What light is sampled for, where a material neither transmits nor has a relief: the hemisphere that ωo is
+/// in.
 #[test]
 fn opaque_materials_gather_light_from_one_side() {
     each(|name, bsdf, material, _| {

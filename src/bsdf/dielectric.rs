@@ -1,7 +1,7 @@
 //! A smooth interface between two transparent materials: a mirror direction and a refracted one.
 //!
-//! Where the index depends on wavelength the lanes keep together in reflection, each with its own Fresnel factor, and
-//! part in refraction: lane 0 goes on alone and stands for all.
+//! Where the index depends on wavelength the lanes keep together in reflection, each with its own Fresnel
+//! factor, and part in refraction: lane 0 goes on alone and stands for all.
 
 use super::fresnel::{self, Interface};
 use super::ior::{self, Index};
@@ -141,8 +141,9 @@ impl Pane {
         self.refracted(wo, eta, Spectrum::ONE, face.transmittance)
     }
 
-    /// Reflection with probability P = the mean of Rᵢ leaves Rᵢ/P in each lane. Refraction leaves 8·T₀/(1 − P) in
-    /// lane 0, whose wavelength is distributed as all lanes together are: the mean over lanes stays unbiased.
+    /// Reflection with probability P = the mean of Rᵢ leaves Rᵢ/P in each lane. Refraction leaves 8·T₀/(1 −
+    /// P) in lane 0, whose wavelength is distributed as all lanes together are: the mean over lanes stays
+    /// unbiased.
     fn sample_apart(&self, wo: DVec3, lobe: f64, lanes: &[f64; LANES]) -> Option<Sample> {
         let faces = lanes.map(|eta| self.interface(wo.z.abs(), seen(eta, wo)));
         let mean = |f: fn(&Interface) -> f64| faces.iter().map(f).sum::<f64>() / LANES as f64;
@@ -200,8 +201,8 @@ mod tests {
         (0..N).filter_map(|i| pane.sample(wo, (i as f64 + 0.5) / N as f64, DVec2::ZERO)).collect()
     }
 
-    /// Rᵢ reflected in every lane, and in refraction η²·weight of lane 0 alone worth all eight lanes' Tᵢ, where lane 0
-    /// takes each of their wavelengths in turn.
+    /// Rᵢ reflected in every lane, and in refraction η²·weight of lane 0 alone worth all eight lanes' Tᵢ,
+    /// where lane 0 takes each of their wavelengths in turn.
     #[test]
     fn apart_lanes_are_unbiased_together() {
         for wo in [

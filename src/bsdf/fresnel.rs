@@ -1,8 +1,8 @@
 //! Reflection at interfaces, without cancellation.
 //!
-//! The textbook form subtracts nearly equal numbers when the relative index η is near 1 or the angle near grazing.
-//! With q = (η − 1)(η + 1) and g = √(c² + q), c = cos θ, the amplitudes are exact products:
-//! r_s = −q/(g + c)², and r_p = r_s·(c·g − s²)/(c·g + s²); the transmittance is computed, not subtracted from 1.
+//! The textbook form subtracts nearly equal numbers when the relative index η is near 1 or the angle near
+//! grazing. With q = (η − 1)(η + 1) and g = √(c² + q), c = cos θ, the amplitudes are exact products: r_s =
+//! −q/(g + c)², and r_p = r_s·(c·g − s²)/(c·g + s²); the transmittance is computed, not subtracted from 1.
 
 use crate::math::DVec3;
 
@@ -38,16 +38,17 @@ pub fn dielectric(cos: f64, eta: f64) -> Interface {
     Interface { reflectance, transmittance, cos_transmitted: g / eta }
 }
 
-/// g² = cos² + q = η² − sin² = (η cos θ′)², of the two sums the one with the smaller terms; negative under total
-/// internal reflection.
+/// g² = cos² + q = η² − sin² = (η cos θ′)², of the two sums the one with the smaller terms; negative under
+/// total internal reflection.
 #[inline]
 fn far_side(cos: f64, eta: f64, q: f64) -> f64 {
     if cos > eta { eta * eta - (1.0 - cos) * (1.0 + cos) } else { cos * cos + q }
 }
 
-/// Schlick's approximation R₀ + (1 − R₀)(1 − cos)⁵ with R₀ = ((η − 1)/(η + 1))², taken on the optically thinner
-/// side: from inside the denser medium the cosine is that of the refracted ray, so that total internal reflection
-/// is met continuously. This is the approximation of the course path tracer that Etalon grew out of.
+/// Schlick's approximation R₀ + (1 − R₀)(1 − cos)⁵ with R₀ = ((η − 1)/(η + 1))², taken on the optically
+/// thinner side: from inside the denser medium the cosine is that of the refracted ray, so that total
+/// internal reflection is met continuously. This is the approximation of the course path tracer that Etalon
+/// grew out of.
 #[inline]
 pub fn schlick(cos: f64, eta: f64) -> Interface {
     let exact = dielectric(cos, eta);
@@ -64,7 +65,8 @@ pub fn schlick(cos: f64, eta: f64) -> Interface {
 
 /// The direction refracted at a normal `m` on ω's side; `cos` = ω·m, `eta` = η far / η near.
 ///
-/// ω′ = −ω/η + (cos/η − cos′)m, with the difference written as −q/(η(g + c)), and one Newton step of renormalisation.
+/// ω′ = −ω/η + (cos/η − cos′)m, with the difference written as −q/(η(g + c)), and one Newton step of
+/// renormalisation.
 #[inline]
 pub fn refract(w: DVec3, m: DVec3, cos: f64, eta: f64) -> Option<DVec3> {
     let q = (eta - 1.0) * (eta + 1.0);
@@ -94,8 +96,8 @@ pub fn conductor(cos: f64, eta: f64, k: f64) -> f64 {
     0.5 * (rs + rp)
 }
 
-/// Diffuse reflectance of a smooth interface for light from the near side: 2∫R(c)c dc, by Gauss–Legendre in two
-/// pieces so that the kink at the critical angle falls on a boundary.
+/// Diffuse reflectance of a smooth interface for light from the near side: 2∫R(c)c dc, by Gauss–Legendre in
+/// two pieces so that the kink at the critical angle falls on a boundary.
 pub fn diffuse_reflectance(eta: f64) -> f64 {
     let critical = if eta < 1.0 { ((1.0 - eta) * (1.0 + eta)).sqrt() } else { 0.0 };
     let rest =

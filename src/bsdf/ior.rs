@@ -15,7 +15,8 @@ pub const RANGE: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 const INTERIOR: &str = "index of refraction inside, or the name of a material";
 const EXTERIOR: &str = "index of refraction outside, on the normal's side, or the name of a material";
 
-/// Reads `int_ior` and `ext_ior`: η inside / η outside. `interior` names the material that is the default inside.
+/// Reads `int_ior` and `ext_ior`: η inside / η outside. `interior` names the material that is the default
+/// inside.
 pub fn relative(params: &mut Params, interior: &'static str) -> Result<f64, SceneError> {
     Ok(one(params, "int_ior", interior, INTERIOR)? / exterior(params)?)
 }

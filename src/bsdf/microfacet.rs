@@ -1,5 +1,6 @@
-//! Rough interfaces as flat facets with distributed normals (Walter et al. 2007, "Microfacet Models for Refraction
-//! through Rough Surfaces"), with Smith's masking, separately for the two directions as in Mitsuba.
+//! Rough interfaces as flat facets with distributed normals (Walter et al. 2007, "Microfacet Models for
+//! Refraction through Rough Surfaces"), with Smith's masking, separately for the two directions as in
+//! Mitsuba.
 //!
 //! Densities are written in x² + y² of the facet normal, never in 1 − z², so that α = 1e-4 keeps its digits.
 
@@ -39,8 +40,8 @@ impl Distribution {
         Self { shape, alpha_u: alpha_u.max(1e-4), alpha_v: alpha_v.max(1e-4), visible }
     }
 
-    /// The distribution to sample for a viewer at `cos`: without visible normals Walter et al. (section 5.3) widen
-    /// it towards grazing directions, which bounds the weights.
+    /// The distribution to sample for a viewer at `cos`: without visible normals Walter et al. (section 5.3)
+    /// widen it towards grazing directions, which bounds the weights.
     #[inline]
     pub fn widened(self, cos: f64) -> Self {
         let factor = if self.visible { 1.0 } else { 1.2 - 0.2 * cos.sqrt() };
@@ -61,7 +62,8 @@ impl Distribution {
 
     /// Smith's G₁: the share of the facets facing `v` that no other hides; 0 where `m` faces away.
     ///
-    /// For Beckmann the rational fit by Walter et al. (equation 27, within 0.35 %), because Mitsuba's image has it.
+    /// For Beckmann the rational fit by Walter et al. (equation 27, within 0.35 %), because Mitsuba's image
+    /// has it.
     #[inline]
     pub fn masking(&self, v: DVec3, m: DVec3) -> f64 {
         if v.dot(m) * v.z <= 0.0 {
@@ -133,8 +135,8 @@ impl Distribution {
         unit(DVec3::new(self.alpha_u * h.x, self.alpha_v * h.y, h.z))
     }
 
-    /// D·G/(4 cos θ) for reflection at `m` half-way between `wo` and `wi`, both above the surface, and the density of
-    /// `wi` when `m` is sampled. The value still lacks its Fresnel factor.
+    /// D·G/(4 cos θ) for reflection at `m` half-way between `wo` and `wi`, both above the surface, and the
+    /// density of `wi` when `m` is sampled. The value still lacks its Fresnel factor.
     #[inline]
     pub fn reflection(&self, wo: DVec3, wi: DVec3, m: DVec3) -> (f64, f64) {
         let value = self.density(m) * self.masking(wo, m) * self.masking(wi, m) / (4.0 * wo.z);
@@ -150,8 +152,9 @@ fn visible_beckmann(w: DVec3, u: DVec2) -> DVec2 {
     DVec2::new(s * x - t * y, t * x + s * y)
 }
 
-/// A normal (not unit) that a unit `w` sees on the hemisphere, GGX at roughness 1: the half vector of `w` and a uniform
-/// direction of the cap z > −w.z (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps").
+/// A normal (not unit) that a unit `w` sees on the hemisphere, GGX at roughness 1: the half vector of `w` and
+/// a uniform direction of the cap z > −w.z (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with
+/// Spherical Caps").
 fn visible_ggx(w: DVec3, u: DVec2) -> DVec3 {
     let (sin, cos) = sin_cos_turn(u.y);
     // 1 − z and z + w.z of the cap direction, each without cancellation.

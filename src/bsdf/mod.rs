@@ -1,8 +1,9 @@
-//! How surfaces scatter light. A folder's file is a model: what a scene file declares (its *material*, perhaps
-//! textured) and what that is at a point once the numbers are known (its *BSDF*).
+//! How surfaces scatter light. A folder's file is a model: what a scene file declares (its *material*,
+//! perhaps textured) and what that is at a point once the numbers are known (its *BSDF*).
 //!
-//! *How to add one*: write `bsdf/<name>.rs` with a [`Material`] and its [`Bsdf`], and add its line to `materials!`.
-//! The parser, error texts, `etalon plugins`, the contract tests and the comparison with Mitsuba follow from it.
+//! *How to add one*: write `bsdf/<name>.rs` with a [`Material`] and its [`Bsdf`], and add its line to
+//! `materials!`. The parser, error texts, `etalon plugins`, the contract tests and the comparison with
+//! Mitsuba follow from it.
 
 mod coat;
 pub mod fresnel;
@@ -85,15 +86,17 @@ pub struct Traits {
     pub transmits: bool,
     /// Has a lobe that is narrow, but not without density.
     pub glossy: bool,
-    /// All that it does besides reflecting is to let light through in one direction, the same for all wavelengths.
+    /// All that it does besides reflecting is to let light through in one direction, the same for all
+    /// wavelengths.
     pub refracts: bool,
     /// All that it does besides refracting is to reflect, as a mirror does.
     pub mirrors: bool,
-    /// Scatters about another normal than that of the frame it is given. What such a surface hides is decided by the direction to the light alone, so lobes
-    /// without density are not the same from either end, and only camera paths can follow them.
+    /// Scatters about another normal than that of the frame it is given. What such a surface hides is decided
+    /// by the direction to the light alone, so lobes without density are not the same from either end, and
+    /// only camera paths can follow them.
     pub relief: bool,
-    /// Its sides are materials of their own, and light goes from one to the other: a path is scattered by another material from its other end,
-    /// so only camera paths can follow it.
+    /// Its sides are materials of their own, and light goes from one to the other: a path is scattered by
+    /// another material from its other end, so only camera paths can follow it.
     pub one_way: bool,
 }
 
@@ -173,8 +176,8 @@ impl Sample {
     }
 }
 
-/// Something to be done with a material whatever its type: one `match`, and everything behind it is compiled for
-/// each material by itself.
+/// Something to be done with a material whatever its type: one `match`, and everything behind it is compiled
+/// for each material by itself.
 pub trait Visitor {
     type Output;
 
@@ -189,7 +192,8 @@ pub trait Bsdf {
     /// Draws ωi from three numbers in [0, 1): `lobe` chooses between lobes, `u` the direction in one.
     fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample>;
 
-    /// ρ, if f = ρ/π for all directions above the surface, none comes through it, and samples follow the cosine.
+    /// ρ, if f = ρ/π for all directions above the surface, none comes through it, and samples follow the
+    /// cosine.
     #[inline]
     fn albedo(&self) -> Option<Spectrum> {
         None

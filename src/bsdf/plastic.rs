@@ -1,4 +1,5 @@
-//! A diffuse base under a smooth dielectric coat, with light that goes back and forth in the coat summed in closed form.
+//! A diffuse base under a smooth dielectric coat, with light that goes back and forth in the coat summed in
+//! closed form.
 
 use super::coat::{Coat, Coated};
 use super::fresnel::Interface;
@@ -58,8 +59,9 @@ impl Material for Plastic {
     }
 }
 
-/// The integral that [`fresnel::diffuse_reflectance`] computes, by the fits that Mitsuba's image has: Egan and Hilgeman
-/// (1973) below η = 1 and d'Eon and Irving (2011, "A Quantized-Diffusion Model") above, within 0.2 % for glasses.
+/// The integral that [`fresnel::diffuse_reflectance`] computes, by the fits that Mitsuba's image has: Egan
+/// and Hilgeman (1973) below η = 1 and d'Eon and Irving (2011, "A Quantized-Diffusion Model") above, within
+/// 0.2 % for glasses.
 fn fitted_diffuse_reflectance(eta: f64) -> f64 {
     let x = 1.0 / eta;
     if eta < 1.0 {

@@ -1,4 +1,5 @@
-//! A ray through a prism of the scene files, by the scene's own search, surfaces and material, against Snell's law.
+//! A ray through a prism of the scene files, by the scene's own search, surfaces and material, against
+//! Snell's law.
 
 use super::Bsdf;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Ray, length};

@@ -1,7 +1,7 @@
 //! A rough interface between two transparent materials (Walter et al. 2007).
 //!
-//! Reflection at facets half-way between the directions, refraction at facets along the generalised half vector
-//! h = ωo + ηωi, whose Jacobian is η²|ωi·m|/|h|² because ωo·m + ηωi·m = ±|h|.
+//! Reflection at facets half-way between the directions, refraction at facets along the generalised half
+//! vector h = ωo + ηωi, whose Jacobian is η²|ωi·m|/|h|² because ωo·m + ηωi·m = ±|h|.
 
 use super::dielectric::{seen, tint};
 use super::microfacet::{Distribution, Roughness, reflect};
@@ -99,12 +99,13 @@ impl Material for RoughDielectric {
 }
 
 impl Frosted {
-    /// Value and density, both without tint, for directions with wo.z > 0 that meet at a facet `m`; `sampled` is the
-    /// distribution that facets are drawn from, and `eta` = η far / η near.
+    /// Value and density, both without tint, for directions with wo.z > 0 that meet at a facet `m`; `sampled`
+    /// is the distribution that facets are drawn from, and `eta` = η far / η near.
     #[inline]
     fn at_facet(&self, wo: DVec3, wi: DVec3, m: DVec3, eta: f64) -> (f64, f64) {
         let (o, i) = (wo.dot(m), wi.dot(m));
-        // Light does not cross from the back of a facet, nor leave to the other side of the surface than of the facet.
+        // Light does not cross from the back of a facet, nor leave to the other side of the surface than of
+        // the facet.
         if o <= 0.0 || i * wi.z <= 0.0 {
             return (0.0, 0.0);
         }

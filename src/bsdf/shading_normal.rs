@@ -1,7 +1,8 @@
 //! A material whose normal is not the surface's: what `normalmap` and `bumpmap` share.
 //!
-//! The nested material works in a frame about the perturbed normal. Where that makes a direction change sides, or
-//! where neighbouring normals would cut a hard edge into the light, the surface's own frame has the last word.
+//! The nested material works in a frame about the perturbed normal. Where that makes a direction change
+//! sides, or where neighbouring normals would cut a hard edge into the light, the surface's own frame has the
+//! last word.
 
 use super::{AnyMaterial, Bsdf, Evaluation, Sample, Traits};
 use crate::math::frame::unit;
@@ -39,8 +40,8 @@ impl Adapter {
         Ok(Self { nested: Box::new(AnyMaterial::parse_nested(params)?), flip_invalid, shadowing })
     }
 
-    /// The nested material about a normal in the coordinates of `surface`; where there is no such direction, about
-    /// the surface's own.
+    /// The nested material about a normal in the coordinates of `surface`; where there is no such direction,
+    /// about the surface's own.
     pub fn about<'a>(
         &'a self,
         normal: DVec3,
@@ -60,8 +61,8 @@ impl Adapter {
 }
 
 impl Perturbed<'_> {
-    /// The normal that is seen from ωo. One that faces away is turned by half a turn about the surface's normal
-    /// (Schüßler et al. 2017, "Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing").
+    /// The normal that is seen from ωo. One that faces away is turned by half a turn about the surface's
+    /// normal (Schüßler et al. 2017, "Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing").
     #[inline]
     fn normal_seen_from(&self, wo: DVec3) -> DVec3 {
         let n = self.normal;
@@ -76,9 +77,10 @@ impl Perturbed<'_> {
         f(&self.adapter.nested.at(&point, self.λ), &frame)
     }
 
-    /// The share of light from ωi that neighbouring bumps let through: masking by a GGX surface that is as rough as
-    /// the normal is inclined (Estevez et al. 2019, "A Microfacet-Based Shadowing Function to Solve the Bump
-    /// Terminator Problem", Ray Tracing Gems, chapter 12): α² = min(tan²θₙ/8, 1), 2/(1 + √(1 + α² tan²θᵢ)).
+    /// The share of light from ωi that neighbouring bumps let through: masking by a GGX surface that is as
+    /// rough as the normal is inclined (Estevez et al. 2019, "A Microfacet-Based Shadowing Function to Solve
+    /// the Bump Terminator Problem", Ray Tracing Gems, chapter 12): α² = min(tan²θₙ/8, 1), 2/(1 + √(1 + α²
+    /// tan²θᵢ)).
     #[inline]
     fn shadowing(&self, normal: DVec3, wi: DVec3) -> f64 {
         if !self.adapter.shadowing {
@@ -96,7 +98,8 @@ impl Bsdf for Perturbed<'_> {
         let normal = self.normal_seen_from(wo);
         let Evaluation { value, pdf } = self.with_nested(normal, |nested, frame| {
             let seen = frame.to_local(wi);
-            // Above the bump and below the surface, or the other way round: light cannot have come from there.
+            // Above the bump and below the surface, or the other way round: light cannot have come from
+            // there.
             if seen.z * wi.z > 0.0 { nested.evaluate(frame.to_local(wo), seen) } else { Evaluation::ZERO }
         });
         if value.is_zero() {
@@ -184,7 +187,8 @@ mod tests {
         with(MATTE, AS_THEY_COME, n, |bsdf| assert_eq!(bsdf.evaluate(wo, wi).pdf, 0.0));
     }
 
-    /// Values worked out by hand: tan²θₙ = 1/4 gives α² = 1/32; tan²θᵢ = 96 gives 2/(1 + √4) = 2/3; tan²θₙ ≥ 8 is cut.
+    /// Values worked out by hand: tan²θₙ = 1/4 gives α² = 1/32; tan²θᵢ = 96 gives 2/(1 + √4) = 2/3; tan²θₙ ≥
+    /// 8 is cut.
     #[test]
     fn shadowing_is_maskings_share() {
         let towards = |tan2: f64| unit(DVec3::new(-tan2.sqrt(), 0.0, 1.0));

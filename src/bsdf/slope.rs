@@ -1,8 +1,8 @@
-//! Slopes of a Gaussian random surface, the two one-dimensional laws behind the Beckmann distribution (Heitz and
-//! d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals").
+//! Slopes of a Gaussian random surface, the two one-dimensional laws behind the Beckmann distribution (Heitz
+//! and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals").
 //!
-//! Both quantile functions have no closed form. They are solved by Halley's method on complementary error functions,
-//! which keep their digits in the tails, to rounding error.
+//! Both quantile functions have no closed form. They are solved by Halley's method on complementary error
+//! functions, which keep their digits in the tails, to rounding error.
 
 use crate::math::function::{exp, ln};
 use libm::erfc;
@@ -43,7 +43,8 @@ fn gaussian_estimate(u: f64) -> f64 {
 /// The slope x below which a share `u` of the slopes lies that the direction (sin θ, 0, cos θ) sees.
 ///
 /// A facet of slope x shows its projected area cos θ − x sin θ, so the visible density is proportional to
-/// (cos θ − x sin θ)exp(−x²)/√π up to x = cot θ. Its integral is F(x) = ½ cos θ erfc(−x) + ½ sin θ exp(−x²)/√π.
+/// (cos θ − x sin θ)exp(−x²)/√π up to x = cot θ. Its integral is F(x) = ½ cos θ erfc(−x) + ½ sin θ
+/// exp(−x²)/√π.
 pub fn visible_gaussian(cos: f64, sin: f64, u: f64) -> f64 {
     let (mut low, mut high) = (-EXTREME, if sin * EXTREME > cos { cos / sin } else { EXTREME });
     let integral = |x: f64, bell: f64| 0.5 * (cos * erfc(-x) + sin * bell);

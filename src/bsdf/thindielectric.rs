@@ -1,4 +1,5 @@
-//! A pane too thin to bend light: reflection at both of its faces, summed to all orders, and straight transmission.
+//! A pane too thin to bend light: reflection at both of its faces, summed to all orders, and straight
+//! transmission.
 
 use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, dielectric::tint, fresnel, ior, mirror};
 use crate::math::{DVec2, DVec3};

@@ -1,5 +1,5 @@
-//! What a rough dielectric interface lets through and reflects in all directions together, by numerical integration
-//! over the facets a direction sees.
+//! What a rough dielectric interface lets through and reflects in all directions together, by numerical
+//! integration over the facets a direction sees.
 
 use super::fresnel;
 use super::microfacet::{Distribution, reflect};
@@ -7,7 +7,8 @@ use crate::math::function::cos;
 use crate::math::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Directions at which Mitsuba tabulates: cos θ = 0, 1/63, …, 1. What is between is part of the model's definition.
+/// Directions at which Mitsuba tabulates: cos θ = 0, 1/63, …, 1. What is between is part of the model's
+/// definition.
 const DIRECTIONS: usize = 64;
 
 /// Share of the light from a direction that gets into the material, for cos θ from 0 to 1.
@@ -62,8 +63,8 @@ fn directions() -> [DVec3; DIRECTIONS] {
     })
 }
 
-/// The mean of `f` over the facets that `wo`, in the plane y = 0, sees. `f` must not tell y from −y: facets come in
-/// mirrored pairs, u.y and 1 − u.y, of which one is looked at.
+/// The mean of `f` over the facets that `wo`, in the plane y = 0, sees. `f` must not tell y from −y: facets
+/// come in mirrored pairs, u.y and 1 − u.y, of which one is looked at.
 fn over_facets(facets: &Distribution, wo: DVec3, rule: &[(f64, f64)], f: impl Fn(DVec3) -> f64) -> f64 {
     let one_side = &rule[rule.len() / 2..];
     let row = |x: f64| {

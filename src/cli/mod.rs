@@ -41,8 +41,8 @@ type Outcome = Result<ExitCode, Box<dyn Error>>;
 
 /// A spectral path tracer that is its own measuring stick.
 ///
-/// Exit codes: 0 done; 1 done, but samples were not finite; 2 bad input or usage; 3 done, but the error that was asked for is
-/// not attained; 130 interrupted.
+/// Exit codes: 0 done; 1 done, but samples were not finite; 2 bad input or usage; 3 done, but the error that
+/// was asked for is not attained; 130 interrupted.
 #[derive(Parser)]
 #[command(version)]
 pub enum Command {
@@ -85,14 +85,15 @@ struct SceneArguments {
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
     light_paths: Option<f64>,
-    /// Neighbouring pixels that share what their paths find: a power of two up to 64, or `auto`; less noise, but no
-    /// longer independent
+    /// Neighbouring pixels that share what their paths find: a power of two up to 64, or `auto`; less noise,
+    /// but no longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
     /// Light paths of each group of pixels that share, up to their number: more that all of them can see
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
     shared_light_paths: Option<u32>,
-    /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that these have shown
+    /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help;
+    /// `guided`: there, along ways that these have shown
     #[arg(long, value_name = "WHERE", value_parser = Where::NAMES)]
     links: Option<String>,
     /// Size of the film instead of the scene's, such as 640x480

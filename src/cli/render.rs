@@ -34,7 +34,8 @@ pub struct Arguments {
     /// Render for about this long; prints the number of samples that makes the image again
     #[arg(long, value_name = "SECONDS", value_parser = parse_positive, conflicts_with_all = ["spp", "samples", "resume"])]
     time: Option<f64>,
-    /// Render until the image's mean has this relative standard error, such as 0.5% or 0.005; prints the number of samples
+    /// Render until the image's mean has this relative standard error, such as 0.5% or 0.005; prints the
+    /// number of samples
     #[arg(long, value_name = "E", value_parser = parse_share, conflicts_with_all = ["spp", "samples", "resume", "time"])]
     target_error: Option<f64>,
     /// Only these samples of every pixel; the file can be merged with others

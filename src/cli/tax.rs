@@ -2,8 +2,8 @@
 
 use etalon::scene::{Features, Scene};
 
-/// Written by `benches/tax.py`: by feature, the instructions in per cent that a program with it takes above one without, for each
-/// of some scenes that do not use it.
+/// Written by `benches/tax.py`: by feature, the instructions in per cent that a program with it takes above
+/// one without, for each of some scenes that do not use it.
 const TABLE: &str = include_str!("tax.csv");
 
 /// The largest tax of a feature in per cent; `None` if it was not measured.

@@ -23,7 +23,8 @@ const SELDOM: Duration = Duration::from_secs(5);
 /// A checkpoint may cost this part of the time.
 const SHARE: f64 = 0.01;
 
-/// A signal that comes again after less than this is still the first: who stops a whole group of processes may signal its members twice.
+/// A signal that comes again after less than this is still the first: who stops a whole group of processes
+/// may signal its members twice.
 const ECHO: Duration = Duration::from_millis(500);
 
 /// Bytes a second at which checkpoints are written, until it is known.
@@ -66,8 +67,8 @@ impl<'a> Watch<'a> {
         self.beside(None, true, work)
     }
 
-    /// Renders, from the checkpoint if there is one. An interrupted render has an image of fewer samples than were
-    /// asked for, or none.
+    /// Renders, from the checkpoint if there is one. An interrupted render has an image of fewer samples than
+    /// were asked for, or none.
     pub fn render(
         &self,
         scene: &Scene,
@@ -137,7 +138,8 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Does something while another thread shows its progress. `at_once` says whether Ctrl-C stops it within a pass.
+    /// Does something while another thread shows its progress. `at_once` says whether Ctrl-C stops it within
+    /// a pass.
     fn beside<T>(&self, bar: Option<ProgressBar>, at_once: bool, work: impl FnOnce() -> T) -> T {
         let finished = AtomicBool::new(false);
         let (interrupted, progress) = (&self.interrupted, self.progress);

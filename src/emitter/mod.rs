@@ -1,7 +1,7 @@
 //! What shines.
 //!
-//! *How to add one*: write `emitter/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to [`EMITTERS`]
-//! and a variant to [`AnyEmitter`].
+//! *How to add one*: write `emitter/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
+//! [`EMITTERS`] and a variant to [`AnyEmitter`].
 
 mod area;
 mod constant;
@@ -82,8 +82,8 @@ pub struct DirectSample {
 }
 
 impl AnyEmitter {
-    /// A direction from which this emitter may light a surface at `p` that gathers light about `n` (world, unit): from no more
-    /// than the hemisphere, by the cosine; or from everywhere if `n` is zero.
+    /// A direction from which this emitter may light a surface at `p` that gathers light about `n` (world,
+    /// unit): from no more than the hemisphere, by the cosine; or from everywhere if `n` is zero.
     #[inline(always)]
     pub fn sample(
         &self,
@@ -121,8 +121,8 @@ impl AnyEmitter {
         }
     }
 
-    /// Radiance from outside the scene against the direction ω, and the density with which it is sampled for a surface that
-    /// gathers light about `n`.
+    /// Radiance from outside the scene against the direction ω, and the density with which it is sampled for
+    /// a surface that gathers light about `n`.
     #[inline]
     pub fn distant_radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> Option<(Spectrum, f64)> {
         match self {
@@ -132,8 +132,8 @@ impl AnyEmitter {
         }
     }
 
-    /// Power over power density at any scale, to choose between emitters: in W·nm⁻¹, averaged over the visible range.
-    /// `radius` is that of the scene.
+    /// Power over power density at any scale, to choose between emitters: in W·nm⁻¹, averaged over the
+    /// visible range. `radius` is that of the scene.
     pub fn power(&self, shape: Option<&Geometry>, radius: f64) -> f64 {
         let disk = std::f64::consts::PI * radius * radius;
         match self {

@@ -45,8 +45,9 @@ enum Place {
 }
 
 impl Emitters {
-    /// Emitters are chosen by power, one part in ten evenly, so that an estimate of power that is wrong for some
-    /// corner of the scene costs at most a tenth of its samples; where there are many, also by where they are.
+    /// Emitters are chosen by power, one part in ten evenly, so that an estimate of power that is wrong for
+    /// some corner of the scene costs at most a tenth of its samples; where there are many, also by where
+    /// they are.
     pub fn new<'a>(list: Vec<Entry>, radius: f64, shape: impl Fn(u32) -> &'a Geometry) -> Self {
         const EVEN: f64 = 0.1;
         let powers: Vec<f64> = list.iter().map(|e| e.emitter.power(e.shape.map(&shape), radius)).collect();
@@ -76,8 +77,8 @@ impl Emitters {
         self.local.is_some()
     }
 
-    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers to be used again;
-    /// see [`Discrete::sample_strip`]. `None` if nothing shines there.
+    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers to be
+    /// used again; see [`Discrete::sample_strip`]. `None` if nothing shines there.
     #[inline]
     pub fn sample(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
         match (&self.local, self.list.len()) {

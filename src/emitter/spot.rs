@@ -63,7 +63,8 @@ impl Spot {
         self.to_world.point(DVec3::ZERO)
     }
 
-    /// The axis and the cosine beyond which no light goes; everywhere if a transform has made the cone no longer round.
+    /// The axis and the cosine beyond which no light goes; everywhere if a transform has made the cone no
+    /// longer round.
     pub fn cone(&self) -> (Cone, f64) {
         const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
         let axes = DVec3::AXES.map(|axis| self.to_world.vector(axis));
@@ -92,7 +93,8 @@ mod tests {
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
-    /// What arrives at places one away from a spot at the origin that shines along z, by the angle from the axis.
+    /// What arrives at places one away from a spot at the origin that shines along z, by the angle from the
+    /// axis.
     fn arriving(beam_width: f64, degrees: f64) -> Option<f32> {
         let text = format!(
             r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="spot"><rgb name="intensity" value="3"/>

@@ -3,24 +3,27 @@
 //! After Demmel and Nguyen, "Parallel Reproducible Summation" (IEEE Transactions on Computers 64(7), 2015),
 //! with integer instead of floating-point bins.
 //!
-//! The exponent axis of an f64 is divided, once and for all, into bins of 32 bits: bin `b` holds the bits whose
-//! biased exponent lies in `32 b .. 32 b + 32`. A finite value is cut at the bin borders into at most three
-//! integers below 2³², one a bin. The sum of all pieces that fall into a bin is kept in an `i64`, its *limb*, and
-//! only for the four highest bins: the one that holds the leading bit of the largest magnitude seen (`top`) and
-//! the three below it. Pieces beneath are dropped.
+//! The exponent axis of an f64 is divided, once and for all, into bins of 32 bits: bin `b` holds the bits
+//! whose biased exponent lies in `32 b .. 32 b + 32`. A finite value is cut at the bin borders into at most
+//! three integers below 2³², one a bin. The sum of all pieces that fall into a bin is kept in an `i64`, its
+//! *limb*, and only for the four highest bins: the one that holds the leading bit of the largest magnitude
+//! seen (`top`) and the three below it. Pieces beneath are dropped.
 //!
 //! Why order cannot matter: which pieces a value has, and which of them survive, depends on the value and the
 //! final `top` alone, and `top` is a maximum. A piece dropped early lay beneath an earlier, lower `top`, so
-//! the final one drops it too; a piece kept early is shifted out when `top` rises. Limbs never carry into each
-//! other (only a copy does, in [`ExactSum::value`]), so integer addition is all that happens, and that commutes.
+//! the final one drops it too; a piece kept early is shifted out when `top` rises. Limbs never carry into
+//! each other (only a copy does, in [`ExactSum::value`]), so integer addition is all that happens, and that
+//! commutes.
 //!
 //! How exact: the largest magnitude M has its leading bit in the top bin, so at least 96 bits below that bit
-//! are kept. A value loses something only if it is smaller than 2⁻⁴⁴ M, and then less than 2⁻⁹⁶ M. For N values the
-//! error is below N 2⁻⁹⁶ M, and zero (the sum is exact) where all magnitudes lie within a factor of 2⁴⁴.
+//! are kept. A value loses something only if it is smaller than 2⁻⁴⁴ M, and then less than 2⁻⁹⁶ M. For N
+//! values the error is below N 2⁻⁹⁶ M, and zero (the sum is exact) where all magnitudes lie within a factor
+//! of 2⁴⁴.
 //!
-//! Scaling all values by a power of two scales an exact sum exactly. Where pieces were dropped, it does not quite: the bins
-//! stay where they are, so other pieces are dropped. The two sums then differ by less than N 2⁻⁹⁶ M, which
-//! reaches a 32-bit float only if the sum lies as near as that to the border between two of them.
+//! Scaling all values by a power of two scales an exact sum exactly. Where pieces were dropped, it does not
+//! quite: the bins stay where they are, so other pieces are dropped. The two sums then differ by less than N
+//! 2⁻⁹⁶ M, which reaches a 32-bit float only if the sum lies as near as that to the border between two of
+//! them.
 
 /// Number of bins kept.
 const LIMBS: usize = 4;
@@ -28,7 +31,8 @@ const LIMBS: usize = 4;
 /// Width of a bin in bits.
 const BIN_BITS: i32 = 32;
 
-/// The `top` of a sum that was given an infinity or a NaN. It is above every bin, so all pieces fall beneath it.
+/// The `top` of a sum that was given an infinity or a NaN. It is above every bin, so all pieces fall beneath
+/// it.
 const POISONED: u8 = u8::MAX;
 
 /// What stands for the bin of an infinity or a NaN: above all bins, and not next to [`POISONED`].
@@ -39,8 +43,8 @@ const NON_FINITE: u32 = 0x7ff;
 
 /// A sum whose bits depend only on the multiset of the values added, not on their order or grouping.
 ///
-/// Holds up to 2³¹ additions (those of merged sums included). An infinity or a NaN makes the sum a NaN for good, in
-/// whatever order it arrives: nothing is swallowed and no caller has to check.
+/// Holds up to 2³¹ additions (those of merged sums included). An infinity or a NaN makes the sum a NaN for
+/// good, in whatever order it arrives: nothing is swallowed and no caller has to check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExactSum {
     /// Signed sums of the pieces in bins `top`, `top - 1`, `top - 2`, `top - 3`.
@@ -121,8 +125,8 @@ impl ExactSum {
         }
     }
 
-    /// The sum, rounded once to the nearest f64 (ties to even). NaN if any value was not finite; infinite if the sum
-    /// exceeds the range of f64. A subnormal sum is rounded twice.
+    /// The sum, rounded once to the nearest f64 (ties to even). NaN if any value was not finite; infinite if
+    /// the sum exceeds the range of f64. A subnormal sum is rounded twice.
     pub fn value(&self) -> f64 {
         if !self.is_finite() {
             return f64::NAN;
@@ -132,7 +136,8 @@ impl ExactSum {
         let digits = if negative { normalised(digits.map(|digit| -digit)) } else { digits };
         let [first, second, third, fourth] = digits.map(|digit| digit as u128);
         let lowest_bin = i32::from(self.top) - 3;
-        // Below the first non-zero 2⁶⁴ the fourth digit is needed for rounding only as "something is left" (sticky).
+        // Below the first non-zero 2⁶⁴ the fourth digit is needed for rounding only as "something is left"
+        // (sticky).
         let (magnitude, bin) = if first == 0 {
             (second << 64 | third << 32 | fourth, lowest_bin)
         } else {
@@ -147,7 +152,8 @@ impl ExactSum {
         self.top != POISONED
     }
 
-    /// The raw state, for storage: the limbs from the highest to the lowest, each as low and high word; then `top`.
+    /// The raw state, for storage: the limbs from the highest to the lowest, each as low and high word; then
+    /// `top`.
     pub fn to_words(&self) -> [u32; Self::WORDS] {
         let mut words = [u32::from(self.top); Self::WORDS];
         for (pair, limb) in words.chunks_exact_mut(2).zip(self.limbs) {

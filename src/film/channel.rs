@@ -2,12 +2,12 @@
 
 use super::ExactSum;
 
-/// Number of consecutive samples that are summed plainly before they enter the exact sums. Sample ranges begin at
-/// a multiple of it.
+/// Number of consecutive samples that are summed plainly before they enter the exact sums. Sample ranges
+/// begin at a multiple of it.
 pub const BLOCK: u64 = 4;
 
-/// The samples of one channel of one pixel: Σ s_b and Σ s_b² over the complete blocks b, where s_b is the sum of the
-/// [`BLOCK`] samples of a block; and the sum of the samples after the last complete block.
+/// The samples of one channel of one pixel: Σ s_b and Σ s_b² over the complete blocks b, where s_b is the sum
+/// of the [`BLOCK`] samples of a block; and the sum of the samples after the last complete block.
 ///
 /// Accumulators of disjoint sample ranges merge, in any order, to the same bits as one run over their union.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,14 +47,14 @@ impl ChannelAccumulator {
     /// An estimate of the variance of [`mean`](Self::mean), from the scatter of the block sums.
     ///
     /// With B complete blocks, V = (Σ s_b² − (Σ s_b)² / B) / (B − 1) estimates the variance of one block sum
-    /// without bias if blocks are independent. A sum of n samples is n / BLOCK blocks, so its variance is
-    /// n V / BLOCK, and that of the mean V / (BLOCK n). For n = BLOCK · B this is the familiar V B / n². The samples of
-    /// an incomplete last block count in n but not in V. Within a block samples may be correlated, as those of a
-    /// stratified sequence are; between blocks such a sequence is correlated negatively, which makes this estimate
-    /// err on the large side.
+    /// without bias if blocks are independent. A sum of n samples is n / BLOCK blocks, so its variance is n V
+    /// / BLOCK, and that of the mean V / (BLOCK n). For n = BLOCK · B this is the familiar V B / n². The
+    /// samples of an incomplete last block count in n but not in V. Within a block samples may be correlated,
+    /// as those of a stratified sequence are; between blocks such a sequence is correlated negatively, which
+    /// makes this estimate err on the large side.
     ///
-    /// Rounding can make the difference negative; it is clamped at zero. Fewer than two complete blocks, or squares
-    /// outside the range of f64, give +∞, "unknown". NaN if a sample was not finite.
+    /// Rounding can make the difference negative; it is clamped at zero. Fewer than two complete blocks, or
+    /// squares outside the range of f64, give +∞, "unknown". NaN if a sample was not finite.
     pub fn variance(&self, samples: u64) -> f64 {
         let blocks = (samples / BLOCK) as f64;
         if !self.sum.is_finite() || !self.open.is_finite() {

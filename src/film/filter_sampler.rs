@@ -1,5 +1,5 @@
-//! Filters sampled instead of splatted: every camera sample belongs to one pixel, and its place is drawn from that pixel's
-//! filter (Ernst, Stamminger & Greiner 2006).
+//! Filters sampled instead of splatted: every camera sample belongs to one pixel, and its place is drawn from
+//! that pixel's filter (Ernst, Stamminger & Greiner 2006).
 
 use super::filter::Profile;
 
@@ -45,8 +45,8 @@ impl FilterSampler {
 
     /// A place on the axis, relative to the pixel's centre, and its weight: f / (pdf ∫f).
     ///
-    /// `before` and `after` are how many further pixels the film has on each side: as in Mitsuba the filter ends at
-    /// the film, and the pixel is the average over what is left of it.
+    /// `before` and `after` are how many further pixels the film has on each side: as in Mitsuba the filter
+    /// ends at the film, and the pixel is the average over what is left of it.
     #[inline]
     pub fn sample(&self, u: f64, before: u32, after: u32) -> (f64, f64) {
         if self.profile == Profile::Box {
@@ -79,16 +79,17 @@ impl FilterSampler {
         bin
     }
 
-    /// The first bin and the one after the last that are left to a pixel with so many others before and after it.
+    /// The first bin and the one after the last that are left to a pixel with so many others before and after
+    /// it.
     #[inline]
     fn bins(&self, before: u32, after: u32) -> (usize, usize) {
         let bin_at = |pixels: u32| (pixels.min(1 << 16) as i32 * BINS + BINS / 2).min(self.half);
         ((self.half - bin_at(before)) as usize, (self.half + bin_at(after)) as usize)
     }
 
-    /// The other way round: one of `count` pixels in a row, the first of which begins at 0, for light that falls on `x`; and its
-    /// weight f/∫f over the probability of the choice, which is in proportion to that of |f|/∫f. `limits` gives how many pixels
-    /// the film has before and after one.
+    /// The other way round: one of `count` pixels in a row, the first of which begins at 0, for light that
+    /// falls on `x`; and its weight f/∫f over the probability of the choice, which is in proportion to that
+    /// of |f|/∫f. `limits` gives how many pixels the film has before and after one.
     pub fn pixel_at(
         &self,
         x: f64,
@@ -127,8 +128,8 @@ impl FilterSampler {
     }
 }
 
-/// A filter within a bin as a polynomial, which costs a tenth of an exponential function; through five Chebyshev points, in
-/// Newton's form.
+/// A filter within a bin as a polynomial, which costs a tenth of an exponential function; through five
+/// Chebyshev points, in Newton's form.
 #[derive(Clone, Copy, Debug)]
 struct Piece(Option<[f64; NODES.len()]>);
 
@@ -137,7 +138,8 @@ const NODES: [f64; 5] =
     [0.024_471_741_852_423_2, 0.206_107_373_853_763_5, 0.5, 0.793_892_626_146_236_5, 0.975_528_258_147_576_8];
 
 impl Piece {
-    /// What a piece may be off, relative to the filter's value in the middle of its pixel: far less than `f32` resolves.
+    /// What a piece may be off, relative to the filter's value in the middle of its pixel: far less than
+    /// `f32` resolves.
     const TOLERANCE: f64 = 1e-9;
 
     /// No polynomial where none comes near enough, as at the foot of a filter that ends within the bin.

@@ -2,7 +2,8 @@
 
 use super::{ChannelAccumulator, ExactSum};
 
-/// The accumulators of `width × height` pixels with a fixed number of channels each, stored pixel by pixel in rows.
+/// The accumulators of `width × height` pixels with a fixed number of channels each, stored pixel by pixel in
+/// rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accumulators {
     width: u32,

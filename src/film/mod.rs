@@ -1,9 +1,9 @@
 //! What a pixel remembers of its samples, independent of the order in which they arrive.
 //!
-//! A render is a function of scene, seed and sample range, so the numbers a pixel ends with must not depend on
-//! threads, tiles, processes or the order of a merge. Two things make that so: consecutive samples are grouped
-//! into fixed blocks of [`BLOCK`], each summed plainly in sample order; and the block sums are added by
-//! [`ExactSum`], whose bits depend only on *which* values were added.
+//! A render is a function of scene, seed and sample range, so the numbers a pixel ends with must not depend
+//! on threads, tiles, processes or the order of a merge. Two things make that so: consecutive samples are
+//! grouped into fixed blocks of [`BLOCK`], each summed plainly in sample order; and the block sums are added
+//! by [`ExactSum`], whose bits depend only on *which* values were added.
 //!
 //! [`ChannelAccumulator`] is one channel of one pixel, [`Accumulators`] a rectangle of pixels.
 

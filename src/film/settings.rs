@@ -40,8 +40,8 @@ pub struct Band {
     pub response: Tabulated,
 }
 
-/// The channel of a response: `S0.` and its centroid, as in `S0.550,000nm` (Fichet et al. 2021, "An OpenEXR Layout for
-/// Spectral Images", §3). It keeps its own name if it has no centroid.
+/// The channel of a response: `S0.` and its centroid, as in `S0.550,000nm` (Fichet et al. 2021, "An OpenEXR
+/// Layout for Spectral Images", §3). It keeps its own name if it has no centroid.
 fn channel_of(name: &str, response: &Tabulated) -> String {
     let (lowest, highest) = response.range();
     const STEPS: usize = 4096;
@@ -87,8 +87,8 @@ impl Film {
         (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)
     }
 
-    /// The pixel that light at a place of the film (in pixels) is given to, and its weight: [`Film::place`] from the
-    /// other end.
+    /// The pixel that light at a place of the film (in pixels) is given to, and its weight: [`Film::place`]
+    /// from the other end.
     pub fn pixel_at(&self, place: DVec2, u: DVec2) -> Option<((u32, u32), f64)> {
         let c = self.crop;
         let limits = |count: u32| {
@@ -255,7 +255,8 @@ mod tests {
         }
     }
 
-    /// Light goes to the pixels whose samples lie where it falls: over all places, as often as their weights say.
+    /// Light goes to the pixels whose samples lie where it falls: over all places, as often as their weights
+    /// say.
     #[test]
     fn light_is_given_to_the_pixel_that_gathers_it() {
         let mut film = Film::new(SIZE, Profile::Box);

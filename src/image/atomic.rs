@@ -14,10 +14,10 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
 
 /// Replaces the file at `path` by what `write` writes.
 ///
-/// The bytes go to the sibling `path.partial`, which is flushed to the disk and then renamed. Who writes it holds a lock on it, so that of several
-/// processes with the same output each leaves a whole file and the last one stays. On an error the partial file
-/// is removed and an existing file at `path` stays as it was. A link is followed; a device or pipe, which cannot
-/// be renamed over, is written directly.
+/// The bytes go to the sibling `path.partial`, which is flushed to the disk and then renamed. Who writes it
+/// holds a lock on it, so that of several processes with the same output each leaves a whole file and the
+/// last one stays. On an error the partial file is removed and an existing file at `path` stays as it was. A
+/// link is followed; a device or pipe, which cannot be renamed over, is written directly.
 pub(crate) fn write_file_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -31,7 +31,8 @@ pub(crate) fn write_file_with(
     result.map_err(|error| ImageError::new(format!("cannot write: {error}")).at(path))
 }
 
-/// Finds out whether the file at `path` could be written, and leaves no trace. That there will be space is not promised.
+/// Finds out whether the file at `path` could be written, and leaves no trace. That there will be space is
+/// not promised.
 ///
 /// # Errors
 /// With the reason why it could not be: no folder, no permission, a folder in its place.
@@ -57,8 +58,8 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     tried.and_then(|(_, probe)| fs::remove_file(probe)).map_err(|error| cannot(error.to_string()))
 }
 
-/// Finds out whether those of these files that are wanted could all be written, each in a place of its own and none over one of `inputs`, and
-/// leaves no trace.
+/// Finds out whether those of these files that are wanted could all be written, each in a place of its own
+/// and none over one of `inputs`, and leaves no trace.
 ///
 /// # Errors
 /// With the reason why one could not be.
@@ -136,14 +137,16 @@ fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
 /// How long another process may take to write the same file.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Opens a partial file, empty, for this process alone; its lock ends with it. Where another process does not come to an end, or the file
-/// system has no locks, it gets a name of its own: a render that is complete must not be lost for want of one.
+/// Opens a partial file, empty, for this process alone; its lock ends with it. Where another process does not
+/// come to an end, or the file system has no locks, it gets a name of its own: a render that is complete must
+/// not be lost for want of one.
 fn claim(target: &Path) -> io::Result<(File, PathBuf)> {
     let (begin, path) = (Instant::now(), partial(target));
     loop {
         let file = File::options().write(true).create(true).truncate(false).open(&path)?;
         match file.try_lock() {
-            // Whoever had the lock may have renamed the file since it was opened: then it is the output, and not to be emptied.
+            // Whoever had the lock may have renamed the file since it was opened: then it is the output, and
+            // not to be emptied.
             Ok(()) if is_at(&file, &path) => return file.set_len(0).map(|()| (file, path)),
             Ok(()) => {}
             Err(TryLockError::WouldBlock) if begin.elapsed() < PATIENCE => {

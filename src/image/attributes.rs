@@ -1,8 +1,8 @@
 //! Puts the attributes of an OpenEXR header in order.
 //!
-//! The crate `exr` keeps custom attributes in a hash map, so they reach the file in an order that changes from run to
-//! run. The format gives the order no meaning (OpenEXR file layout, "Header"), and sorting the attributes by name
-//! moves no byte behind the header, so the chunk offsets stay right.
+//! The crate `exr` keeps custom attributes in a hash map, so they reach the file in an order that changes
+//! from run to run. The format gives the order no meaning (OpenEXR file layout, "Header"), and sorting the
+//! attributes by name moves no byte behind the header, so the chunk offsets stay right.
 
 /// Sorts the attributes of each header by name. `None` if the bytes are not an OpenEXR file.
 pub(super) fn sort_attributes(file: &mut [u8]) -> Option<()> {

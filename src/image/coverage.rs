@@ -57,8 +57,8 @@ pub(super) fn check_coverage(parts: &[Part]) -> Result<(Window, Range<u64>), Ima
 
 /// The first range of samples, and the first column and row that lack it, which the boxes leave open.
 ///
-/// Along the rows, the set of boxes changes only where one begins or ends. Within a slab between two such rows the
-/// question is the same with one axis less.
+/// Along the rows, the set of boxes changes only where one begins or ends. Within a slab between two such
+/// rows the question is the same with one axis less.
 fn first_gap(boxes: &[&[Range<u64>; 3]], bounds: &[Range<u64>; 3]) -> Option<[Range<u64>; 3]> {
     let slabs = |axis: usize, boxes: &[&[Range<u64>; 3]]| {
         let mut borders = vec![bounds[axis].start, bounds[axis].end];

@@ -8,8 +8,8 @@ pub(super) const HEIGHT: u32 = 7;
 
 const GLYPHS: &str = include_str!("font.txt");
 
-/// Whether the glyph of a character has ink in this column and row. Small letters look like capitals; characters
-/// the font lacks, and the space, are blank.
+/// Whether the glyph of a character has ink in this column and row. Small letters look like capitals;
+/// characters the font lacks, and the space, are blank.
 pub(super) fn ink(character: char, x: u32, y: u32) -> bool {
     let character = character.to_ascii_uppercase() as u32;
     let lines: Vec<&[u8]> = GLYPHS.lines().map(str::as_bytes).collect();

@@ -1,8 +1,8 @@
 //! Joining images that were rendered in parts: by windows, by sample ranges, or both.
 //!
-//! A part is a box in (column, row, sample). Parts merge if their boxes are disjoint and fill the box around them all; how
-//! they divide it is free. Every pixel of the result is the exact sum of what the parts hold of it, so the
-//! result does not depend on the division or on the order, and equals that of one run bit for bit.
+//! A part is a box in (column, row, sample). Parts merge if their boxes are disjoint and fill the box around
+//! them all; how they divide it is free. Every pixel of the result is the exact sum of what the parts hold of
+//! it, so the result does not depend on the division or on the order, and equals that of one run bit for bit.
 
 use super::coverage::{Part, check_coverage};
 use super::exr::{read_exr, read_head};
@@ -10,8 +10,8 @@ use super::{Channel, Image, ImageError, Window};
 use crate::film::{Accumulators, BLOCK};
 use std::path::{Path, PathBuf};
 
-/// Merges files into one image, a shard if they are shards. Whether they fit is known from their heads; then they are read one
-/// after the other, so that only one of them is in memory beside the result.
+/// Merges files into one image, a shard if they are shards. Whether they fit is known from their heads; then
+/// they are read one after the other, so that only one of them is in memory beside the result.
 ///
 /// # Errors
 /// As [`merge`] has them; and if a file cannot be read, or changes meanwhile.
@@ -31,8 +31,9 @@ pub fn merge_files(paths: Vec<PathBuf>) -> Result<Image, ImageError> {
 /// Merges images into one, a shard if they are shards. The paths name the images in error messages.
 ///
 /// # Errors
-/// If there is no image; if two of them differ in scene, seed, version, kernel, integrator, film or channels, or overlap;
-/// if a pixel or a range of samples is missing; or if images that are not shards hold different samples.
+/// If there is no image; if two of them differ in scene, seed, version, kernel, integrator, film or channels,
+/// or overlap; if a pixel or a range of samples is missing; or if images that are not shards hold different
+/// samples.
 pub fn merge(images: Vec<(PathBuf, Image)>) -> Result<Image, ImageError> {
     merge_parts(images, |(_, image)| Ok(image))
 }

@@ -1,8 +1,8 @@
 //! Images in memory and in files: OpenEXR and PNG, provenance, merging.
 //!
 //! A file is a function of the render: no clock, host name, path or thread count reaches it, so equal renders
-//! are equal byte for byte. A *shard*, a render of a part of the samples, carries its exact accumulators along, so
-//! that [`merge`] can join shards to the file that one run would have written.
+//! are equal byte for byte. A *shard*, a render of a part of the samples, carries its exact accumulators
+//! along, so that [`merge`] can join shards to the file that one run would have written.
 
 mod atomic;
 mod attributes;
@@ -51,13 +51,13 @@ impl Window {
 /// One channel of an image, pixel by pixel in rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// `R`, `G`, `B`; a spectral bin such as `S0.550,000nm` (Fichet et al. 2021, "An OpenEXR Layout for Spectral Images");
-    /// or the name of an auxiliary output.
+    /// `R`, `G`, `B`; a spectral bin such as `S0.550,000nm` (Fichet et al. 2021, "An OpenEXR Layout for
+    /// Spectral Images"); or the name of an auxiliary output.
     pub name: String,
     /// The mean of the pixel's samples. Linear sRGB in `R G B`, radiance in a spectral bin.
     pub mean: Vec<f32>,
-    /// The variance of that mean, if it is known. Infinite where it could not be estimated, or where it exceeds the
-    /// range of f32 (a standard error beyond 1.8e19); zero where it is beneath it (4e-23).
+    /// The variance of that mean, if it is known. Infinite where it could not be estimated, or where it
+    /// exceeds the range of f32 (a standard error beyond 1.8e19); zero where it is beneath it (4e-23).
     pub variance: Option<Vec<f32>>,
 }
 
@@ -91,8 +91,8 @@ pub struct Image {
 }
 
 impl Image {
-    /// The image of accumulated samples, with a mean and a variance for each of the named channels. `shard` says
-    /// whether the image keeps the accumulators.
+    /// The image of accumulated samples, with a mean and a variance for each of the named channels. `shard`
+    /// says whether the image keeps the accumulators.
     pub fn from_accumulators(
         full: (u32, u32),
         crop: Window,

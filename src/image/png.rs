@@ -26,7 +26,8 @@ impl Rgb8 {
         Rgb8 { width, height, pixels: vec![color; width as usize * height as usize] }
     }
 
-    /// Copies another picture into this one, its upper left pixel to (`left`, `top`). What does not fit is cut off.
+    /// Copies another picture into this one, its upper left pixel to (`left`, `top`). What does not fit is
+    /// cut off.
     pub fn paste(&mut self, picture: &Rgb8, left: u32, top: u32) {
         for y in 0..picture.height.min(self.height.saturating_sub(top)) {
             for x in 0..picture.width.min(self.width.saturating_sub(left)) {
@@ -37,7 +38,8 @@ impl Rgb8 {
     }
 }
 
-/// The sRGB code of a linear value in 0..1 (IEC 61966-2-1), rounded to the nearest of 256. Values outside are clamped.
+/// The sRGB code of a linear value in 0..1 (IEC 61966-2-1), rounded to the nearest of 256. Values outside are
+/// clamped.
 pub fn encode_srgb(linear: f32) -> u8 {
     let linear = f64::from(linear).clamp(0.0, 1.0);
     let encoded =
@@ -45,7 +47,8 @@ pub fn encode_srgb(linear: f32) -> u8 {
     (255.0 * encoded + 0.5) as u8
 }
 
-/// The picture of an image's channels `R G B`, and how many pixels of it are not finite; these are shown in magenta.
+/// The picture of an image's channels `R G B`, and how many pixels of it are not finite; these are shown in
+/// magenta.
 ///
 /// # Errors
 /// If the image lacks one of the channels.

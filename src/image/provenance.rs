@@ -4,8 +4,8 @@ use super::ImageError;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// What was rendered and how, as stored in the header of the file. Two images with equal provenance and window are
-/// equal.
+/// What was rendered and how, as stored in the header of the file. Two images with equal provenance and
+/// window are equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
     /// Version of Etalon.
@@ -38,7 +38,8 @@ pub enum Attribute {
 const REQUIRED: [&str; 6] = ["version", "scene", "seed", "samples", "kernel", "integrator"];
 
 impl Provenance {
-    /// All attributes by name. The seed and the sample range are text because OpenEXR's integers have 32 bits.
+    /// All attributes by name. The seed and the sample range are text because OpenEXR's integers have 32
+    /// bits.
     pub(super) fn to_attributes(&self) -> Result<BTreeMap<String, Attribute>, ImageError> {
         let mut attributes = self.extra.clone();
         let samples = format!("{}..{}", self.samples.start, self.samples.end);

@@ -34,7 +34,8 @@ fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
     Ok(Pixels { width, height, channels: 3, values: image.into_rgb32f().into_raw(), encoded: false })
 }
 
-/// More pixels than a byte of JPEG or BMP can hold: a block of 8×8 takes at least a bit there, and a run of 255 two bytes here.
+/// More pixels than a byte of JPEG or BMP can hold: a block of 8×8 takes at least a bit there, and a run of
+/// 255 two bytes here.
 const PIXELS_A_BYTE: u64 = 512;
 
 fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {

@@ -9,8 +9,9 @@ const GAP: u32 = 2;
 const PAPER: [u8; 3] = [32, 32, 32];
 const INK: [u8; 3] = [224, 224, 224];
 
-/// Pictures with captions, side by side from left to right in rows of `columns` (at least one), in cells of the
-/// largest width and height. An empty caption leaves its line blank; without any caption there is no line for them.
+/// Pictures with captions, side by side from left to right in rows of `columns` (at least one), in cells of
+/// the largest width and height. An empty caption leaves its line blank; without any caption there is no line
+/// for them.
 pub fn contact_sheet(pictures: &[(String, Rgb8)], columns: u32) -> Rgb8 {
     let columns = columns.clamp(1, (pictures.len() as u32).max(1));
     let rows = (pictures.len() as u32).div_ceil(columns);

@@ -16,7 +16,8 @@ fn of_code(code: u8) -> f32 {
     f32::from(code) / 255.0
 }
 
-/// [`decode`] of a picture's channel. Most are of eight bits: a power for each would be half of what it takes to load a textured scene.
+/// [`decode`] of a picture's channel. Most are of eight bits: a power for each would be half of what it takes
+/// to load a textured scene.
 pub fn decode_channel(encoded: f32) -> f32 {
     let code = (encoded * 255.0 + 0.5) as u8;
     if of_code(code) == encoded { CODES[usize::from(code)] } else { decode(f64::from(encoded)) as f32 }

@@ -78,7 +78,8 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     Ok(AnyIntegrator::Aov(Box::new(aov)))
 }
 
-/// Refuses what cannot stand before the name of a channel: OpenEXR has room for 255 bytes, and variances have names of their own.
+/// Refuses what cannot stand before the name of a channel: OpenEXR has room for 255 bytes, and variances have
+/// names of their own.
 pub fn check_name(name: &str, place: &Span) -> Result<(), SceneError> {
     const LONGEST: usize = 100;
     if name.len() > LONGEST {

@@ -112,7 +112,8 @@ impl Direct {
         radiance
     }
 
-    /// Emitted light along a sampled direction, weighted against the emitter samples of a surface that gathers light about n.
+    /// Emitted light along a sampled direction, weighted against the emitter samples of a surface that
+    /// gathers light about n.
     fn arriving<const F: u32>(
         &self,
         scene: &Scene,

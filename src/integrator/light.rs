@@ -8,8 +8,8 @@ use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// The power heuristic with exponent 2 (Veach 1997, §9.2.4), as 1/(1 + (b/a)²): densities are never squared alone,
-/// so none can overflow.
+/// The power heuristic with exponent 2 (Veach 1997, §9.2.4), as 1/(1 + (b/a)²): densities are never squared
+/// alone, so none can overflow.
 #[inline]
 pub fn power_heuristic(a: f64, b: f64) -> f64 {
     let ratio = b / a;
@@ -45,8 +45,8 @@ impl<B> Vertex<'_, B> {
         self.frame.to_world(self.side.turn(w))
     }
 
-    /// The normal of the hemisphere from which light can be scattered, by the cosine or nearly; zero if it can be from
-    /// elsewhere.
+    /// The normal of the hemisphere from which light can be scattered, by the cosine or nearly; zero if it
+    /// can be from elsewhere.
     #[inline]
     pub fn gathers_about(&self) -> DVec3 {
         let traits = self.side.traits;
@@ -73,12 +73,13 @@ pub struct Sampled {
     pub density: f64,
 }
 
-/// One emitter sample out of `count`, weighted against `rivals` BSDF samples: an estimate of the direct light that
-/// this technique has to contribute, up to visibility.
+/// One emitter sample out of `count`, weighted against `rivals` BSDF samples: an estimate of the direct light
+/// that this technique has to contribute, up to visibility.
 ///
-/// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives a light
-/// sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of an emitter, a sample and its density np how many
-/// times likelier, as a density of directions, light paths make the whole path; see [`super::caustics`]. `n` is what the vertex gathers light about.
+/// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives
+/// a light sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of
+/// an emitter, a sample and its density np how many times likelier, as a density of directions, light paths
+/// make the whole path; see [`super::caustics`]. `n` is what the vertex gathers light about.
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
@@ -112,7 +113,8 @@ pub fn sample_emitter<B: Bsdf>(
     Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
 }
 
-/// The density with which emitter samples of a path's vertex come to this point of an emitter, all together, in direction w (world) and at this distance.
+/// The density with which emitter samples of a path's vertex come to this point of an emitter, all together,
+/// in direction w (world) and at this distance.
 pub fn density_of_samples<B>(
     scene: &Scene,
     end: EmitterPoint,

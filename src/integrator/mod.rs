@@ -1,7 +1,7 @@
 //! Estimators of what a pixel sees.
 //!
-//! *How to add one*: write `integrator/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
-//! [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
+//! *How to add one*: write `integrator/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line
+//! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
 
 mod aov;
 pub mod caustics;
@@ -112,8 +112,8 @@ pub struct KernelEntry {
 
 macro_rules! kernels {
     ($($name:literal: $features:expr),* $(,)?) => {
-        /// From least to most able. A scene runs the first that has all it needs; on any scene that several can
-        /// run, their images are equal to the bit.
+        /// From least to most able. A scene runs the first that has all it needs; on any scene that several
+        /// can run, their images are equal to the bit.
         pub static KERNELS: &[KernelEntry] = &[$(KernelEntry {
             features: Features($features),
             name: $name,

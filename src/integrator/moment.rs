@@ -1,9 +1,10 @@
 //! First and second moments of what another integrator sees, beside its image.
 //!
-//! Mitsuba's test suite keeps its references so: with the mean m₁ and the mean square m₂ of n samples the variance of a pixel is
-//! (m₂ − m₁²)/n. It holds for independent samples through a box filter; the `variance` channels that Etalon writes of its own accord hold for others
-//! as well. A sample's square is that of what it adds to its pixel, light paths included, so it is a property of the estimator: unlike the
-//! mean, it is not the same in another renderer.
+//! Mitsuba's test suite keeps its references so: with the mean m₁ and the mean square m₂ of n samples the
+//! variance of a pixel is (m₂ − m₁²)/n. It holds for independent samples through a box filter; the `variance`
+//! channels that Etalon writes of its own accord hold for others as well. A sample's square is that of what
+//! it adds to its pixel, light paths included, so it is a property of the estimator: unlike the mean, it is
+//! not the same in another renderer.
 
 use super::{AnyIntegrator, INTEGRATORS};
 use crate::scene::error::SceneError;
@@ -22,7 +23,8 @@ const UNNAMED: &str = "_arg_0";
 #[derive(Clone, Debug)]
 pub struct Moment {
     pub nested: AnyIntegrator,
-    /// First moments: what the nested integrator adds to the colours, then X, Y, Z; second moments in the same order.
+    /// First moments: what the nested integrator adds to the colours, then X, Y, Z; second moments in the
+    /// same order.
     pub channels: Vec<String>,
 }
 
@@ -117,7 +119,8 @@ mod tests {
     #[test]
     fn squares_are_averaged_after_squaring() {
         let (_, means) = rendered(64);
-        // Where light varies, the mean square exceeds the squared mean; the mean itself stays that of the image.
+        // Where light varies, the mean square exceeds the squared mean; the mean itself stays that of the
+        // image.
         let noisy = (0..means[0].len()).filter(|&i| means[9][i] > 1.5 * means[5][i] * means[5][i]).count();
         assert!(noisy > means[0].len() / 4, "{noisy}");
         assert!((0..means[0].len()).all(|i| means[9][i] >= (1.0 - 1e-6) * means[5][i] * means[5][i]));

@@ -7,8 +7,8 @@ use super::{BELOW_ONE, DVec2};
 pub struct Discrete {
     /// Running sums of the weights, normalised; the last is 1.
     cumulative: Vec<f64>,
-    /// Where to begin: for u in [k/n, (k + 1)/n) the first index whose running sum is above k/n (Chen and Asau 1974). The
-    /// search from there takes two steps on average, however uneven the weights.
+    /// Where to begin: for u in [k/n, (k + 1)/n) the first index whose running sum is above k/n (Chen and
+    /// Asau 1974). The search from there takes two steps on average, however uneven the weights.
     guide: Vec<u32>,
     /// The sum of the weights before normalisation.
     total: f64,
@@ -82,11 +82,12 @@ impl Discrete {
         (i, probability, ((u - below) / probability).min(BELOW_ONE))
     }
 
-    /// The index that the first of two numbers in [0, 1) falls on, its probability, and the two to be used again.
+    /// The index that the first of two numbers in [0, 1) falls on, its probability, and the two to be used
+    /// again.
     ///
-    /// Of points that are well spread over the square a strip falls to each index, over which they are well spread as well. Had another number
-    /// chosen, each index would be left with any of them. What the choice takes from the first number `digits`, in [0, 1), give back:
-    /// 32 bits more.
+    /// Of points that are well spread over the square a strip falls to each index, over which they are well
+    /// spread as well. Had another number chosen, each index would be left with any of them. What the choice
+    /// takes from the first number `digits`, in [0, 1), give back: 32 bits more.
     #[inline]
     pub fn sample_strip(&self, u: DVec2, digits: f64) -> (usize, f64, DVec2) {
         let (index, probability, rest) = self.sample(with_digits(u.x, digits));

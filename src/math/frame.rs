@@ -50,8 +50,8 @@ impl Frame {
     }
 }
 
-/// |v|. glam's own `length` takes the root by an SSE instruction of the `libm` crate, at which the processor waits
-/// for its AVX registers: it cost a sixth of a whole render.
+/// |v|. glam's own `length` takes the root by an SSE instruction of the `libm` crate, at which the processor
+/// waits for its AVX registers: it cost a sixth of a whole render.
 #[inline(always)]
 pub fn length(v: DVec3) -> f64 {
     v.dot(v).sqrt()

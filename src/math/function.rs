@@ -1,13 +1,13 @@
 //! Transcendental functions that give the same bits on every machine.
 //!
-//! The C libraries of two systems differ in up to a tenth of all arguments. Where speed does not matter these are
-//! the functions of the `libm` crate; the one that every path needs several times, [`sin_cos_turn`], is a pair of
-//! polynomials.
+//! The C libraries of two systems differ in up to a tenth of all arguments. Where speed does not matter these
+//! are the functions of the `libm` crate; the one that every path needs several times, [`sin_cos_turn`], is a
+//! pair of polynomials.
 
 pub use libm::{asin, atan, atan2, cos, cosh, exp, expm1, log as ln, pow, sin, sincos, sinh, tan, tanh};
 
-/// The arc cosine, as twice the angle whose tangent is √((1 − x)/(1 + x)). `libm`'s own holds an SSE root, at which the
-/// processor waits for its AVX registers; see [`length`](super::length).
+/// The arc cosine, as twice the angle whose tangent is √((1 − x)/(1 + x)). `libm`'s own holds an SSE root, at
+/// which the processor waits for its AVX registers; see [`length`](super::length).
 pub fn acos(x: f64) -> f64 {
     2.0 * atan2((1.0 - x).sqrt(), (1.0 + x).sqrt())
 }

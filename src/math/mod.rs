@@ -1,7 +1,7 @@
 //! Vectors, frames, rays, warps and reproducible functions: everything the models share and no model owns.
 //!
-//! All of it is `f64` and uses only operations whose result IEEE 754 fixes, or functions of [`function`] that are
-//! built from those. The platform's mathematics library never decides a bit of an image.
+//! All of it is `f64` and uses only operations whose result IEEE 754 fixes, or functions of [`function`] that
+//! are built from those. The platform's mathematics library never decides a bit of an image.
 
 pub mod bounds;
 pub mod cone;

@@ -12,8 +12,8 @@ const RULE: [(f64, f64); 8] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_1),
 ];
 
-/// ∫ₐᵇ f. The substitution x = a + (b − a)s² makes a square-root kink at `a`, as interfaces have at their critical
-/// angle, a polynomial.
+/// ∫ₐᵇ f. The substitution x = a + (b − a)s² makes a square-root kink at `a`, as interfaces have at their
+/// critical angle, a polynomial.
 pub fn gauss_legendre(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     const PANELS: usize = 8;
     let mut total = 0.0;

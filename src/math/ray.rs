@@ -4,9 +4,9 @@ use glam::DVec3;
 
 /// A half-line in world space, with the primitive it starts on.
 ///
-/// A ray never meets the planar primitive it starts on again, and meets a quadric it starts on only at the other
-/// root: leaving a surface needs no offset and no epsilon. `start` bounds the rounding error of the origin
-/// against neighbouring primitives.
+/// A ray never meets the planar primitive it starts on again, and meets a quadric it starts on only at the
+/// other root: leaving a surface needs no offset and no epsilon. `start` bounds the rounding error of the
+/// origin against neighbouring primitives.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     pub origin: DVec3,
@@ -22,7 +22,8 @@ pub struct Ray {
 }
 
 /// What is known of the two ends of a ray.
-// As large as the field before it: a ray is copied all the time, and bytes of padding would be copied one by one.
+// As large as the field before it: a ray is copied all the time, and bytes of padding would be copied one by
+// one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Ends {
@@ -56,16 +57,17 @@ impl Ray {
 /// A bound of the rounding error of a computed surface point.
 ///
 /// Points are interpolated from stored vertices or projected onto quadrics in `f64`: about ten roundings of
-/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene. Of a point of something large that passes close to
-/// the world's origin, the numbers it was computed from are larger than its own: there `p` must be a bound of those.
+/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene. Of a point of
+/// something large that passes close to the world's origin, the numbers it was computed from are larger than
+/// its own: there `p` must be a bound of those.
 #[inline]
 pub fn position_error(p: DVec3) -> f64 {
     const TEN_ROUNDINGS: f64 = 1.0 / (1u64 << 49) as f64;
     p.abs().max_element() * TEN_ROUNDINGS
 }
 
-/// How much of the way between two computed surface points, `distance` apart, must be free for them to see each other: neither's own surface
-/// may stand in the way.
+/// How much of the way between two computed surface points, `distance` apart, must be free for them to see
+/// each other: neither's own surface may stand in the way.
 #[inline]
 pub fn way_between(distance: f64, p: DVec3, q: DVec3) -> f64 {
     free_way(distance, position_error(p) + position_error(q))

@@ -1,8 +1,8 @@
 //! A render on its way, in a file: the exact sums so far and what they are sums of.
 //!
-//! The file is a magic number, the length of the head (`u64`), the head (JSON), the words of the accumulators pixel by
-//! pixel and channel by channel (`u32`), and the XXH3 of everything before (`u64`); all numbers little-endian. It
-//! is replaced whole or not at all, so a process may die at any time.
+//! The file is a magic number, the length of the head (`u64`), the head (JSON), the words of the accumulators
+//! pixel by pixel and channel by channel (`u32`), and the XXH3 of everything before (`u64`); all numbers
+//! little-endian. It is replaced whole or not at all, so a process may die at any time.
 
 use super::passes::Partial;
 use super::{NonFinite, Settings};
@@ -33,7 +33,8 @@ struct Head {
     first_non_finite: Vec<(u32, u32, u64)>,
 }
 
-/// Everything that decides the image. Two equal ones are the same render; threads and the kernel decide nothing.
+/// Everything that decides the image. Two equal ones are the same render; threads and the kernel decide
+/// nothing.
 #[derive(Serialize, Deserialize)]
 struct Identity {
     version: String,
@@ -93,7 +94,8 @@ pub fn size(settings: &Settings, channels: usize) -> u64 {
     4 * (Accumulators::WORDS * channels * settings.window.pixels()) as u64
 }
 
-/// Refuses to begin a render over a file that exists: a checkpoint is work that would be lost, and anything else is not ours.
+/// Refuses to begin a render over a file that exists: a checkpoint is work that would be lost, and anything
+/// else is not ours.
 ///
 /// # Errors
 /// Says which it is.

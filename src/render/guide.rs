@@ -1,10 +1,11 @@
 //! Whether emitters are sampled along ways that light paths have shown.
 //!
-//! Where [`links`](crate::integrator::links) find the way they make less noise and cost as much; where they do not, a picture of a few samples
-//! hardly shows what it misses, for scattering finds that light in single pixels of fire. So variances of a pilot cannot tell, but
-//! photons can: they know how much light comes by which ways, and what part of it no link would make. A few camera paths
-//! say whether any surface is seen that would ask. Both are functions of the scene alone and
-//! their samples are thrown away, so the choice cannot bias an image, and every part of a render makes the same.
+//! Where [`links`](crate::integrator::links) find the way they make less noise and cost as much; where they
+//! do not, a picture of a few samples hardly shows what it misses, for scattering finds that light in single
+//! pixels of fire. So variances of a pilot cannot tell, but photons can: they know how much light comes by
+//! which ways, and what part of it no link would make. A few camera paths say whether any surface is seen
+//! that would ask. Both are functions of the scene alone and their samples are thrown away, so the choice
+//! cannot bias an image, and every part of a render makes the same.
 
 use super::all_over;
 use super::sample::Camera;
@@ -103,7 +104,8 @@ mod tests {
         };
         let before = block(r#"z="1.1""#);
         let behind = block(r#"y="-12" z="1.1""#);
-        // The straight line to the lamp seldom leads through the side by which light comes to the ball within.
+        // The straight line to the lamp seldom leads through the side by which light comes to the ball
+        // within.
         assert_eq!(settled("auto", &before), (true, false));
         assert_eq!(settled("auto", &behind), (false, true));
         assert_eq!(settled("auto", ""), (false, false));

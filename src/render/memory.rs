@@ -4,8 +4,8 @@ use super::Settings;
 use crate::film::ChannelAccumulator;
 use std::fs;
 
-/// Bytes of the pixels of a render at its peak, which is when the file is made: `passes` says whether it is one in passes
-/// ([`super::passes`]). The scene and what threads need besides are not counted.
+/// Bytes of the pixels of a render at its peak, which is when the file is made: `passes` says whether it is
+/// one in passes ([`super::passes`]). The scene and what threads need besides are not counted.
 pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
     const MOMENTS: u64 = 2 * size_of::<f32>() as u64;
     const SUMS: u64 = size_of::<ChannelAccumulator>() as u64;
@@ -20,8 +20,8 @@ pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
     (kept + MOMENTS + file).saturating_mul(settings.window.pixels() as u64).saturating_mul(channels as u64)
 }
 
-/// Bytes that this process may still take, where the system tells: the least of the machine's free memory and what the
-/// control group (a container, a batch job) and the limit of the address space (`ulimit -v`) leave.
+/// Bytes that this process may still take, where the system tells: the least of the machine's free memory and
+/// what the control group (a container, a batch job) and the limit of the address space (`ulimit -v`) leave.
 pub fn available() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));

@@ -1,5 +1,6 @@
-//! Who computes what, and when. Nothing here can change a pixel: every camera sample is a function of the scene, the
-//! seed, its pixel and its number ([`sample`]), and pixels add up in an order that does not matter ([`crate::film`]).
+//! Who computes what, and when. Nothing here can change a pixel: every camera sample is a function of the
+//! scene, the seed, its pixel and its number ([`sample`]), and pixels add up in an order that does not matter
+//! ([`crate::film`]).
 
 pub mod checkpoint;
 pub mod guide;
@@ -31,7 +32,8 @@ use tile::{Tile, tile};
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
 
-/// The attribute of an image that says how many pixels shared what their paths found: their errors are not independent.
+/// The attribute of an image that says how many pixels shared what their paths found: their errors are not
+/// independent.
 pub const REUSE: &str = "reuse";
 
 /// What to render of a scene.
@@ -107,7 +109,8 @@ fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new().num_threads(threads).build()
 }
 
-/// Renders. `None` if `progress` was told to stop, or if the threads could not be started, which [`check_threads`] tells before.
+/// Renders. `None` if `progress` was told to stop, or if the threads could not be started, which
+/// [`check_threads`] tells before.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
     if scene.caustics.is_some() {
@@ -161,7 +164,8 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
     }
 }
 
-/// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut without need.
+/// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut
+/// without need.
 fn tiles(window: Window) -> impl Iterator<Item = Window> {
     let cut = |begin: u32, size: u32| {
         (begin / TILE * TILE..begin + size).step_by(TILE as usize).map(move |at| {

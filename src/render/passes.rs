@@ -1,8 +1,8 @@
 //! A render in passes over the whole window, after each of which it can be saved, shown or ended.
 //!
-//! A pass is a range of samples whose length is a power of two times [`BLOCK`] and whose beginning is a multiple of that
-//! length. The sums are exact, so that neither the division into passes nor the order in which tiles arrive can change a
-//! pixel: the clock may decide how long a pass is.
+//! A pass is a range of samples whose length is a power of two times [`BLOCK`] and whose beginning is a
+//! multiple of that length. The sums are exact, so that neither the division into passes nor the order in
+//! which tiles arrive can change a pixel: the clock may decide how long a pass is.
 
 use super::pilot::Quality;
 use super::tile::{Tile, tile};
@@ -82,8 +82,8 @@ fn kernel(scene: &Scene, settings: &Settings) -> &'static KernelEntry {
     settings.kernel.unwrap_or_else(|| kernel_for(scene.features))
 }
 
-/// Goes on with a render to the end of `settings.samples`, or until `after_pass` breaks. `None` if `progress` was told to stop,
-/// which ends it in the middle of a pass, or if the threads could not be started.
+/// Goes on with a render to the end of `settings.samples`, or until `after_pass` breaks. `None` if `progress`
+/// was told to stop, which ends it in the middle of a pass, or if the threads could not be started.
 pub fn render_passes(
     scene: &Scene,
     settings: &Settings,
@@ -128,7 +128,8 @@ pub fn render_passes(
     Some(partial)
 }
 
-/// The pass that begins at sample `done`, a multiple of [`BLOCK`]: aligned, at most `longest`, and not beyond the end.
+/// The pass that begins at sample `done`, a multiple of [`BLOCK`]: aligned, at most `longest`, and not beyond
+/// the end.
 fn next_pass(done: u64, end: u64, longest: u64) -> Range<u64> {
     let aligned = if done == 0 { longest } else { longest.min(1 << done.trailing_zeros()) };
     done..end.min(done + aligned)

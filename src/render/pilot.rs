@@ -1,20 +1,21 @@
 //! From a time or an error that is asked for to a number of samples.
 //!
-//! A pilot renders a few samples with a seed of its own and is thrown away. The image is the plain render of samples 0..N
-//! with the seed that was asked for, so `--spp N` makes it again, and N is independent of the image's samples: no
-//! optional stopping, no weights that depend on the data, no bias.
+//! A pilot renders a few samples with a seed of its own and is thrown away. The image is the plain render of
+//! samples 0..N with the seed that was asked for, so `--spp N` makes it again, and N is independent of the
+//! image's samples: no optional stopping, no weights that depend on the data, no bias.
 //!
-//! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its square. It falls as
-//! 1/n, so an error E needs N = n R²/E² samples. R² is uncertain itself. The variances v of the P pixels are
-//! independent estimates, or those of squares of pixels are that share what they find, so the variance of their sum is at most Σ v², that of the sum relative to it at most
-//! r² = Σ v²/(Σ v)²; and the mean by which it is divided has the relative error R, so its square 2R. The error found after the
+//! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its
+//! square. It falls as 1/n, so an error E needs N = n R²/E² samples. R² is uncertain itself. The variances v
+//! of the P pixels are independent estimates, or those of squares of pixels are that share what they find, so
+//! the variance of their sum is at most Σ v², that of the sum relative to it at most r² = Σ v²/(Σ v)²; and
+//! the mean by which it is divided has the relative error R, so its square 2R. The error found after the
 //! render is uncertain in the same way, less by n/N. With two standard deviations of all this,
 //!
 //! N = n R²/E² · (1 + 2 √(r² (1 + n/N) + 4 R²)).
 //!
-//! The pilot doubles until that uncertainty is small or the pilot has taken an eighth of N. 1/r² is the number of pixels
-//! that would make this much noise if all were alike. Where it is small the tails are heavy: a few samples decide the
-//! estimate, and the samples that nobody has seen yet may be larger.
+//! The pilot doubles until that uncertainty is small or the pilot has taken an eighth of N. 1/r² is the
+//! number of pixels that would make this much noise if all were alike. Where it is small the tails are heavy:
+//! a few samples decide the estimate, and the samples that nobody has seen yet may be larger.
 
 use super::passes::{Partial, render_passes};
 use super::{Progress, REUSE, Settings};
@@ -55,7 +56,8 @@ pub struct Quality {
     pub pixels: usize,
 }
 
-/// Sums over pixels from which a [`Quality`] follows; those of parts of a window whose borders cut no square of correlated pixels add up.
+/// Sums over pixels from which a [`Quality`] follows; those of parts of a window whose borders cut no square
+/// of correlated pixels add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     sum: [f64; 3],
@@ -67,8 +69,9 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Sums up values and variances of the pixels of a window, channel by channel; of more than three channels the first three. Within
-    /// squares of the film of this edge errors may be correlated, by however much.
+    /// Sums up values and variances of the pixels of a window, channel by channel; of more than three
+    /// channels the first three. Within squares of the film of this edge errors may be correlated, by however
+    /// much.
     pub fn of<C, V>(window: Window, edge: u32, channels: C) -> Self
     where
         C: IntoIterator<Item = V>,
@@ -77,7 +80,8 @@ impl Noise {
         let columns = ((window.x + window.width).div_ceil(edge) - window.x / edge) as usize;
         let rows = ((window.y + window.height).div_ceil(edge) - window.y / edge) as usize;
         let mut noise = Self::default();
-        // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel it is just that.
+        // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel
+        // it is just that.
         let mut squares = vec![0.0; columns * rows];
         for (sum, channel) in noise.sum.iter_mut().zip(channels) {
             let mut deviations = vec![0.0; columns * rows];
@@ -224,7 +228,8 @@ pub fn for_error(
     Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality })
 }
 
-/// The number of samples that takes `seconds`, the pilot's time included. The only figure here that a clock decides.
+/// The number of samples that takes `seconds`, the pilot's time included. The only figure here that a clock
+/// decides.
 pub fn for_time(
     scene: &Scene,
     settings: &Settings,

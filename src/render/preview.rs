@@ -1,8 +1,8 @@
 //! A render on its way, shown in the image viewer tev while it lasts.
 //!
-//! tev listens on TCP for packets (tev, `src/python/ipc.py`): the length of the packet in bytes including these four, its
-//! kind, and its fields; integers little-endian, texts ended by a zero. Of its kinds two are needed: *create image* (4)
-//! and *update image*, version 3 (6).
+//! tev listens on TCP for packets (tev, `src/python/ipc.py`): the length of the packet in bytes including
+//! these four, its kind, and its fields; integers little-endian, texts ended by a zero. Of its kinds two are
+//! needed: *create image* (4) and *update image*, version 3 (6).
 
 use super::passes::Partial;
 use crate::image::Window;
@@ -21,8 +21,8 @@ const ROWS: usize = 64;
 /// How long a viewer may take before it is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// A connection to a viewer. Nothing that happens to it can stop or slow a render: a viewer that is slower than the passes
-/// misses some of them.
+/// A connection to a viewer. Nothing that happens to it can stop or slow a render: a viewer that is slower
+/// than the passes misses some of them.
 pub struct Preview {
     frames: SyncSender<Vec<f32>>,
     thread: JoinHandle<io::Result<()>>,
@@ -133,7 +133,8 @@ fn create(name: &str, (width, height): (u32, u32), channels: &[String]) -> Vec<u
     packet.finish()
 }
 
-/// Some rows of a frame. Channels follow each other, so the values of one are at an offset and with a stride of 1.
+/// Some rows of a frame. Channels follow each other, so the values of one are at an offset and with a stride
+/// of 1.
 fn update(
     name: &str,
     channels: &[String],

@@ -1,11 +1,13 @@
-//! How many pixels share what their paths find, how many light paths they share, and how many emitter samples the first vertex of a path takes,
-//! where the scene leaves that to a pilot.
+//! How many pixels share what their paths find, how many light paths they share, and how many emitter samples
+//! the first vertex of a path takes, where the scene leaves that to a pilot.
 //!
-//! Each multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1: sharing where light has
-//! met several matte surfaces, light paths where most of it comes from few places, and more emitter samples where what is left then is direct light, which nobody shares. The
-//! pilot makes the same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells' relative
-//! deviations, over which a rare bright path has less sway than over variances. Its samples are thrown away and are a
-//! function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
+//! Each multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1:
+//! sharing where light has met several matte surfaces, light paths where most of it comes from few places,
+//! and more emitter samples where what is left then is direct light, which nobody shares. The pilot makes the
+//! same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells'
+//! relative deviations, over which a rare bright path has less sway than over variances. Its samples are
+//! thrown away and are a function of the scene alone, so the choice cannot bias an image, and every part of a
+//! render makes the same.
 
 use super::sample::Camera;
 use super::{scattered, share};
@@ -26,12 +28,13 @@ struct Choice {
     samples: u32,
 }
 
-/// Numbers of pixels to choose from, and what each must make of the product of variance and cost of the one before. Correlated errors
-/// are a price as well, which a smaller gain is not worth.
+/// Numbers of pixels to choose from, and what each must make of the product of variance and cost of the one
+/// before. Correlated errors are a price as well, which a smaller gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
 
-/// How many pixels there are to a shared light path, and what light paths must make of the product. The pilot, which looks at one colour and few samples, promises
-/// half as much again as they bring where little noise is left.
+/// How many pixels there are to a shared light path, and what light paths must make of the product. The
+/// pilot, which looks at one colour and few samples, promises half as much again as they bring where little
+/// noise is left.
 const LIGHT_PATHS: (u32, f64) = (8, 0.65);
 
 /// The same of emitter samples, as multiples of what other vertices take.
@@ -41,7 +44,8 @@ const SAMPLES: [(u32, f64); 2] = [(2, 0.95), (4, 0.95)];
 const SHARING: f64 = 1.8;
 const HANDING_ON: f64 = 0.035;
 
-/// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at vertices.
+/// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at
+/// vertices.
 const VISIBILITY: f64 = 0.5;
 
 /// What a light path of a group costs besides its rays: scattering, weights, and connections.
@@ -57,8 +61,9 @@ const CAMERA_SAMPLES: u64 = 32;
 /// Samples that are summed before sums are compared: what stratification does away with is no gain.
 const BLOCK: u64 = 8;
 
-/// Settles both, by a pilot if the scene's file or a command line leaves them to that, once all else is settled. Light paths take what they
-/// make as well out of what pixels share; so where emitters are sampled through glass at all vertices, which relieves light paths, these may go.
+/// Settles both, by a pilot if the scene's file or a command line leaves them to that, once all else is
+/// settled. Light paths take what they make as well out of what pixels share; so where emitters are sampled
+/// through glass at all vertices, which relieves light paths, these may go.
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
     let (free, usual) = (path.free, path.emitter_samples);
@@ -144,7 +149,8 @@ fn measure(scene: &mut Scene, choice: Choice) -> f64 {
         let mut counters = Counters::default();
         let at = scattered(i, u64::from(columns * rows)) as u32;
         let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
-        // Green stands for all colours. Of every pixel: the sum, the sum of squares of blocks, the block at hand.
+        // Green stands for all colours. Of every pixel: the sum, the sum of squares of blocks, the block at
+        // hand.
         let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
         for sample in 0..CAMERA_SAMPLES {
             let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();

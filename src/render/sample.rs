@@ -94,8 +94,8 @@ impl<'a> Camera<'a> {
         self.scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths))
     }
 
-    /// Traces light paths by their numbers, counted over all samples, and hands on which of them brings what to the
-    /// colour channels of which pixel.
+    /// Traces light paths by their numbers, counted over all samples, and hands on which of them brings what
+    /// to the colour channels of which pixel.
     pub fn trace_light(
         &self,
         numbers: Range<u64>,
@@ -179,8 +179,8 @@ impl<'a> Camera<'a> {
         (paths, weights)
     }
 
-    /// Of samples whose pixels share what they find: the number of each one's group. All samples of a cell have the
-    /// wavelengths of its corner, which come second.
+    /// Of samples whose pixels share what they find: the number of each one's group. All samples of a cell
+    /// have the wavelengths of its corner, which come second.
     fn groups(&self, which: &[((u32, u32), u64)]) -> Vec<(u32, Wavelengths)> {
         let pixels = self.scene.integrator.reuse();
         if pixels == 1 {
@@ -233,7 +233,8 @@ impl<'a> Camera<'a> {
     }
 }
 
-/// What spectral responses make of light along a path. It stands apart, so that other films do not pay for it.
+/// What spectral responses make of light along a path. It stands apart, so that other films do not pay for
+/// it.
 #[inline(never)]
 fn respond(bands: &[Band], (λ, radiance): (&Wavelengths, Spectrum), weight: f64, values: &mut [f64]) {
     for (value, band) in values.iter_mut().zip(bands) {

@@ -1,11 +1,13 @@
 //! How many light paths there are to a camera path.
 //!
-//! A pixel of relative cost 1 + s and variance V + W/s, with s light paths to a camera path, is best at s² = W/V: the variance
-//! that light paths leave against that of camera paths. A pilot too short to know variances knows energies well, since
-//! either kind of path finds its own part of the light easily. So s is the root of the share of the image's light that
-//! light paths bring, as a power of two; and where they bring none they are left out. Where they would bring most of it, sampling emitters
-//! through glass ([`links`](crate::integrator::links)) relieves them first. The pilot's samples are thrown away and
-//! are a function of the scene alone, so the choice cannot bias an image, and every part of a render makes the same.
+//! A pixel of relative cost 1 + s and variance V + W/s, with s light paths to a camera path, is best at s² =
+//! W/V: the variance that light paths leave against that of camera paths. A pilot too short to know variances
+//! knows energies well, since either kind of path finds its own part of the light easily. So s is the root of
+//! the share of the image's light that light paths bring, as a power of two; and where they bring none they
+//! are left out. Where they would bring most of it, sampling emitters through glass
+//! ([`links`](crate::integrator::links)) relieves them first. The pilot's samples are thrown away and are a
+//! function of the scene alone, so the choice cannot bias an image, and every part of a render makes the
+//! same.
 
 use super::all_over;
 use super::sample::Camera;
@@ -28,12 +30,12 @@ const MUCH: f64 = 0.5;
 const FEWEST: f64 = 1.0 / 32.0;
 const MOST: f64 = 1.0;
 
-/// So many times more where pixels share what their paths find ([`reuse`](crate::integrator::path::reuse)): that takes variance from camera
-/// paths and leaves that of light paths.
+/// So many times more where pixels share what their paths find ([`reuse`](crate::integrator::path::reuse)):
+/// that takes variance from camera paths and leaves that of light paths.
 const MORE_WHERE_PIXELS_SHARE: f64 = 2.0;
 
-/// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may have to be kept of
-/// the four of a block.
+/// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may
+/// have to be kept of the four of a block.
 const AT_ONCE: f64 = (1 << 19) as f64;
 
 /// Settles the number of light paths of a scene whose file does not.
@@ -63,7 +65,8 @@ fn set(scene: &mut Scene, share: f64) {
     scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
 }
 
-/// Gives a scene whose pixels share the more light paths that it then is best with, if its file leaves that open.
+/// Gives a scene whose pixels share the more light paths that it then is best with, if its file leaves that
+/// open.
 pub fn raise(scene: &mut Scene) {
     let Some(caustics) = scene.caustics.as_ref().filter(|_| is_free(scene)) else { return };
     let share = f64::from(caustics.paths) / scene.sensor.film.crop.pixels() as f64;
@@ -84,8 +87,8 @@ fn nearest_power_of_two(x: f64) -> f64 {
     power
 }
 
-/// The part of the light that light paths bring, averaged over tiles of the image, for a lamp in view must not outshine
-/// everything else; zero where they were not seen to bring any.
+/// The part of the light that light paths bring, averaged over tiles of the image, for a lamp in view must
+/// not outshine everything else; zero where they were not seen to bring any.
 fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let camera = Camera::new(scene, 0, kernel_for(scene.features));
     let mut counters = Counters::default();
@@ -128,7 +131,8 @@ mod tests {
         }
     }
 
-    /// Light paths to a camera path in a box whose lamp is behind glass or not, or that has no glass, or no lamp to aim from.
+    /// Light paths to a camera path in a box whose lamp is behind glass or not, or that has no glass, or no
+    /// lamp to aim from.
     fn share(inside: &str, more: &str) -> f64 {
         let text = format!(
             r#"<scene version="3.0.0">

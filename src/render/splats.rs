@@ -1,8 +1,9 @@
 //! What light paths bring to the pixels of a window.
 //!
-//! The light paths of sample number s have the numbers s M .. (s + 1) M. What they bring to a pixel is added to that pixel's camera
-//! sample s, in the order of their numbers: so a sample of a pixel is still a function of scene, seed, pixel and number,
-//! and all that holds for samples (merging, blocks, variances) holds for both together.
+//! The light paths of sample number s have the numbers s M .. (s + 1) M. What they bring to a pixel is added
+//! to that pixel's camera sample s, in the order of their numbers: so a sample of a pixel is still a function
+//! of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances) holds for
+//! both together.
 
 use super::Progress;
 use super::sample::Camera;
@@ -18,7 +19,8 @@ const CHUNK: u64 = 1024;
 /// Light paths whose splats are kept at once, if a pass can be made that short: some tens of megabytes.
 pub const MANY: u64 = 1 << 19;
 
-/// The splats of a range of samples upon a window, pixel by pixel, each pixel's in the order of their light paths.
+/// The splats of a range of samples upon a window, pixel by pixel, each pixel's in the order of their light
+/// paths.
 #[derive(Debug, Default)]
 pub struct Splats {
     window: Option<Window>,
@@ -43,7 +45,8 @@ struct Part {
 }
 
 impl Splats {
-    /// Traces the light paths of a range of samples. Nothing where the scene has no use for them; `None` if told to stop.
+    /// Traces the light paths of a range of samples. Nothing where the scene has no use for them; `None` if
+    /// told to stop.
     pub fn trace(camera: &Camera, window: Window, samples: &Range<u64>, progress: &Progress) -> Option<Self> {
         let per_sample = camera.light_paths();
         let numbers = samples.start * per_sample..samples.end * per_sample;

@@ -69,7 +69,8 @@ pub fn tile(
             }
         }
     } else {
-        // Cell by cell and sample by sample, with those pixels of a cell that others of it need, within the window or not.
+        // Cell by cell and sample by sample, with those pixels of a cell that others of it need, within the
+        // window or not.
         const CELL: u32 = reuse::CELL;
         let (columns, rows) = (
             window.x / CELL..=(window.x + window.width - 1) / CELL,

@@ -1,4 +1,5 @@
-//! Independent numbers: a PCG stream for every sample and block, so that nothing depends on what was drawn before.
+//! Independent numbers: a PCG stream for every sample and block, so that nothing depends on what was drawn
+//! before.
 
 use super::mix;
 use crate::math::simd::U32x8;

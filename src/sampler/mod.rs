@@ -1,10 +1,11 @@
 //! Numbers in [0, 1), each a function of (seed, pixel, sample, dimension) and of nothing else.
 //!
-//! Numbers come in blocks of eight: block 0 belongs to the camera, one further block to every vertex of a path.
-//! Within a block the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a sampler may stratify together.
+//! Numbers come in blocks of eight: block 0 belongs to the camera, one further block to every vertex of a
+//! path. Within a block the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a sampler may stratify
+//! together.
 //!
-//! *How to add one*: write `sampler/<name>.rs` with a function that makes blocks; add a variant of [`Kind`] and its
-//! rows in [`SAMPLERS`].
+//! *How to add one*: write `sampler/<name>.rs` with a function that makes blocks; add a variant of [`Kind`]
+//! and its rows in [`SAMPLERS`].
 
 mod independent;
 mod sobol;
@@ -39,8 +40,8 @@ pub enum Kind {
 
 macro_rules! samplers {
     ($($name:literal, $kind:ident, $about:literal;)*) => {
-        /// Every sampler. Etalon's images equal Mitsuba's in expectation, never in noise, so Mitsuba's stratified
-        /// samplers all mean the best stratification there is here.
+        /// Every sampler. Etalon's images equal Mitsuba's in expectation, never in noise, so Mitsuba's
+        /// stratified samplers all mean the best stratification there is here.
         pub static SAMPLERS: &[Entry<SamplerSettings>] = &[$(Entry {
             name: $name,
             about: $about,
@@ -120,15 +121,16 @@ impl Sampler {
         Self { sample, ..self }
     }
 
-    /// The numbers of one of `count` emitter samples at a vertex with so many edges behind it. Those of all camera samples
-    /// are one sequence, better spread than `count` of their own.
+    /// The numbers of one of `count` emitter samples at a vertex with so many edges behind it. Those of all
+    /// camera samples are one sequence, better spread than `count` of their own.
     #[inline]
     pub fn emitter_sample(&self, depth: u32, which: u32, count: u32) -> Numbers {
         let (sampler, beyond) = self.one_of(which, count);
         sampler.block(EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + beyond)
     }
 
-    /// One of `count` that stand for this sample, those of all samples being one sequence, and how many times that is longer than samplers can count.
+    /// One of `count` that stand for this sample, those of all samples being one sequence, and how many times
+    /// that is longer than samplers can count.
     #[inline]
     pub fn one_of(&self, which: u32, count: u32) -> (Self, u32) {
         let number = u64::from(self.sample) * u64::from(count) + u64::from(which);
@@ -155,8 +157,8 @@ impl<const N: usize> Default for ManyNumbers<N> {
 }
 
 impl<const N: usize> ManyNumbers<N> {
-    /// Fills the first `count` from the sampler and the block that `of` names for each, all samplers of one kind:
-    /// eight at a time cost little more than one.
+    /// Fills the first `count` from the sampler and the block that `of` names for each, all samplers of one
+    /// kind: eight at a time cost little more than one.
     #[inline]
     pub fn fill<'a>(&mut self, count: usize, of: impl Fn(usize) -> (&'a Sampler, u32)) {
         for first in (0..count).step_by(8) {

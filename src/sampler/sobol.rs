@@ -1,8 +1,8 @@
 //! Owen-scrambled Sobol points in padded pairs (Burley 2020, "Practical Hash-based Owen Scrambling").
 //!
-//! Every pair of dimensions is the (0,2)-sequence of the first two Sobol dimensions, with the order of its samples
-//! shuffled and both coordinates scrambled by hashes of (seed, pixel, dimension). Any 2ᵏ consecutive samples that
-//! start at a multiple of 2ᵏ are a net.
+//! Every pair of dimensions is the (0,2)-sequence of the first two Sobol dimensions, with the order of its
+//! samples shuffled and both coordinates scrambled by hashes of (seed, pixel, dimension). Any 2ᵏ consecutive
+//! samples that start at a multiple of 2ᵏ are a net.
 
 use super::mix;
 use crate::math::simd::U32x8;
@@ -94,9 +94,10 @@ mod tests {
         }
     }
 
-    /// Four points with one in every row, column and quarter of a square of sixteen cells: each column of the left half
-    /// decides for a quarter, and so does one of the right, and in both halves of the rows one of two orders is left,
-    /// 2⁴ patterns in all. Scrambling makes all of them, unless it does to one axis what it does to the other.
+    /// Four points with one in every row, column and quarter of a square of sixteen cells: each column of the
+    /// left half decides for a quarter, and so does one of the right, and in both halves of the rows one of
+    /// two orders is left, 2⁴ patterns in all. Scrambling makes all of them, unless it does to one axis what
+    /// it does to the other.
     #[test]
     fn the_axes_of_a_pair_are_scrambled_independently() {
         for pair in 0..4 {

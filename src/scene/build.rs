@@ -25,7 +25,8 @@ use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::path::Path;
 
-/// Asks whether a file can hold the channels: OpenEXR has room for 255 bytes of a name, and tells channels by them.
+/// Asks whether a file can hold the channels: OpenEXR has room for 255 bytes of a name, and tells channels by
+/// them.
 fn check_channels(integrator: &AnyIntegrator) -> Result<(), String> {
     const LONGEST: usize = 255 - "variance.".len();
     let names = integrator.extra_channels();

@@ -1,7 +1,7 @@
 //! Every model with its parameters, read off the registries.
 //!
-//! A parameter table is not written down anywhere: a model is parsed from an empty element, and what it asks for is
-//! its table. A model that refuses the empty element has asked for its required parameter by then.
+//! A parameter table is not written down anywhere: a model is parsed from an empty element, and what it asks
+//! for is its table. A model that refuses the empty element has asked for its required parameter by then.
 
 use super::error::SceneError;
 use super::loader::Loader;

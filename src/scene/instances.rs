@@ -25,8 +25,8 @@ impl Group {
     }
 }
 
-/// All groups and all their looks. The primitives of every look have numbers of their own, which follow upon those of the
-/// scene's other shapes.
+/// All groups and all their looks. The primitives of every look have numbers of their own, which follow upon
+/// those of the scene's other shapes.
 #[derive(Default)]
 pub struct Instances {
     groups: Vec<Group>,
@@ -117,8 +117,8 @@ impl Instances {
         (shape, local)
     }
 
-    /// The surface at a hit: that of the group, placed. Normals go with the inverse transpose, so that they keep their
-    /// side under a mirroring transform.
+    /// The surface at a hit: that of the group, placed. Normals go with the inverse transpose, so that they
+    /// keep their side under a mirroring transform.
     #[inline(never)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
         let (to_world, shape, local) = self.find(hit.primitive);
@@ -242,7 +242,8 @@ mod tests {
         assert!(hits > 5_000, "{hits}");
     }
 
-    /// The same numbers choose the same paths but for rounding, so the images differ by far less than their noise.
+    /// The same numbers choose the same paths but for rounding, so the images differ by far less than their
+    /// noise.
     #[test]
     fn an_instance_looks_like_its_shapes() {
         let image = |scene: &Scene| {

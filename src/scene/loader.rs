@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 /// No object is within so many others.
 const DEEPEST: usize = 64;
-/// Objects within objects are read again, by `<ref>`s, so many times for each element of the document, and this often besides. Each time costs some hundred bytes.
+/// Objects within objects are read again, by `<ref>`s, so many times for each element of the document, and
+/// this often besides. Each time costs some hundred bytes.
 const REPEATS: (usize, usize) = (16, 1 << 16);
 
 /// Names, caches and the colour mode of one reading.
@@ -72,8 +73,9 @@ impl<'d> Loader<'d> {
         })
     }
 
-    /// Marks an object as being read; refuses one that is being read already, and references that lead deeper or repeat objects more often than
-    /// the size of the document accounts for: each level of objects that refer to the level below twice doubles the work.
+    /// Marks an object as being read; refuses one that is being read already, and references that lead deeper
+    /// or repeat objects more often than the size of the document accounts for: each level of objects that
+    /// refer to the level below twice doubles the work.
     pub(super) fn enter(&self, element: &Element) -> Result<(), SceneError> {
         let mut open = self.open.borrow_mut();
         if open.iter().any(|e| std::ptr::eq(*e, element)) {

@@ -71,7 +71,8 @@ pub struct Side {
 }
 
 impl Side {
-    /// Between the frame about the shading normal and that of the material: a turned side sees the frame upside down.
+    /// Between the frame about the shading normal and that of the material: a turned side sees the frame
+    /// upside down.
     #[inline]
     pub fn turn(self, w: DVec3) -> DVec3 {
         if self.turned { DVec3::new(w.x, w.y, -w.z) } else { w }
@@ -203,8 +204,8 @@ impl Scene {
         (shape, point)
     }
 
-    /// Begins to bring what is known of surfaces into the cache, where primitives lie scattered over memory: first which corners the
-    /// triangles have, then the corners.
+    /// Begins to bring what is known of surfaces into the cache, where primitives lie scattered over memory:
+    /// first which corners the triangles have, then the corners.
     pub fn prefetch_surfaces(&self, hits: &[Option<Hit>]) {
         if !self.accel.is_scattered() {
             return;
@@ -231,7 +232,8 @@ impl Scene {
         all.position(|s| std::ptr::eq(s, shape)).unwrap_or(0)
     }
 
-    /// Bytes of geometry, search structure and textures are counted where they are largest: here, the first two.
+    /// Bytes of geometry, search structure and textures are counted where they are largest: here, the first
+    /// two.
     pub fn geometry_bytes(&self) -> usize {
         let all = self.shapes.iter().chain(self.instances.shapes());
         let meshes = all.map(|s| match &s.geometry {

@@ -98,8 +98,8 @@ impl<'a, 'd> Objects<'a, 'd> {
         Ok((sides, emitter))
     }
 
-    /// Reads a group, once, and answers with its number. As in Mitsuba, its shapes neither shine nor are groups or
-    /// instances themselves.
+    /// Reads a group, once, and answers with its number. As in Mitsuba, its shapes neither shine nor are
+    /// groups or instances themselves.
     fn group(&mut self, element: &'d Element, params: Params<'_, 'd>) -> Result<u32, SceneError> {
         params.finish()?;
         if let Some(number) = self.known_groups.get(&(element as *const Element)) {

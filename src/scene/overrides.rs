@@ -1,5 +1,5 @@
-//! What the command line says instead of the scene file, written into the document before anything reads it: so it
-//! takes the same path, gives the same errors, and is part of the scene's hash.
+//! What the command line says instead of the scene file, written into the document before anything reads it:
+//! so it takes the same path, gives the same errors, and is part of the scene's hash.
 
 use super::Overrides;
 use super::error::SceneError;

@@ -1,7 +1,8 @@
 //! Typed access to the parameters of one object.
 //!
-//! A model asks for each parameter by name, with a default and a sentence about it. What was asked for is the model's
-//! parameter table: `etalon plugins` prints it, and a parameter in the file that nobody asked for is an error.
+//! A model asks for each parameter by name, with a default and a sentence about it. What was asked for is the
+//! model's parameter table: `etalon plugins` prints it, and a parameter in the file that nobody asked for is
+//! an error.
 
 use super::error::{SceneError, Span, known};
 use super::loader::Loader;

@@ -78,7 +78,8 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
     }
 }
 
-/// `x= y= z=` or `value="x, y, z"`; one number in `value` means all three. `rest` stands for coordinates left out.
+/// `x= y= z=` or `value="x, y, z"`; one number in `value` means all three. `rest` stands for coordinates left
+/// out.
 pub fn coordinates(element: &Element, other: &str, rest: f64) -> Result<DVec3, SceneError> {
     element.only(&["x", "y", "z", "value", other, "name"])?;
     if let Some(value) = element.attribute("value") {

@@ -1,7 +1,7 @@
 //! Cameras: from a place on the film and one on the lens to a ray.
 //!
-//! *How to add one*: write `sensor/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to [`SENSORS`]
-//! and a variant to [`AnySensor`].
+//! *How to add one*: write `sensor/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
+//! [`SENSORS`] and a variant to [`AnySensor`].
 
 #[cfg(test)]
 mod contract;
@@ -71,7 +71,8 @@ impl Sensor {
 }
 
 impl AnySensor {
-    /// The ray through a place on the film (0 to 1 from the upper left) and a place on the unit square of the lens.
+    /// The ray through a place on the film (0 to 1 from the upper left) and a place on the unit square of the
+    /// lens.
     #[inline]
     pub fn ray(&self, film: DVec2, lens: DVec2) -> Ray {
         match self {
@@ -81,8 +82,8 @@ impl AnySensor {
         }
     }
 
-    /// How a point in the world is seen through a place on the unit square of the lens, if nothing is in the way. `None` for
-    /// what lies behind the camera or beyond its clipping distances.
+    /// How a point in the world is seen through a place on the unit square of the lens, if nothing is in the
+    /// way. `None` for what lies behind the camera or beyond its clipping distances.
     pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
         match self {
             Self::Perspective(camera) => camera.connect(p),
@@ -109,11 +110,13 @@ impl AnySensor {
     }
 }
 
-/// How much of the film an area fills in front of a camera whose film is an image of half size `half` at depth 1.
+/// How much of the film an area fills in front of a camera whose film is an image of half size `half` at
+/// depth 1.
 ///
-/// A place x of the film is seen along A d, d = (x, y, 1) less something that does not depend on x, so the film's area
-/// dx fills the solid angle |det A| dx / |A d|³. With ω = A d / |A d| the third component of A⁻¹ω is 1 / |A d|, and a point at
-/// depth z lies at the distance z |A d|. Together, dx/dA across the line of sight is 1 / (|det A| (A⁻¹ω)₃ z²).
+/// A place x of the film is seen along A d, d = (x, y, 1) less something that does not depend on x, so the
+/// film's area dx fills the solid angle |det A| dx / |A d|³. With ω = A d / |A d| the third component of A⁻¹ω
+/// is 1 / |A d|, and a point at depth z lies at the distance z |A d|. Together, dx/dA across the line of
+/// sight is 1 / (|det A| (A⁻¹ω)₃ z²).
 #[derive(Clone, Copy, Debug)]
 struct Foreshortening {
     /// The third row of A⁻¹: depth from a point, and from a direction.

@@ -11,8 +11,8 @@ pub const ABOUT: &str = "A thin lens: only the plane of focus is sharp.";
 pub const EXAMPLES: &[&str] = &[r#"<sensor type="thinlens"><float name="aperture_radius" value="0.1"/>
     <float name="focus_distance" value="5"/><float name="fov" value="40"/></sensor>"#];
 
-/// Rays leave a point of the lens (a disk of radius b) towards the point of the plane of focus (at depth d) that a
-/// pinhole at the lens's centre would see.
+/// Rays leave a point of the lens (a disk of radius b) towards the point of the plane of focus (at depth d)
+/// that a pinhole at the lens's centre would see.
 #[derive(Clone, Debug)]
 pub struct ThinLens {
     to_world: Transform,

@@ -13,7 +13,8 @@ pub const EXAMPLES: &[&str] = &[
     r#"<shape type="cube"><transform name="to_world"><scale x="2" y="0.1" z="1"/></transform></shape>"#,
 ];
 
-/// Each side's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit k of a corner is the sign of axis k.
+/// Each side's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit k of a corner is
+/// the sign of axis k.
 const SIDES: [([f32; 3], [u8; 4]); 6] = [
     ([0.0, -1.0, 0.0], [1, 5, 4, 0]),
     ([0.0, 1.0, 0.0], [3, 2, 6, 7]),

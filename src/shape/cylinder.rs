@@ -120,7 +120,8 @@ impl Cylinder {
         SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length }
     }
 
-    /// See [`Geometry::point_error`]. Each coordinate of the wall is at most that of the start, the length and the radius together.
+    /// See [`Geometry::point_error`]. Each coordinate of the wall is at most that of the start, the length
+    /// and the radius together.
     pub fn point_error(&self) -> f64 {
         position_error(self.start.abs() + (self.length + self.radius))
     }

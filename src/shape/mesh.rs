@@ -42,7 +42,8 @@ fn interpolated([n0, n1, n2]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
 impl Mesh {
     /// Places a mesh. Where the file has no normals they are made from the geometry, unless `face_normals`.
     ///
-    /// As in Mitsuba, stored normals keep their side under a mirroring transform, while geometry turns inside out.
+    /// As in Mitsuba, stored normals keep their side under a mirroring transform, while geometry turns inside
+    /// out.
     pub fn new(data: MeshData, to_world: &Transform, flip: bool, face_normals: bool) -> Self {
         let positions: Vec<[f32; 3]> =
             data.positions.iter().map(|&p| single(to_world.point(double(p)))).collect();
@@ -197,8 +198,8 @@ impl Mesh {
     }
 }
 
-/// Vertex normals weighted by the angle of each triangle at the vertex (Thürmer & Wüthrich 1998), summed over all
-/// vertices that are the same point of the surface.
+/// Vertex normals weighted by the angle of each triangle at the vertex (Thürmer & Wüthrich 1998), summed over
+/// all vertices that are the same point of the surface.
 fn smooth_normals(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],

@@ -1,7 +1,8 @@
 //! What there is to see: one file a shape, and `accel/`, which finds what a ray meets first.
 //!
-//! *How to add one*: write `shape/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and a `parse` that makes a [`Geometry`],
-//! and add its line to `shapes!`. A shape that is not made of triangles also needs a variant of [`Geometry`].
+//! *How to add one*: write `shape/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and a `parse` that makes a
+//! [`Geometry`], and add its line to `shapes!`. A shape that is not made of triangles also needs a variant of
+//! [`Geometry`].
 
 pub mod accel;
 mod cube;
@@ -144,8 +145,8 @@ impl Geometry {
         }
     }
 
-    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the tangents
-    /// along them are left out: on quadrics they cost more than all the rest.
+    /// The point of a hit on primitive `local` of this shape. Without `UV`, texture coordinates and the
+    /// tangents along them are left out: on quadrics they cost more than all the rest.
     #[inline(always)]
     pub fn point<const UV: bool>(&self, ray: &Ray, hit: &Hit, local: u32) -> SurfacePoint {
         match self {
@@ -156,7 +157,8 @@ impl Geometry {
         }
     }
 
-    /// How the unit shading normal changes where a hit on primitive `local` moves along the surface by `dp`, to first order.
+    /// How the unit shading normal changes where a hit on primitive `local` moves along the surface by `dp`,
+    /// to first order.
     pub fn normal_change(&self, local: u32, hit: &Hit, point: &SurfacePoint, dp: DVec3) -> DVec3 {
         match self {
             Self::Mesh(mesh) => mesh.normal_change(local, (hit.u, hit.v), dp),
@@ -177,8 +179,8 @@ impl Geometry {
         }
     }
 
-    /// A bound of the rounding error of points on it: that of the numbers they are computed from, which may be larger than the points
-    /// themselves. Meshes know it if they emit.
+    /// A bound of the rounding error of points on it: that of the numbers they are computed from, which may
+    /// be larger than the points themselves. Meshes know it if they emit.
     #[inline]
     pub fn point_error(&self) -> f64 {
         match self {
@@ -243,8 +245,8 @@ fn placement(params: &mut Params) -> Result<(Transform, bool), SceneError> {
     Ok((to_world, params.boolean("flip_normals", false, "turn the surface inside out")?))
 }
 
-/// Refuses a transform whose images of the axes are not orthogonal, or not equally long where they should be: it would shear a
-/// quadric into another one.
+/// Refuses a transform whose images of the axes are not orthogonal, or not equally long where they should be:
+/// it would shear a quadric into another one.
 pub fn require_orthogonal(
     params: &Params,
     axes: [DVec3; 3],

@@ -90,8 +90,8 @@ impl Sphere {
         self.chosen(&surface, 1.0 / self.area())
     }
 
-    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose outside is its
-    /// back: points of its own wall are inside, although rounding puts half of them outside.
+    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose
+    /// outside is its back: points of its own wall are inside, although rounding puts half of them outside.
     ///
     /// With s = r/d: 1 − √(1 − s²) = s²/(1 + √(1 − s²)).
     #[inline]

@@ -32,7 +32,8 @@ mod tests {
 
     #[test]
     fn radiance_is_that_of_mitsuba() {
-        // Mitsuba 3.9.1's `blackbody` in scalar_spectral, computed in f32 with an exponential of relative error 1e-6.
+        // Mitsuba 3.9.1's `blackbody` in scalar_spectral, computed in f32 with an exponential of relative
+        // error 1e-6.
         for (kelvin, λ, expected) in [
             (2700.0, 360.0, 7.343_215),
             (2700.0, 830.0, 493.136_14),

@@ -6,8 +6,8 @@ use super::observer::{self, WAVELENGTH_MAX, WAVELENGTH_MIN};
 use glam::{DMat3, DVec3};
 use std::sync::LazyLock;
 
-/// Simpson's 3/8 rule with three intervals to one of the observer's table: 283 points and one of weight 0 that
-/// fills the last vector of four.
+/// Simpson's 3/8 rule with three intervals to one of the observer's table: 283 points and one of weight 0
+/// that fills the last vector of four.
 const POINTS: usize = 284;
 const LANES: usize = 4;
 
@@ -42,7 +42,8 @@ static RESPONSE: LazyLock<Response> = LazyLock::new(|| {
     response
 });
 
-/// The linear sRGB colour of a reflectance under D65, and its derivative by the coefficients (a column for each).
+/// The linear sRGB colour of a reflectance under D65, and its derivative by the coefficients (a column for
+/// each).
 fn color(c: DVec3) -> (DVec3, DMat3) {
     let response = &*RESPONSE;
     // Four running sums of each quantity: a fixed order of addition that fills a vector register.
@@ -95,9 +96,9 @@ fn lab(rgb: DVec3) -> (DVec3, DMat3) {
 
 /// Damped Gauss–Newton in CIELAB, from coefficients `c` towards those of the colour `rgb`.
 ///
-/// The damping decides only near black and white, where coefficients would run away for less than an eye can see;
-/// it and the number of steps are such that the result is that of the tables that Mitsuba reads: the coefficients
-/// of both differ by 1e-4 in the median and by some 2 % at the very ends.
+/// The damping decides only near black and white, where coefficients would run away for less than an eye can
+/// see; it and the number of steps are such that the result is that of the tables that Mitsuba reads: the
+/// coefficients of both differ by 1e-4 in the median and by some 2 % at the very ends.
 pub fn gauss_newton(rgb: DVec3, mut c: DVec3) -> DVec3 {
     const STEPS: usize = 10;
     const DAMPING: f64 = 4e-7;

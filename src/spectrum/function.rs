@@ -15,7 +15,8 @@ pub enum SpectralFunction {
     Rgb([f32; 3]),
     /// A reflectance made from RGB.
     Sigmoid(Sigmoid),
-    /// `scale` × a reflectance made from RGB: an amount that is neither reflectance nor light, such as an index of refraction.
+    /// `scale` × a reflectance made from RGB: an amount that is neither reflectance nor light, such as an
+    /// index of refraction.
     Scaled { scale: f32, color: Sigmoid },
     /// `scale` × a reflectance made from RGB × D65 of luminance 1: an emission made from RGB.
     Illuminant { scale: f32, color: Sigmoid },

@@ -1,13 +1,14 @@
 //! Wavelengths drawn where the eye is sensitive, from a table.
 //!
-//! The density is close to sech²(0.0072(λ − 538)), Mitsuba's and pbrt's (Radziszewski et al. 2009). Its cumulative
-//! distribution F ∝ tanh(a(λ − c)) is inverted at `SEGMENTS` + 1 even steps; between them λ is *defined* to be
-//! linear in the random number, so that the density is constant over a segment and known exactly: nothing is
-//! approximated that an estimate could notice. The observer and D65, which the program knows every 5 nm, are
-//! tabulated at the same places, a quarter of a nm apart where the eye is sensitive and up to 4 nm where it is blind.
+//! The density is close to sech²(0.0072(λ − 538)), Mitsuba's and pbrt's (Radziszewski et al. 2009). Its
+//! cumulative distribution F ∝ tanh(a(λ − c)) is inverted at `SEGMENTS` + 1 even steps; between them λ is
+//! *defined* to be linear in the random number, so that the density is constant over a segment and known
+//! exactly: nothing is approximated that an estimate could notice. The observer and D65, which the program
+//! knows every 5 nm, are tabulated at the same places, a quarter of a nm apart where the eye is sensitive and
+//! up to 4 nm where it is blind.
 //!
-//! The eight wavelengths of a path are an eighth of the table apart. A row holds the eight segments with the same
-//! place in their eighth, so a path needs one row, in whole registers, and no gathering.
+//! The eight wavelengths of a path are an eighth of the table apart. A row holds the eight segments with the
+//! same place in their eighth, so a path needs one row, in whole registers, and no gathering.
 
 use super::LANES;
 use super::observer::{self, WAVELENGTH_MAX, WAVELENGTH_MIN};
@@ -88,8 +89,8 @@ fn row(index: usize) -> Row {
     row
 }
 
-/// Eight wavelengths, evenly rotated in the cumulative distribution about the one that u in [0, 1) picks, which is
-/// lane 0.
+/// Eight wavelengths, evenly rotated in the cumulative distribution about the one that u in [0, 1) picks,
+/// which is lane 0.
 #[inline]
 pub fn sample_visible(u: f64) -> Wavelengths {
     let place = u * SEGMENTS as f64;

@@ -37,8 +37,8 @@ pub fn conductor(name: &str) -> Result<(Tabulated, Tabulated), String> {
     Ok((Tabulated::new(λ.clone(), eta)?, Tabulated::new(λ, k)?))
 }
 
-/// η or k of a conductor in RGB mode: unlike a table that a scene gives for them, Mitsuba integrates those that it
-/// knows by name without D65, and what lies outside the gamut becomes 0.
+/// η or k of a conductor in RGB mode: unlike a table that a scene gives for them, Mitsuba integrates those
+/// that it knows by name without D65, and what lies outside the gamut becomes 0.
 pub fn in_rgb(table: &Tabulated) -> [f32; 3] {
     observer::table_to_rgb(table, false).map(|v| v.max(0.0) as f32)
 }
@@ -50,7 +50,8 @@ pub fn dielectric(name: &str) -> Result<f64, String> {
     found.ok_or_else(|| known(&lower, &names(DIELECTRICS)))
 }
 
-/// How an index of refraction depends on wavelength, from 360 to 830 nm; formulas have poles beyond, and are constant there.
+/// How an index of refraction depends on wavelength, from 360 to 830 nm; formulas have poles beyond, and are
+/// constant there.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dispersion {
     /// n² = 1 + Σ bᵢλ²/(λ² − cᵢ), λ in µm, cᵢ in µm².
@@ -95,8 +96,9 @@ mod tests {
 
     #[test]
     fn glasses_have_their_published_index_and_abbe_number() {
-        // n_d and V_d = (n_d − 1)/(n_F − n_C): Schott's catalogue, printed to 5 and 2 decimals; Malitson 1965, 1972 and
-        // 1963 for silica, sapphire and fluorite; handbook values of less precision for diamond and water.
+        // n_d and V_d = (n_d − 1)/(n_F − n_C): Schott's catalogue, printed to 5 and 2 decimals; Malitson
+        // 1965, 1972 and 1963 for silica, sapphire and fluorite; handbook values of less precision for
+        // diamond and water.
         for (name, nd, nd_error, vd, vd_error) in [
             ("BK7", 1.51680, 6e-6, 64.17, 6e-3),
             ("N-FK51A", 1.48656, 6e-6, 84.47, 6e-3),
@@ -128,8 +130,8 @@ mod tests {
 
     #[test]
     fn conductors_have_the_colours_that_mitsuba_gives_them() {
-        // The parameters of `conductor` in Mitsuba 3.9.1's scalar_rgb; the blue of TiO2's k shows that only the
-        // negative channel was cut.
+        // The parameters of `conductor` in Mitsuba 3.9.1's scalar_rgb; the blue of TiO2's k shows that only
+        // the negative channel was cut.
         for (name, eta, k) in [
             ("Au", [0.143_036, 0.375_307, 1.442_045], [3.982_997, 2.385_557, 1.603_359]),
             ("VN_palik", [2.865_602, 2.119_189, 1.940_091], [3.032_243, 2.056_116, 1.616_306]),

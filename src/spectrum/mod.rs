@@ -1,6 +1,7 @@
 //! Colour as the renderer carries it: eight lanes, each a wavelength of the same path, or three of them RGB.
 //!
-//! *How a new kind of constant spectrum is added*: a variant of [`function::SpectralFunction`] and its `eval`.
+//! *How a new kind of constant spectrum is added*: a variant of [`function::SpectralFunction`] and its
+//! `eval`.
 
 pub mod blackbody;
 mod fit;

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 pub const WAVELENGTH_MIN: f32 = 360.0;
 pub const WAVELENGTH_MAX: f32 = 830.0;
 
-/// The integral of ȳ in nm that Mitsuba 3.9 normalises by. That of its table is 106.857: a spectrum of 1 everywhere has
-/// luminance 1.001, in Mitsuba and here.
+/// The integral of ȳ in nm that Mitsuba 3.9 normalises by. That of its table is 106.857: a spectrum of 1
+/// everywhere has luminance 1.001, in Mitsuba and here.
 pub const Y_INTEGRAL: f64 = 106.750_259_399_414_06;
 
 /// Entries of the 5 nm tables.
@@ -103,7 +103,8 @@ pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
 
 /// What RGB mode makes of a table: its colour, under D65 for what reflects and as it is for what emits.
 ///
-/// Follows Mitsuba's sum of 1000 points, which counts the range 1000/999 times; the same file must mean the same.
+/// Follows Mitsuba's sum of 1000 points, which counts the range 1000/999 times; the same file must mean the
+/// same.
 pub fn table_to_rgb(table: &Tabulated, under_d65: bool) -> [f64; 3] {
     const STEPS: usize = 1000;
     let mut sum = [0.0; 3];
@@ -123,8 +124,8 @@ pub fn table_to_rgb(table: &Tabulated, under_d65: bool) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// The colour of a spectrum that is linear between the table's wavelengths: Simpson's rule is exact for it
-    /// times the observer.
+    /// The colour of a spectrum that is linear between the table's wavelengths: Simpson's rule is exact for
+    /// it times the observer.
     fn color(spectrum: impl Fn(f32) -> f32) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for i in 0..2 * SAMPLES - 1 {
@@ -139,7 +140,8 @@ mod tests {
 
     #[test]
     fn light_has_the_colours_it_has_in_mitsuba() {
-        // Integrals over Mitsuba 3.9.1's `d65` and `uniform` in scalar_spectral, evaluated every 0.05 nm in f32.
+        // Integrals over Mitsuba 3.9.1's `d65` and `uniform` in scalar_spectral, evaluated every 0.05 nm in
+        // f32.
         for (got, expected) in color(d65).iter().zip([0.999_987_1, 0.999_874_1, 0.999_798_4]) {
             assert!((got - expected).abs() < 1e-6, "{got}");
         }

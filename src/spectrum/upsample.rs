@@ -1,11 +1,11 @@
-//! From RGB to smooth reflectance spectra (Jakob & Hanika 2019, "A Low-Dimensional Function Space for Efficient
-//! Spectral Upsampling").
+//! From RGB to smooth reflectance spectra (Jakob & Hanika 2019, "A Low-Dimensional Function Space for
+//! Efficient Spectral Upsampling").
 //!
-//! A reflectance is S(c₀λ² + c₁λ + c₂) with the sigmoid S(x) = ½ + x/(2√(1 + x²)). The coefficients of a colour are
-//! interpolated in a 3 × 64³ grid laid out as in the paper's reference tables. Fitting each colour by itself would be
-//! exact, but Mitsuba interpolates: at albedos of 2 % that moves the colour by some percent, and the same file should
-//! mean the same spectrum. A column of the grid, all brightnesses of one hue and saturation, is fitted when it is
-//! first asked for; what it holds depends on nothing but its place.
+//! A reflectance is S(c₀λ² + c₁λ + c₂) with the sigmoid S(x) = ½ + x/(2√(1 + x²)). The coefficients of a
+//! colour are interpolated in a 3 × 64³ grid laid out as in the paper's reference tables. Fitting each colour
+//! by itself would be exact, but Mitsuba interpolates: at albedos of 2 % that moves the colour by some
+//! percent, and the same file should mean the same spectrum. A column of the grid, all brightnesses of one
+//! hue and saturation, is fitted when it is first asked for; what it holds depends on nothing but its place.
 
 use super::{LANES, fit};
 use glam::DVec3;
@@ -23,7 +23,8 @@ impl Sigmoid {
 
     /// Reflectance at a wavelength in nm.
     ///
-    /// The smaller of S and 1 − S is 1/(2h(h + |x|)) with h = √(1 + x²), which has no difference of like numbers.
+    /// The smaller of S and 1 − S is 1/(2h(h + |x|)) with h = √(1 + x²), which has no difference of like
+    /// numbers.
     #[inline(always)]
     pub fn eval(&self, λ: f32) -> f32 {
         let [c0, c1, c2] = self.0;
@@ -121,8 +122,8 @@ impl Upsampler {
         })
     }
 
-    /// Fits one hue at all brightnesses: from a middle one, where no coefficient is large, up to the brightest and
-    /// down to black, each fit starting where the one before it ended.
+    /// Fits one hue at all brightnesses: from a middle one, where no coefficient is large, up to the
+    /// brightest and down to black, each fit starting where the one before it ended.
     fn fit_column(&self, hue: DVec3) -> Column {
         const MIDDLE: usize = RESOLUTION / 5;
         let mut column = [[0.0; 4]; RESOLUTION];
@@ -193,8 +194,8 @@ mod tests {
 
     #[test]
     fn spectra_are_those_of_mitsuba() {
-        // `srgb` in Mitsuba 3.9.1's scalar_spectral at 450, 560 and 650 nm: pale, saturated, at the rim of the gamut,
-        // nearly white, nearly grey and dark colours.
+        // `srgb` in Mitsuba 3.9.1's scalar_spectral at 450, 560 and 650 nm: pale, saturated, at the rim of
+        // the gamut, nearly white, nearly grey and dark colours.
         for (rgb, expected) in [
             ([0.2, 0.5, 0.7], [0.68059, 0.447898, 0.189964]),
             ([0.8, 0.1, 0.1], [0.104154, 0.149503, 0.941978]),
@@ -208,7 +209,8 @@ mod tests {
         ] {
             let sigmoid = Upsampler::shared().fit(rgb);
             for (λ, expected) in [450.0, 560.0, 650.0].into_iter().zip(expected) {
-                // Both fits stop at 1e-3 in CIELAB, which is 1e-5 in a bright reflectance and less in a dark one.
+                // Both fits stop at 1e-3 in CIELAB, which is 1e-5 in a bright reflectance and less in a dark
+                // one.
                 let error = (sigmoid.eval(λ) - expected).abs();
                 assert!(error < 2e-5 + 1e-3 * expected.min(1.0 - expected), "{rgb:?} {λ} {error}");
             }

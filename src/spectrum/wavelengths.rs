@@ -17,8 +17,8 @@ pub struct Wavelengths {
     pub response: [[f32; LANES]; 3],
     /// 1 / (number of lanes that count in a mean): 8 wavelengths or 3 colours.
     pub mean_factor: f32,
-    /// 1 where only lane 0 is alive, else 0. A number, and not a bool: this struct is copied for every path, and
-    /// bytes of padding at its end would be copied one by one.
+    /// 1 where only lane 0 is alive, else 0. A number, and not a bool: this struct is copied for every path,
+    /// and bytes of padding at its end would be copied one by one.
     pub(super) collapsed: u32,
 }
 
@@ -26,7 +26,8 @@ impl Wavelengths {
     /// 1 over the number of lanes and ∫ȳ: what turns a sum over lanes of response over density into a colour.
     pub const RESPONSE_SCALE: f32 = (1.0 / (LANES as f64 * observer::Y_INTEGRAL)) as f32;
 
-    /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum. Others do not pay for it.
+    /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum. Others do not
+    /// pay for it.
     #[inline(never)]
     pub fn sample_uniform(u: f64, min: f32, max: f32) -> Self {
         let nm = std::array::from_fn(|i| {
@@ -76,8 +77,8 @@ impl Wavelengths {
         if self.mean_factor == 1.0 / LANES as f32 { ColorMode::Spectral } else { ColorMode::Rgb }
     }
 
-    /// A statistic of a spectrum that treats all lanes alike. The choice of lobes rests on it: then all lanes have the
-    /// same path density and need no weights between them.
+    /// A statistic of a spectrum that treats all lanes alike. The choice of lobes rests on it: then all lanes
+    /// have the same path density and need no weights between them.
     #[inline]
     pub fn mean(&self, s: Spectrum) -> f32 {
         s.sum() * self.mean_factor

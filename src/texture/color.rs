@@ -1,5 +1,5 @@
-//! `<rgb>`, `<spectrum>` and `<float>`: constants as scene files write them, turned into spectra as Mitsuba turns
-//! them. The same numbers mean different spectra for what reflects and for what emits.
+//! `<rgb>`, `<spectrum>` and `<float>`: constants as scene files write them, turned into spectra as Mitsuba
+//! turns them. The same numbers mean different spectra for what reflects and for what emits.
 
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;

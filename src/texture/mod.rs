@@ -1,7 +1,8 @@
-//! Values that may vary over a surface. A folder's file is a model; the constant spectra are models too, because
-//! a scene file may give either wherever it gives a colour.
+//! Values that may vary over a surface. A folder's file is a model; the constant spectra are models too,
+//! because a scene file may give either wherever it gives a colour.
 //!
-//! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line to [`TEXTURES`].
+//! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line
+//! to [`TEXTURES`].
 
 pub mod bitmap;
 mod blackbody;

@@ -39,7 +39,8 @@ impl Folder {
         self.command_refused(&all, words);
     }
 
-    /// Asserts that the program exits with 2 after one error that holds all the words, and leaves the folder as it was.
+    /// Asserts that the program exits with 2 after one error that holds all the words, and leaves the folder
+    /// as it was.
     fn command_refused(&self, arguments: &[&str], words: &[&str]) {
         let before = self.list();
         let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
@@ -86,15 +87,16 @@ fn scene(body: &str) -> String {
     format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n")
 }
 
-/// Asserts that a scene is refused with an error that points at the first line that holds `place` and shows it.
+/// Asserts that a scene is refused with an error that points at the first line that holds `place` and shows
+/// it.
 fn refused(scene: &str, place: &str, words: &[&str]) {
     let line = scene.lines().position(|line| line.contains(place)).unwrap_or(0) + 1;
     let at = format!("scene.xml:{line}:");
     Folder::new(scene.as_bytes()).refused(&[words, &[at.as_str(), place]].concat());
 }
 
-/// `(where, body, words)`: a scene with this body is refused with a message that points at the line of `where` and
-/// holds all the words.
+/// `(where, body, words)`: a scene with this body is refused with a message that points at the line of
+/// `where` and holds all the words.
 type Trial<'a> = (&'a str, &'a str, &'a [&'a str]);
 
 fn all_refused(trials: &[Trial]) {

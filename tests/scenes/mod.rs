@@ -15,8 +15,8 @@ impl Default for Units {
     }
 }
 
-/// A scene without its units: `L(…)` around lists of radiances, `X(…)` around lists of lengths, and `{place}` at the end
-/// of every shape's transform.
+/// A scene without its units: `L(…)` around lists of radiances, `X(…)` around lists of lengths, and `{place}`
+/// at the end of every shape's transform.
 pub struct Trial {
     pub name: &'static str,
     pub mode: ColorMode,

@@ -1,7 +1,8 @@
-//! Distributions over rectangles, such as places in a filter or on a lens, seen as distributions over the sphere.
+//! Distributions over rectangles, such as places in a filter or on a lens, seen as distributions over the
+//! sphere.
 //!
-//! The cylindrical coordinates z = cos θ and φ preserve area (Archimedes), so a density over a rectangle is one over the
-//! sphere but for a constant, and every check of directions is a check of places.
+//! The cylindrical coordinates z = cos θ and φ preserve area (Archimedes), so a density over a rectangle is
+//! one over the sphere but for a constant, and every check of directions is a check of places.
 
 use std::f64::consts::PI;
 

@@ -2,7 +2,8 @@
 //!
 //! - [`statistics`]: p-values, multiplicity, equivalence and power.
 //! - [`image`]: are two noisy images of the same scene the same picture, and if not, where?
-//! - [`scatterer`] and [`checks`]: is a scattering distribution (BSDF, phase function) consistent with itself?
+//! - [`scatterer`] and [`checks`]: is a scattering distribution (BSDF, phase function) consistent with
+//!   itself?
 //! - [`converge`]: error against run time.
 //! - [`peer`]: scattering distributions in other programs.
 //! - [`chart`]: distributions over rectangles go through the same checks.
@@ -10,7 +11,8 @@
 //! - [`html`]: text in pages.
 //! - [`report`]: what a check found, as one JSON document.
 //!
-//! Every answer has three values, [`Verdict`]: a test that could not have noticed a fault says so instead of passing.
+//! Every answer has three values, [`Verdict`]: a test that could not have noticed a fault says so instead of
+//! passing.
 
 pub mod chart;
 pub mod checks;

@@ -1,5 +1,6 @@
-//! What a rough surface returns if light meets its facets once, from the definitions (Walter et al. 2007): the loss to expect of
-//! models that leave out light between facets. Written without looking at any renderer; masking is separable.
+//! What a rough surface returns if light meets its facets once, from the definitions (Walter et al. 2007):
+//! the loss to expect of models that leave out light between facets. Written without looking at any renderer;
+//! masking is separable.
 
 use std::f64::consts::PI;
 
@@ -30,12 +31,15 @@ pub struct Rough {
 const CELLS: f64 = 16.0;
 
 impl Rough {
-    /// The flux that leaves over the flux that arrives, for light from a direction with cosine `cosine` to the normal.
+    /// The flux that leaves over the flux that arrives, for light from a direction with cosine `cosine` to
+    /// the normal.
     ///
-    /// ∫ D(m) G₁(o, m) (o·m)/(o·n) [F G₁(r) + (1 − F) G₁(t)] dm, in the coordinates in which D(m)(m·n) dm is uniform.
+    /// ∫ D(m) G₁(o, m) (o·m)/(o·n) [F G₁(r) + (1 − F) G₁(t)] dm, in the coordinates in which D(m)(m·n) dm is
+    /// uniform.
     pub fn albedo(&self, cosine: f64, tolerance: f64) -> Integral {
         let o = DVec3::new(((1.0 - cosine) * (1.0 + cosine)).sqrt(), 0.0, cosine);
-        // The distribution is symmetric about the plane of incidence. Many cells, lest edges fall between the first points.
+        // The distribution is symmetric about the plane of incidence. Many cells, lest edges fall between the
+        // first points.
         let strip = |i: usize, j: usize| Cell {
             low: [i as f64 / CELLS, PI * j as f64 / CELLS],
             high: [(i + 1) as f64 / CELLS, PI * (j + 1) as f64 / CELLS],
@@ -108,8 +112,8 @@ mod tests {
         }
     }
 
-    /// At normal incidence the GGX mirror's albedo is ∫ G₁(r) dv over facets whose reflection leaves upward, θr = 2θm, a
-    /// one-dimensional integral.
+    /// At normal incidence the GGX mirror's albedo is ∫ G₁(r) dv over facets whose reflection leaves upward,
+    /// θr = 2θm, a one-dimensional integral.
     #[test]
     fn a_mirror_seen_from_above_is_a_simple_integral() {
         let alpha = 0.5f64;

@@ -1,12 +1,12 @@
 //! Integrals over rectangles to a stated error.
 //!
-//! The rule is Genz and Malik's (1980) of degree 7 with an embedded one of degree 5, 17 points a rectangle: the difference
-//! of both is a pessimistic error estimate, and fourth differences tell which side to halve. Rectangles are refined where
-//! the error is largest, so kinks and steps cost evaluations, not accuracy.
+//! The rule is Genz and Malik's (1980) of degree 7 with an embedded one of degree 5, 17 points a rectangle:
+//! the difference of both is a pessimistic error estimate, and fourth differences tell which side to halve.
+//! Rectangles are refined where the error is largest, so kinks and steps cost evaluations, not accuracy.
 //!
-//! No point of the rule lies in the outer 5 % of a rectangle, where the edge of a density may pass unseen. A straight edge
-//! there takes a corner along, so the corners are looked at too, and their distance from what the diagonal extrapolates
-//! to counts as an error of the strip beside them.
+//! No point of the rule lies in the outer 5 % of a rectangle, where the edge of a density may pass unseen. A
+//! straight edge there takes a corner along, so the corners are looked at too, and their distance from what
+//! the diagonal extrapolates to counts as an error of the strip beside them.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
@@ -48,8 +48,9 @@ impl std::iter::Sum for Integral {
     }
 }
 
-/// Integrates `function` over the union of `cells` until the error is below `tolerance` or some `budget` evaluations are
-/// spent; what was reached is in the answer. A value that is not finite makes the integral NaN.
+/// Integrates `function` over the union of `cells` until the error is below `tolerance` or some `budget`
+/// evaluations are spent; what was reached is in the answer. A value that is not finite makes the integral
+/// NaN.
 pub fn integrate(
     cells: &[Cell],
     tolerance: f64,

@@ -18,7 +18,8 @@ pub struct Outcome {
     pub message: String,
     /// Uniform under the null hypothesis; absent for deterministic checks.
     pub p_value: Option<f64>,
-    /// Minimum detectable effect at 90 % power, in the unit the message names; absent for deterministic checks.
+    /// Minimum detectable effect at 90 % power, in the unit the message names; absent for deterministic
+    /// checks.
     pub detectable: Option<f64>,
     /// Everything else that was measured, by name. A value that is not finite becomes `null` in JSON.
     pub figures: BTreeMap<String, f64>,

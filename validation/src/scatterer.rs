@@ -9,7 +9,8 @@ pub struct Sample {
     pub wi: DVec3,
     /// f(wo, wi) |cos θi| / pdf; for a delta lobe, its coefficient over the probability of choosing it.
     pub weight: f64,
-    /// Density in solid angle, including the probability of choosing the lobe; for a delta lobe, that probability.
+    /// Density in solid angle, including the probability of choosing the lobe; for a delta lobe, that
+    /// probability.
     pub pdf: f64,
     /// True if `wi` comes from a delta lobe.
     pub delta: bool,
@@ -22,8 +23,8 @@ pub struct Laws {
     pub reciprocal: bool,
     /// All light that arrives leaves again.
     pub lossless: bool,
-    /// Index of refraction below the surface (z < 0) relative to above, if radiance is scaled by η² on crossing; `None`
-    /// for opaque models and for those that do not scale.
+    /// Index of refraction below the surface (z < 0) relative to above, if radiance is scaled by η² on
+    /// crossing; `None` for opaque models and for those that do not scale.
     pub eta: Option<f64>,
 }
 
@@ -33,16 +34,17 @@ impl Laws {
         if direction.z < 0.0 { self.eta.unwrap_or(1.0) } else { 1.0 }
     }
 
-    /// (η(wi)/η(wo))²: what turns a radiance weight into a flux weight, which energy conservation speaks about.
+    /// (η(wi)/η(wo))²: what turns a radiance weight into a flux weight, which energy conservation speaks
+    /// about.
     pub fn flux_factor(&self, wo: DVec3, wi: DVec3) -> f64 {
         let ratio = self.index(wi) / self.index(wo);
         ratio * ratio
     }
 }
 
-/// A scattering distribution at one wavelength, in a local frame whose z axis is the normal. `wo` and `wi` are unit vectors
-/// away from the surface; `wo` is where the path comes from, `wi` where the light comes from. A phase function returns
-/// its value without a cosine.
+/// A scattering distribution at one wavelength, in a local frame whose z axis is the normal. `wo` and `wi`
+/// are unit vectors away from the surface; `wo` is where the path comes from, `wi` where the light comes
+/// from. A phase function returns its value without a cosine.
 pub trait Scatterer {
     /// f(wo, wi) |cos θi|, without delta lobes.
     fn value(&self, wo: DVec3, wi: DVec3) -> f64;
@@ -50,8 +52,8 @@ pub trait Scatterer {
     /// Density in solid angle of [`Scatterer::sample`], without delta lobes.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 
-    /// A direction for the three uniform numbers `u`, or `None` where the path ends. By convention the first number
-    /// chooses the lobe and the others the direction in it; the check `jacobian` relies on that.
+    /// A direction for the three uniform numbers `u`, or `None` where the path ends. By convention the first
+    /// number chooses the lobe and the others the direction in it; the check `jacobian` relies on that.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample>;
 
     /// The laws it claims; none unless stated.
@@ -64,8 +66,8 @@ pub trait Scatterer {
         false
     }
 
-    /// The same distribution at the same wavelength, on paths that carry other wavelengths beside it. None for models
-    /// that know of one wavelength only.
+    /// The same distribution at the same wavelength, on paths that carry other wavelengths beside it. None
+    /// for models that know of one wavelength only.
     fn companions(&self) -> Vec<Box<dyn Scatterer + '_>> {
         vec![]
     }
@@ -79,7 +81,8 @@ pub trait Scatterer {
 /// A model that another tends to.
 pub struct Limit<'a> {
     pub scatterer: &'a dyn Scatterer,
-    /// The largest difference of a flux moment (see the check `limits`) that the distance from the limit explains.
+    /// The largest difference of a flux moment (see the check `limits`) that the distance from the limit
+    /// explains.
     pub within: f64,
 }
 

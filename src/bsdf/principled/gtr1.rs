@@ -1,5 +1,5 @@
-//! The facets of a clear coat: Burley's "generalised Trowbridge–Reitz" law with exponent 1, whose tail is longer than GGX's
-//! (Burley 2012, appendix B.2).
+//! The facets of a clear coat: Burley's "generalised Trowbridge–Reitz" law with exponent 1, whose tail is
+//! longer than GGX's (Burley 2012, appendix B.2).
 
 use crate::math::function::{exp, expm1, ln, sin_cos_turn};
 use crate::math::{DVec2, DVec3};
@@ -17,7 +17,8 @@ impl Gtr1 {
         Self { alpha2: alpha * alpha, ln_alpha2: ln(alpha * alpha) }
     }
 
-    /// Facet area per macroscopic area and solid angle, in sr⁻¹; `m` is a unit vector, and with it the last factor is x² + y² + α²z².
+    /// Facet area per macroscopic area and solid angle, in sr⁻¹; `m` is a unit vector, and with it the last
+    /// factor is x² + y² + α²z².
     #[inline]
     pub fn density(&self, m: DVec3) -> f64 {
         (self.alpha2 - 1.0) / (PI * self.ln_alpha2 * (m.x * m.x + m.y * m.y + self.alpha2 * m.z * m.z))
@@ -31,8 +32,8 @@ impl Gtr1 {
 
     /// A facet normal, by its projected area.
     ///
-    /// The area beyond the angle θ is ln(1 + (α² − 1) cos² θ) / ln α², so cos² θ = (1 − α^{2(1 − u)}) / (1 − α²) and
-    /// sin² θ = α² (α^{−2u} − 1) / (1 − α²).
+    /// The area beyond the angle θ is ln(1 + (α² − 1) cos² θ) / ln α², so cos² θ = (1 − α^{2(1 − u)}) / (1 −
+    /// α²) and sin² θ = α² (α^{−2u} − 1) / (1 − α²).
     pub fn sample(&self, u: DVec2) -> DVec3 {
         let rest = 1.0 - self.alpha2;
         let sin2 = self.alpha2 * expm1(-self.ln_alpha2 * u.x) / rest;

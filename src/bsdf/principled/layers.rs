@@ -66,7 +66,8 @@ impl Layers {
         fifth(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
     }
 
-    /// What microfacets reflect of light from outside: exactly as glass, by Schlick's approximation where it has a colour.
+    /// What microfacets reflect of light from outside: exactly as glass, by Schlick's approximation where it
+    /// has a colour.
     fn fresnel(&self, at: &Meeting) -> Spectrum {
         let reflectance = at.face.reflectance;
         // As in Mitsuba, where the index is that of outside there is no interface, of metal neither.
@@ -82,8 +83,8 @@ impl Layers {
             + approximate(self.hue * (r0 * r0) as f32) * tinted as f32
     }
 
-    /// The matte lobe and the sheen: Burley 2012, section 5.3, with retroreflection as in 2015, equation 4; for `flatness` the fit of 2012 to light from
-    /// below the surface (after Hanrahan and Krueger 1993).
+    /// The matte lobe and the sheen: Burley 2012, section 5.3, with retroreflection as in 2015, equation 4;
+    /// for `flatness` the fit of 2012 to light from below the surface (after Hanrahan and Krueger 1993).
     fn matte(&self, at: &Meeting) -> Spectrum {
         let (cos_o, cos_i) = (at.wo.z, at.wi.z);
         let cos_d = at.wi.dot(at.m);
@@ -96,7 +97,8 @@ impl Layers {
         self.base * (matte * FRAC_1_PI * cos_i) as f32 + self.sheen * (fifth(cos_d) * cos_i) as f32
     }
 
-    /// The clear coat. Its masking is that of a roughness of ½, whatever its own (Burley 2012, section 5.6), and it is not divided by 4 cos θo cos θi.
+    /// The clear coat. Its masking is that of a roughness of ½, whatever its own (Burley 2012, section 5.6),
+    /// and it is not divided by 4 cos θo cos θi.
     fn coat(&self, at: &Meeting) -> f64 {
         if self.clearcoat == 0.0 {
             return 0.0;
@@ -126,7 +128,8 @@ impl Layers {
 
     fn transmission(&self, at: &Meeting, outside: bool) -> Evaluation {
         let (o, i) = (at.wo.dot(at.m), at.wi.dot(at.m));
-        // Light does not cross from the back of a facet, nor leave to the side of the surface that the facet does not face.
+        // Light does not cross from the back of a facet, nor leave to the side of the surface that the facet
+        // does not face.
         if o <= 0.0 || i >= 0.0 {
             return Evaluation::ZERO;
         }
@@ -186,7 +189,8 @@ impl Bsdf for Layers {
         } else if lobe < diffuse + coat {
             (above(reflect(wo, self.coat.sample(u))), true)
         } else {
-            // The choice among facets' lobes must not depend on other lobes' directions, or the density would be an integral.
+            // The choice among facets' lobes must not depend on other lobes' directions, or the density would
+            // be an integral.
             let m = self.facets.sample(wo, u);
             let cos = wo.dot(m);
             let share = if outside { self.clear } else { 1.0 };

@@ -1,9 +1,11 @@
-//! Disney's principled model: one material for most of what artists need, by parameters of which all but the index are between 0 and 1.
+//! Disney's principled model: one material for most of what artists need, by parameters of which all but the
+//! index are between 0 and 1.
 //!
-//! Burley 2012, "Physically Based Shading at Disney", and 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface
-//! Scattering", in the form that Mitsuba gives them. It is a sum of lobes made for looks: a matte one that brightens towards
-//! grazing, sheen, a clear coat, and microfacets that reflect as metal or glass does and let through what `spec_trans` says.
-//! Nothing holds their sum below 1: with much sheen or coat on a white base it sends out more than it gets.
+//! Burley 2012, "Physically Based Shading at Disney", and 2015, "Extending the Disney BRDF to a BSDF with
+//! Integrated Subsurface Scattering", in the form that Mitsuba gives them. It is a sum of lobes made for
+//! looks: a matte one that brightens towards grazing, sheen, a clear coat, and microfacets that reflect as
+//! metal or glass does and let through what `spec_trans` says. Nothing holds their sum below 1: with much
+//! sheen or coat on a white base it sends out more than it gets.
 
 mod gtr1;
 mod layers;
@@ -172,7 +174,8 @@ impl Material for Principled {
             &self.clearcoat,
             &self.clearcoat_gloss,
         ];
-        // As narrow in either direction as what counts as such of rough metal, and more than the gloss of something matte.
+        // As narrow in either direction as what counts as such of rough metal, and more than the gloss of
+        // something matte.
         let bright = transmits || self.metallic.mean() > 0.5;
         let across =
             self.roughness.mean() * self.roughness.mean() * (1.0 - 0.9 * self.anisotropic.mean()).sqrt();
@@ -188,7 +191,8 @@ impl Material for Principled {
     }
 }
 
-/// `eta`, or what `specular` means: reflectance 0.08 · `specular` at normal incidence. What lets light through must not have the index of what is outside.
+/// `eta`, or what `specular` means: reflectance 0.08 · `specular` at normal incidence. What lets light
+/// through must not have the index of what is outside.
 fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
     if params.has("eta") && params.has("specular") {
         return Err(params.error("eta", "`eta` beside `specular`", "expected one of them"));

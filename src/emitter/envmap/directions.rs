@@ -1,12 +1,15 @@
-//! Directions towards an image of the surroundings, chosen by how important it is there and how much a surface faces it.
+//! Directions towards an image of the surroundings, chosen by how important it is there and how much a
+//! surface faces it.
 //!
-//! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its importance and the cosine of its middle with
-//! the nearest of some normals all over the sphere, smoothed so that it is positive, for other directions of the block may be
-//! above the horizon of other normals. Blocks are few, so their probabilities are tabulated for each of the normals. Then a cell of the
-//! block is chosen by its importance alone, which is tabulated once, and last a place in it, by the importance I that is bilinear
+//! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its importance and the
+//! cosine of its middle with the nearest of some normals all over the sphere, smoothed so that it is
+//! positive, for other directions of the block may be above the horizon of other normals. Blocks are few, so
+//! their probabilities are tabulated for each of the normals. Then a cell of the block is chosen by its
+//! importance alone, which is tabulated once, and last a place in it, by the importance I that is bilinear
 //! between texel centres, in the turn and the height (the cosine of the polar angle).
 //!
-//! With the mean importance Ī of the cell, its height h, and W cells around the equator, p(ω) = P(block, n) P(cell) I(ω)/Ī · W/(2π h).
+//! With the mean importance Ī of the cell, its height h, and W cells around the equator, p(ω) = P(block, n)
+//! P(cell) I(ω)/Ī · W/(2π h).
 
 use super::steps::{self, deal, pick};
 use crate::math::frame::unit;
@@ -17,7 +20,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// No more blocks than these along the turn and the height: their tables stay in a near cache.
 const BLOCKS: [usize; 2] = [32, 16];
 
-/// Normals along an edge of the square that the octahedron is unfolded to; odd, so that the axes are among them.
+/// Normals along an edge of the square that the octahedron is unfolded to; odd, so that the axes are among
+/// them.
 const NORMALS: usize = 17;
 
 /// Most normals are nearer than this to the nearest of those, in radians.
@@ -131,7 +135,8 @@ impl Directions {
         self.blocks.extend(weights.chunks(BLOCKS[0]).map(|row| RowOfBlocks(array(deal(row)))));
     }
 
-    /// A place that may light a surface of normal n, or of none if n is zero, and its density in sr⁻¹; `None` if nothing shines there.
+    /// A place that may light a surface of normal n, or of none if n is zero, and its density in sr⁻¹; `None`
+    /// if nothing shines there.
     #[inline]
     pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<(Place, f64)> {
         let normal = nearest(n);
@@ -220,7 +225,8 @@ pub fn direction(turn: f64, height: f64) -> DVec3 {
     DVec3::new(r * sin, height, -r * cos)
 }
 
-/// How much something at cosine c is taken to face a normal: (c + √(c² + ε²))/2, close to max(c, 0) but never zero.
+/// How much something at cosine c is taken to face a normal: (c + √(c² + ε²))/2, close to max(c, 0) but never
+/// zero.
 fn facing(c: f64, blur: f64) -> f64 {
     // Below the horizon the sum would cancel.
     let large = 0.5 * (c.abs() + (c * c + blur * blur).sqrt());

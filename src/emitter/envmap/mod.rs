@@ -33,8 +33,8 @@ struct Texel {
     scale: f32,
 }
 
-/// Texel centres are at the middle of columns and at the ends of rows (the first and last row are the poles), as in
-/// Mitsuba; between them all is bilinear.
+/// Texel centres are at the middle of columns and at the ends of rows (the first and last row are the poles),
+/// as in Mitsuba; between them all is bilinear.
 #[derive(Debug)]
 pub struct EnvironmentMap {
     texels: Vec<Texel>,
@@ -113,7 +113,8 @@ impl EnvironmentMap {
         })
     }
 
-    /// Radiance seen in direction ω (unit, world), and the density with which it is sampled for a surface of normal `n`.
+    /// Radiance seen in direction ω (unit, world), and the density with which it is sampled for a surface of
+    /// normal `n`.
     pub fn radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
         let w = unit(self.to_local.vector(w));
         let turn = 0.5 * INV_PI * atan2(w.x, -w.z);
@@ -164,8 +165,10 @@ fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
     [cell.row, cell.row + 1].map(|row| [texels[row * width + cell.column], texels[row * width + right]])
 }
 
-/// By what directions are chosen: the brightness beyond the mean, for scattering finds the rest as well (Karlík et al. 2019, "MIS
-/// Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling"); and some of it everywhere, for nothing that shines may be left out where directions are chosen in no other way.
+/// By what directions are chosen: the brightness beyond the mean, for scattering finds the rest as well
+/// (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling");
+/// and some of it everywhere, for nothing that shines may be left out where directions are chosen in no other
+/// way.
 fn importance(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
     corners.map(|row| {
         row.map(|texel| {

@@ -1,8 +1,9 @@
 //! Choices among a few, with probabilities in whole steps.
 //!
-//! Numbers of 16 bits are a quarter as long as doubles: what one choice looks at lies in a cache line or two, and tables that
-//! would wait in a far cache fit into a near one. Probabilities are rounded to whole steps, none of what is possible to
-//! zero; since the rounded ones are what densities are made of, nothing is approximate but how well choices follow weights.
+//! Numbers of 16 bits are a quarter as long as doubles: what one choice looks at lies in a cache line or two,
+//! and tables that would wait in a far cache fit into a near one. Probabilities are rounded to whole steps,
+//! none of what is possible to zero; since the rounded ones are what densities are made of, nothing is
+//! approximate but how well choices follow weights.
 
 use crate::math::BELOW_ONE;
 
@@ -18,8 +19,8 @@ pub struct Choice {
     pub rest: f64,
 }
 
-/// Deals the steps out by some weights, of which there are far fewer than steps: where those of each begin. Nothing is chosen where no weight
-/// is positive.
+/// Deals the steps out by some weights, of which there are far fewer than steps: where those of each begin.
+/// Nothing is chosen where no weight is positive.
 pub fn deal(weights: &[f64]) -> impl Iterator<Item = u16> {
     let total: f64 = weights.iter().sum();
     let possible = weights.iter().filter(|weight| **weight > 0.0).count() as u16;
@@ -37,7 +38,8 @@ pub fn deal(weights: &[f64]) -> impl Iterator<Item = u16> {
 #[inline]
 pub fn pick(starts: &[u16], u: f64) -> Option<Choice> {
     let x = u * f64::from(STEPS);
-    // Counting all is faster than a search: there are few, no branch depends on them, and registers hold many.
+    // Counting all is faster than a search: there are few, no branch depends on them, and registers hold
+    // many.
     let begun: u16 = starts.iter().map(|start| u16::from(*start <= x as u16)).sum();
     let index = usize::from(begun).checked_sub(1)?;
     let (begin, steps) = span(starts, index);

@@ -1,4 +1,5 @@
-//! How emitters are put into a tree: from the top, by planes across the axes, where the sides together [cost](Cluster::cost) least.
+//! How emitters are put into a tree: from the top, by planes across the axes, where the sides together
+//! [cost](Cluster::cost) least.
 
 use super::children::{Children, WIDTH};
 use super::{Cluster, Node, Place, Target, Tree};

@@ -39,10 +39,12 @@ impl Children {
         }
     }
 
-    /// Estimates of the irradiance at a point, about n unless that is zero, at any scale, and their sum. Zero only if nothing can arrive there.
+    /// Estimates of the irradiance at a point, about n unless that is zero, at any scale, and their sum. Zero
+    /// only if nothing can arrive there.
     ///
-    /// Power over squared distances, times the largest cosines that can be at either end: as seen from the point all emitters are within a cone about the
-    /// centre, and from any of them the point is as far from the axis of the normals, less the angle of that cone and of the normals' own.
+    /// Power over squared distances, times the largest cosines that can be at either end: as seen from the
+    /// point all emitters are within a cone about the centre, and from any of them the point is as far from
+    /// the axis of the normals, less the angle of that cone and of the normals' own.
     #[inline(always)]
     pub fn importance(&self, (p, n): Receiver) -> ([f64; WIDTH], f64) {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
@@ -68,9 +70,11 @@ impl Children {
     }
 }
 
-/// 1/d² on average over a ball of which this is the squared radius, nearly: 3/r² in its midst, 3/2r² on its surface.
+/// 1/d² on average over a ball of which this is the squared radius, nearly: 3/r² in its midst, 3/2r² on its
+/// surface.
 ///
-/// Taking for it half of the ball about a box, in which most boxes' emitters are, leaves a quarter or a fifth of the variance that 1/max(d², r²) does.
+/// Taking for it half of the ball about a box, in which most boxes' emitters are, leaves a quarter or a fifth
+/// of the variance that 1/max(d², r²) does.
 #[inline(always)]
 fn mean_inverse_square(distance2: F64x4, radius2: F64x4) -> F64x4 {
     let least = F64x4::splat(f64::MIN_POSITIVE);

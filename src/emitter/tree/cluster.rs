@@ -33,8 +33,9 @@ impl Cluster {
         (0.5 * lo + 0.5 * hi, (0.5 * hi - 0.5 * lo).length_squared())
     }
 
-    /// What a node of a tree costs: its power, times its extent, times the solid angle into which it shines, weighted by the cosine beyond the normals
-    /// (Conty Estevez and Kulla 2018, §4.1). In place of the surface of its box the diagonal squared, which is not zero for emitters in a row.
+    /// What a node of a tree costs: its power, times its extent, times the solid angle into which it shines,
+    /// weighted by the cosine beyond the normals (Conty Estevez and Kulla 2018, §4.1). In place of the
+    /// surface of its box the diagonal squared, which is not zero for emitters in a row.
     pub fn cost(&self) -> f64 {
         use std::f64::consts::{FRAC_PI_2, PI, TAU};
         let (lo, hi) = self.bounds;

@@ -1,9 +1,12 @@
-//! A tree of emitters, for scenes with many: one is chosen by what it may bring to the place where light is gathered.
+//! A tree of emitters, for scenes with many: one is chosen by what it may bring to the place where light is
+//! gathered.
 //!
-//! Every node knows of its children where their emitters are, whither they shine and their power ([`Cluster`]), from which follow estimates of the light that they bring to
-//! a point. A choice goes down from the root, at each node to one of the children with chances in proportion to these estimates
-//! (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; PBRT, 4th edition, §12.6.3). The estimate for an
-//! emitter that may light the point is never zero, so no light is lost, however wrong it is.
+//! Every node knows of its children where their emitters are, whither they shine and their power
+//! ([`Cluster`]), from which follow estimates of the light that they bring to a point. A choice goes down
+//! from the root, at each node to one of the children with chances in proportion to these estimates (Conty
+//! Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; PBRT, 4th
+//! edition, §12.6.3). The estimate for an emitter that may light the point is never zero, so no light is
+//! lost, however wrong it is.
 
 mod build;
 mod children;
@@ -54,7 +57,8 @@ impl Tree {
         build::build(clusters)
     }
 
-    /// The emitter that a number in [0, 1) falls on, its probability, and the number to be used again; `None` if no emitter shines there.
+    /// The emitter that a number in [0, 1) falls on, its probability, and the number to be used again; `None`
+    /// if no emitter shines there.
     #[inline(never)]
     pub fn sample(&self, at: Receiver, mut u: f64) -> Option<(usize, f64, f64)> {
         let (mut index, mut probability) = (0, 1.0);

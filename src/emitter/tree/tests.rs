@@ -34,7 +34,8 @@ fn emitters_are_chosen_as_often_as_is_said() {
             let at = receiver(&mut rng);
             let probabilities: Vec<f64> = (0..count).map(|i| tree.probability(i, at)).collect();
             let total: f64 = probabilities.iter().sum();
-            // The numbers that fall on an emitter are as many as its probability says, and go on from 0 to 1 within.
+            // The numbers that fall on an emitter are as many as its probability says, and go on from 0 to 1
+            // within.
             const NUMBERS: usize = 20_000;
             let mut shares = vec![0.0; count];
             let mut last: Option<(usize, f64)> = None;
@@ -84,7 +85,8 @@ fn what_shines_at_a_point_has_a_chance() {
     assert!(lit > 5000, "{lit}");
 }
 
-/// How much the light of one chosen emitter scatters, squared and relative to the light of all: 0 if it is chosen exactly in proportion.
+/// How much the light of one chosen emitter scatters, squared and relative to the light of all: 0 if it is
+/// chosen exactly in proportion.
 fn scatter(light: &[f64], probability: impl Fn(usize) -> f64) -> f64 {
     let total: f64 = light.iter().sum();
     let squares = light.iter().enumerate().filter(|(_, l)| **l > 0.0).map(|(i, l)| l * l / probability(i));

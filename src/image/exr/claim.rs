@@ -4,8 +4,8 @@ use exr::meta::header::Header;
 use std::io::BufReader;
 use std::path::Path;
 
-/// No method of the format stores a byte of samples in less than 1/4096 of one: deflate needs 1/1032, and DWA, where a whole
-/// block is dark, little less.
+/// No method of the format stores a byte of samples in less than 1/4096 of one: deflate needs 1/1032, and
+/// DWA, where a whole block is dark, little less.
 const MOST_PER_BYTE: u128 = 4096;
 
 /// Refuses a file that claims more samples than one of its length can hold.
@@ -37,7 +37,8 @@ mod tests {
         let sky = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/references/scenes/textures/sky.exr");
         assert!(read_exr(&sky).is_ok() && read::pixels(&sky).is_ok());
         let mut bytes = std::fs::read(&sky).unwrap();
-        // Name, type and length of an attribute, then the corners: x and y of the least pixel, then of the last.
+        // Name, type and length of an attribute, then the corners: x and y of the least pixel, then of the
+        // last.
         for name in [b"dataWindow\0box2i\0\x10\0\0\0".as_slice(), b"displayWindow\0box2i\0\x10\0\0\0"] {
             let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();
             bytes[at + 8..at + 16].copy_from_slice(&[0xff, 0xff, 0x0f, 0, 0xff, 0xff, 0x0f, 0]);

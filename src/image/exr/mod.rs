@@ -1,10 +1,10 @@
 //! Images as OpenEXR files.
 //!
 //! The first part holds the means as 32-bit floats under the channels' names and their variances under
-//! `variance.NAME`. The data window is the crop window, the display window the full film. Provenance stands in the header as
-//! `etalon.NAME`. A shard has a second part, [`SHARD_PART`], with the words of the accumulators as unsigned integers:
-//! `NAME.00` and on, in the order of `ChannelAccumulator::word`; leaving a part out is easy for every reader, so a
-//! shard looks like any other image to a viewer.
+//! `variance.NAME`. The data window is the crop window, the display window the full film. Provenance stands
+//! in the header as `etalon.NAME`. A shard has a second part, [`SHARD_PART`], with the words of the
+//! accumulators as unsigned integers: `NAME.00` and on, in the order of `ChannelAccumulator::word`; leaving a
+//! part out is easy for every reader, so a shard looks like any other image to a viewer.
 
 pub(super) mod claim;
 mod read;

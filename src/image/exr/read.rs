@@ -24,7 +24,8 @@ pub fn read_exr(path: &Path) -> Result<Image, ImageError> {
     decode(file).map_err(|error| error.at(path))
 }
 
-/// An image without its values, as [`Image`] has them in memory: every channel is empty, and so are the accumulators.
+/// An image without its values, as [`Image`] has them in memory: every channel is empty, and so are the
+/// accumulators.
 pub(in crate::image) fn read_head(path: &Path) -> Result<Image, ImageError> {
     let file = std::fs::File::open(path).map_err(|error| ImageError::new(error).at(path))?;
     let reader = exr::block::read(std::io::BufReader::new(file), false);

@@ -78,7 +78,8 @@ pub(in crate::image) fn encode(image: &Image) -> Result<Vec<u8>, ImageError> {
     Ok(bytes)
 }
 
-/// One part of the file. Chunks in increasing order: otherwise they come in the order in which threads finish.
+/// One part of the file. Chunks in increasing order: otherwise they come in the order in which threads
+/// finish.
 fn layer<'a>(
     window: Window,
     attributes: LayerAttributes,

@@ -12,8 +12,9 @@ const UNAIMED: f64 = 0.1;
 
 /// Balls that together hold all casters.
 ///
-/// From a point p with normal n, ball k fills a cone of solid angle Ωₖ (or all directions, where p is inside). It is aimed at with
-/// probability in proportion to Ωₖ cₖ, cₖ being the largest cosine to n in its cone, and uniformly within:
+/// From a point p with normal n, ball k fills a cone of solid angle Ωₖ (or all directions, where p is
+/// inside). It is aimed at with probability in proportion to Ωₖ cₖ, cₖ being the largest cosine to n in its
+/// cone, and uniformly within:
 ///
 /// p(ω) = a cos/π + (1 − a) Σₖ [ω in cone k] cₖ / Σₖ Ωₖ cₖ.
 ///
@@ -23,8 +24,8 @@ pub struct Aim {
     balls: Vec<(DVec3, f64)>,
 }
 
-/// A ball as it is seen from a point: the axis of its cone, 1 − cos of its opening, and its largest cosine; `None` for one
-/// all around.
+/// A ball as it is seen from a point: the axis of its cone, 1 − cos of its opening, and its largest cosine;
+/// `None` for one all around.
 struct Cone {
     axis: DVec3,
     one_minus_cos: f64,
@@ -90,8 +91,8 @@ impl Aim {
         }
     }
 
-    /// A direction from the point p of an emitter with normal n, by three numbers in [0, 1); a strip of the first two falls to each cone, as in
-    /// [`Discrete::sample_strip`](crate::math::Discrete::sample_strip).
+    /// A direction from the point p of an emitter with normal n, by three numbers in [0, 1); a strip of the
+    /// first two falls to each cone, as in [`Discrete::sample_strip`](crate::math::Discrete::sample_strip).
     pub fn sample(&self, p: DVec3, n: DVec3, u: DVec2, digits: f64) -> DVec3 {
         let cosine = |x: f64| Frame::about(n).to_world(warp::cosine_hemisphere(DVec2::new(x, u.y)));
         let choice = with_digits(u.x, digits);
@@ -173,7 +174,8 @@ mod tests {
     fn averages_over_directions_are_those_of_the_hemisphere() {
         for (p, n) in [(DVec3::ZERO, DVec3::Z), (DVec3::new(0.1, 0.0, 1.9), DVec3::X)] {
             let aim = example();
-            // ∫ g dω of functions that are large within, across and beside the cones, by sampling; each is known.
+            // ∫ g dω of functions that are large within, across and beside the cones, by sampling; each is
+            // known.
             const N: u32 = 1 << 18;
             let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
             for i in 0..N {

@@ -36,9 +36,11 @@ pub struct LightPath {
     ratio: f64,
     /// Where it began.
     end: EmitterPoint,
-    /// How much likelier emitter sampling makes the path's beginning than the first lobe with a density on the way does, from its end.
+    /// How much likelier emitter sampling makes the path's beginning than the first lobe with a density on
+    /// the way does, from its end.
     by_emitter: f64,
-    /// Surfaces that a link might lead by since it left, with the chance of its turns there; `None` once it has done anything else.
+    /// Surfaces that a link might lead by since it left, with the chance of its turns there; `None` once it
+    /// has done anything else.
     passage: Option<(Passage, f64)>,
 }
 
@@ -62,7 +64,8 @@ impl LightPath {
 }
 
 impl Caustics {
-    /// Connects what the path's ray has met after so many edges with the camera, and scatters: the ray with which it goes on.
+    /// Connects what the path's ray has met after so many edges with the camera, and scatters: the ray with
+    /// which it goes on.
     pub fn step(
         &self,
         scene: &Scene,
@@ -85,7 +88,8 @@ impl Caustics {
         let (primitive, wo) = (hit.primitive, DVec3::ZERO);
         let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
         vertex.wo = vertex.to_local(to_light);
-        // The density of emitter samples by the same surfaces from here, over the chance that what scatters takes the same turns.
+        // The density of emitter samples by the same surfaces from here, over the chance that what scatters
+        // takes the same turns.
         let asked = side.traits.smooth && scene.links.as_ref().is_some_and(|links| links.everywhere);
         let linked =
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
@@ -121,8 +125,9 @@ impl Caustics {
         });
         if sample.delta {
             let η2 = sample.eta * sample.eta;
-            // A camera path's weight T/(P η²) is a density of ωl, this one's of ωc, and dωl/dωc is the ratio of the cosines times that of
-            // the squared indices: this is the shading cosine's place in the estimate.
+            // A camera path's weight T/(P η²) is a density of ωl, this one's of ωc, and dωl/dωc is the ratio
+            // of the cosines times that of the squared indices: this is the shading cosine's place in the
+            // estimate.
             let shading = (vertex.wo.z / sample.wi.z).abs();
             path.throughput *= sample.weight * (η2 * shading * cos_camera / cos_light) as f32;
             path.ratio *= η2;

@@ -1,30 +1,37 @@
 //! Light tracing of caustics, and the weights that share them between camera and light.
 //!
-//! A path tracer finds light that a mirror or a glass throws upon a surface only by chance: it must hit the emitter by
-//! following the specular chain from the surface. From the other end, that is easy. So beside the camera paths there are *light
-//! paths*: they leave an emitter, aimed at what is specular, and every rough surface that they reach beyond is
-//! connected with the camera.
+//! A path tracer finds light that a mirror or a glass throws upon a surface only by chance: it must hit the
+//! emitter by following the specular chain from the surface. From the other end, that is easy. So beside the
+//! camera paths there are *light paths*: they leave an emitter, aimed at what is specular, and every rough
+//! surface that they reach beyond is connected with the camera.
 //!
-//! **Which paths.** Let x₁ … xₙ be the vertices from the one that the camera sees to the one on the emitter. Light paths make those with
-//! n ≥ 3 whose xₙ₋₁ is of a material with narrow lobes (a *caster*), whose xₙ lies on an area emitter, and whose x₁ scatters
-//! into more than single directions; no relief with a mirror's or a glass's lobes is among them, whose weights are
-//! not the same from either end (`Traits::relief`). All others are left to camera paths alone. Where xₙ₋₁ has a lobe
-//! with a density, emitter sampling makes these paths too; the three techniques share them by the power heuristic.
+//! **Which paths.** Let x₁ … xₙ be the vertices from the one that the camera sees to the one on the emitter.
+//! Light paths make those with n ≥ 3 whose xₙ₋₁ is of a material with narrow lobes (a *caster*), whose xₙ
+//! lies on an area emitter, and whose x₁ scatters into more than single directions; no relief with a mirror's
+//! or a glass's lobes is among them, whose weights are not the same from either end (`Traits::relief`). All
+//! others are left to camera paths alone. Where xₙ₋₁ has a lobe with a density, emitter sampling makes these
+//! paths too; the three techniques share them by the power heuristic.
 //!
-//! **The ratio of the densities.** Per sample number there is one camera path to each pixel, and there are M light paths for the
-//! film. With area densities, the squared distances of all edges between x₁ and xₙ cancel between the two, and
+//! **The ratio of the densities.** Per sample number there is one camera path to each pixel, and there are M
+//! light paths for the film. With area densities, the squared distances of all edges between x₁ and xₙ cancel
+//! between the two, and
 //!
 //! r = p_light / p_camera = M pₐ(xₙ) p(xₙ→xₙ₋₁) / cosₙ · ∏ ρᵢ (i = n−1 … 2) · cos₁ / (p(x₁→x₂) J),
 //!
-//! where at vertex i with the directions ωl to the light's side and ωc to the camera's side
-//! ρᵢ = p(ωl→ωc) |cos ωl| / (p(ωc→ωl) |cos ωc|), which is 1 on a matte surface, cos₁ is that of ωl at x₁, and J is how
-//! many pixels (in px²) the film sees for each unit of area about x₁. A lobe without density is chosen with the same probability from
-//! either end; what is left of ρᵢ there is the change of the étendue, 1/η² with η = η(light's side)/η(camera's side).
-//! Cosines are those of geometric normals. Russian roulette is not in the densities: the weights sum to one without it.
+//! where at vertex i, with the directions ωl to the light's side and ωc to the camera's side,
 //!
-//! **The estimate.** The integrand in area measure, over the density of the light path, leaves at every vertex
-//! f |cos ωl|ₛ · |cos ωc| / (p(ωl→ωc) |cos ωl|), with the shading cosine (index s) that the camera path would have used:
-//! the correction that shading normals need (Veach 1997, §5.3) is in it. At x₁ it is f |cos ωl|ₛ / |cos ωl| · J / M.
+//! ρᵢ = p(ωl→ωc) |cos ωl| / (p(ωc→ωl) |cos ωc|),
+//!
+//! which is 1 on a matte surface, cos₁ is that of ωl at x₁, and J is how many pixels (in px²) the film sees
+//! for each unit of area about x₁. A lobe without density is chosen with the same probability from either
+//! end; what is left of ρᵢ there is the change of the étendue, 1/η² with η = η(light's side)/η(camera's
+//! side). Cosines are those of geometric normals. Russian roulette is not in the densities: the weights sum
+//! to one without it.
+//!
+//! **The estimate.** The integrand in area measure, over the density of the light path, leaves at every
+//! vertex f |cos ωl|ₛ · |cos ωc| / (p(ωl→ωc) |cos ωl|), with the shading cosine (index s) that the camera
+//! path would have used: the correction that shading normals need (Veach 1997, §5.3) is in it. At x₁ it is
+//! f |cos ωl|ₛ / |cos ωl| · J / M.
 
 mod aim;
 mod emission;
@@ -41,7 +48,8 @@ use crate::sensor::Sensor;
 pub use emission::Emission;
 pub use light_path::Splat;
 
-/// Light paths to a camera path, until it is known how much of the light they bring; see [`crate::render::share`].
+/// Light paths to a camera path, until it is known how much of the light they bring; see
+/// [`crate::render::share`].
 const LIGHT_PATHS: f64 = 0.25;
 
 /// What light paths need to know of a scene.
@@ -91,13 +99,14 @@ pub fn is_caster(shape: &Shape) -> bool {
     shape.sides.iter().any(|side| side.traits.focuses())
 }
 
-/// The factor of r from x₁, where a lobe with a density went on: no light path can be connected with another. `seen` is J.
+/// The factor of r from x₁, where a lobe with a density went on: no light path can be connected with another.
+/// `seen` is J.
 pub fn first(pdf: f64, cos_light: f64, seen: f64) -> f64 {
     cos_light / (pdf * seen)
 }
 
-/// ρ of a vertex whose lobe has a density; `to_camera` and `to_light` are the densities with which either is sampled from the other, and
-/// the cosines are those of the two directions.
+/// ρ of a vertex whose lobe has a density; `to_camera` and `to_light` are the densities with which either is
+/// sampled from the other, and the cosines are those of the two directions.
 pub fn further(to_camera: f64, to_light: f64, cos_camera: f64, cos_light: f64) -> f64 {
     to_camera * cos_light / (to_light * cos_camera)
 }

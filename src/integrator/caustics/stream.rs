@@ -32,8 +32,8 @@ struct Stream {
 }
 
 impl Caustics {
-    /// Traces light paths by their numbers, counted over all samples, and hands on what they bring to the film, in the
-    /// order of their numbers.
+    /// Traces light paths by their numbers, counted over all samples, and hands on what they bring to the
+    /// film, in the order of their numbers.
     pub fn trace(
         &self,
         scene: &Scene,

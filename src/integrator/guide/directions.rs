@@ -8,8 +8,9 @@ const DIVIDED: usize = 16;
 /// How often a square is divided at most: to a 256th of a turn.
 const DEEPEST: u32 = 8;
 
-/// The sphere of directions as a square of the same measure ([`warp::sphere`]), divided into quarters and these again where many
-/// directions were seen (as in the trees of Müller, Gross & Novák 2017, §3.2), and even within the smallest.
+/// The sphere of directions as a square of the same measure ([`warp::sphere`]), divided into quarters and
+/// these again where many directions were seen (as in the trees of Müller, Gross & Novák 2017, §3.2), and
+/// even within the smallest.
 #[derive(Clone, Debug)]
 pub struct Directions(Vec<Quarters>);
 

@@ -1,16 +1,18 @@
 //! Emitter samples along ways that light paths have shown.
 //!
-//! Where a surface is seen through glass or in a mirror, and lit by way of others, no light path can be connected with the camera, and a
-//! [link](super::links) is found only if few surfaces are on the way and the straight line names them. Scattering finds such
-//! light by chance. But light paths know from where it comes: before the render some leave the emitters, aimed at what is specular
-//! ([`Emission`]), and each that comes by specular surfaces to one that scatters with a density leaves a photon there. Space
-//! is halved until few photons are in a cell, and the directions of these, weighed by their power, are a density g(ω) (path guiding by photons: Jensen 1995;
-//! Vorba et al. 2014).
+//! Where a surface is seen through glass or in a mirror, and lit by way of others, no light path can be
+//! connected with the camera, and a [link](super::links) is found only if few surfaces are on the way and the
+//! straight line names them. Scattering finds such light by chance. But light paths know from where it comes:
+//! before the render some leave the emitters, aimed at what is specular ([`Emission`]), and each that comes
+//! by specular surfaces to one that scatters with a density leaves a photon there. Space is halved until few
+//! photons are in a cell, and the directions of these, weighed by their power, are a density g(ω) (path
+//! guiding by photons: Jensen 1995; Vorba et al. 2014).
 //!
-//! **The technique.** At a vertex one direction is drawn from g and followed from one specular surface to the next, each time by
-//! a lobe that is sampled as a path would. If it comes to an emitter, by one such surface at least, that is an estimate of the light that
-//! scattering finds as well, by the same turns with the same chances; so the two share it by the power heuristic, of g(ω) and of the density p(ω) of scattering.
-//! What g does not cover is left to scattering, so however few or wrong photons are, nothing is biased.
+//! **The technique.** At a vertex one direction is drawn from g and followed from one specular surface to the
+//! next, each time by a lobe that is sampled as a path would. If it comes to an emitter, by one such surface
+//! at least, that is an estimate of the light that scattering finds as well, by the same turns with the same
+//! chances; so the two share it by the power heuristic, of g(ω) and of the density p(ω) of scattering. What g
+//! does not cover is left to scattering, so however few or wrong photons are, nothing is biased.
 //!
 //! Photons are a function of the scene alone: every part of a render guides alike.
 
@@ -79,7 +81,8 @@ impl Guide {
     }
 }
 
-/// An estimate of the light that this technique has to contribute at a vertex with `depth` edges behind it, by no more surfaces than `most`.
+/// An estimate of the light that this technique has to contribute at a vertex with `depth` edges behind it,
+/// by no more surfaces than `most`.
 pub fn sample_emitters<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
@@ -181,7 +184,8 @@ mod tests {
 
     #[test]
     fn cells_hold_the_photons_of_their_place() {
-        // West light comes from above, east light from below, more photons than a cell holds of each, and many in one place.
+        // West light comes from above, east light from below, more photons than a cell holds of each, and
+        // many in one place.
         let photon = |i: usize| {
             let x = if i.is_multiple_of(3) { 0.25 } else { i as f64 / 3000.0 - 0.5 };
             Photon { p: DVec3::new(x, 0.0, 0.0), w: DVec3::Z * x.signum(), power: 1.0, left: 1.0 }

@@ -18,11 +18,13 @@ pub struct Photon {
     /// Towards where it came from.
     pub w: DVec3,
     pub power: f64,
-    /// Which part of the light along it is left to scattering if emitters are sampled through glass and by mirrors.
+    /// Which part of the light along it is left to scattering if emitters are sampled through glass and by
+    /// mirrors.
     pub left: f64,
 }
 
-/// The column that stands for these light paths where samplers are given a pixel: no film is as wide, and other light paths have another.
+/// The column that stands for these light paths where samplers are given a pixel: no film is as wide, and
+/// other light paths have another.
 const COLUMN: u32 = u32::MAX - 1;
 
 /// What the light path with this number leaves.

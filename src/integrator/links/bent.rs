@@ -1,13 +1,14 @@
 //! A ray through given surfaces, and how it changes with its direction.
 //!
-//! Newton's method needs the derivatives of where the ray ends by two angles of its direction, and they are carried along
-//! (Igehy 1999, "Tracing Ray Differentials"). At an interface with the normal n against the
+//! Newton's method needs the derivatives of where the ray ends by two angles of its direction, and they are
+//! carried along (Igehy 1999, "Tracing Ray Differentials"). At an interface with the normal n against the
 //! direction d, the index ratio ν and the cosines c and c′ = √(1 − ν²(1 − c²)) on its two sides,
 //!
-//! d′ = ν d + (ν c − c′) n, so that ∂d′ = ν ∂d + (ν ∂c − ∂c′) n + (ν c − c′) ∂n, ∂c = −(∂d·n + d·∂n), ∂c′ = ν² c ∂c / c′,
+//! d′ = ν d + (ν c − c′) n, so that ∂d′ = ν ∂d + (ν ∂c − ∂c′) n + (ν c − c′) ∂n, ∂c = −(∂d·n + d·∂n), ∂c′ =
+//! ν² c ∂c / c′,
 //!
-//! and on a flight of length t to a surface of normal g, ∂p′ = ∂p + t ∂d − d g·(∂p + t ∂d)/(g·d). ∂n follows from ∂p′ and how
-//! the surface is curved. A mirror is an interface with ν = 1 and c′ = −c.
+//! and on a flight of length t to a surface of normal g, ∂p′ = ∂p + t ∂d − d g·(∂p + t ∂d)/(g·d). ∂n follows
+//! from ∂p′ and how the surface is curved. A mirror is an interface with ν = 1 and c′ = −c.
 
 use super::Surface;
 use super::passage::{Turn, turn};
@@ -41,7 +42,8 @@ pub struct Bent {
 }
 
 impl Bent {
-    /// From a point on a primitive towards the nearest that the ray comes to `to`; `None` if it meets other surfaces.
+    /// From a point on a primitive towards the nearest that the ray comes to `to`; `None` if it meets other
+    /// surfaces.
     pub fn new(
         scene: &Scene,
         (p, primitive): (DVec3, u32),
@@ -112,8 +114,8 @@ impl Bent {
         (distance > 0.0).then_some(Self { ray, transmittance, chance, eta2, derivatives, distance, miss })
     }
 
-    /// By which angles the first direction must change, and the area across the ray for each unit of solid angle; `None` where all
-    /// light comes together.
+    /// By which angles the first direction must change, and the area across the ray for each unit of solid
+    /// angle; `None` where all light comes together.
     pub fn correction(&self) -> Option<(DVec2, f64)> {
         let frame = Frame::about(self.ray.direction);
         let flat = |v: DVec3| DVec2::new(v.dot(frame.s), v.dot(frame.t));

@@ -1,8 +1,9 @@
 //! The way from one point to another through refracting interfaces, perhaps by a mirror.
 //!
-//! Which interfaces is read off the straight line between the two, or the lines by which the first sees the second in the mirror. Then a
-//! ray is shot and bent at each of them, and its direction is corrected until it meets the other point: Newton's method in two
-//! unknowns, whose derivatives the ray carries along ([`bent`](super::bent)).
+//! Which interfaces is read off the straight line between the two, or the lines by which the first sees the
+//! second in the mirror. Then a ray is shot and bent at each of them, and its direction is corrected until it
+//! meets the other point: Newton's method in two unknowns, whose derivatives the ray carries along
+//! ([`bent`](super::bent)).
 
 use super::bent::{Bent, specular};
 use super::mirror::Mirror;
@@ -65,7 +66,8 @@ impl<'a> Chain<'a> {
         Some(())
     }
 
-    /// Adds the shapes that the straight line goes through, up to the mirror if one is given; `None` if one of them does not refract.
+    /// Adds the shapes that the straight line goes through, up to the mirror if one is given; `None` if one
+    /// of them does not refract.
     fn read(
         &mut self,
         scene: &Scene,
@@ -94,8 +96,9 @@ impl<'a> Chain<'a> {
 }
 
 impl Link {
-    /// From a point on a primitive to another point, with one reflection if a mirror is given; `None` if there is nothing but air
-    /// between them, or something else than refracting interfaces, or more surfaces than `most`, or if no way is found.
+    /// From a point on a primitive to another point, with one reflection if a mirror is given; `None` if
+    /// there is nothing but air between them, or something else than refracting interfaces, or more surfaces
+    /// than `most`, or if no way is found.
     pub fn find(
         scene: &Scene,
         from: (DVec3, u32),

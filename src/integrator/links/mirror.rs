@@ -1,12 +1,13 @@
 //! A flat mirror or a convex ball: where a point is seen in it is known.
 //!
-//! **Flat.** The image x′ of a point x lies as far behind the plane as x before it; x sees y where the segment x′y
-//! crosses the plane.
+//! **Flat.** The image x′ of a point x lies as far behind the plane as x before it; x sees y where the
+//! segment x′y crosses the plane.
 //!
-//! **A ball,** seen from outside: x, y, the centre and the place z of the reflection lie in one plane. On the arc from the
-//! direction to x to that to y, the angle to the normal grows at x and shrinks at y as z moves on, so as long as both see z there is one place
-//! where the two are equal (Alhazen's problem); it is found by false position. Light for x comes from about the image of x: with the distance s
-//! from the surface, rays near the axis meet s r/(2s + r) below it.
+//! **A ball,** seen from outside: x, y, the centre and the place z of the reflection lie in one plane. On the
+//! arc from the direction to x to that to y, the angle to the normal grows at x and shrinks at y as z moves
+//! on, so as long as both see z there is one place where the two are equal (Alhazen's problem); it is found
+//! by false position. Light for x comes from about the image of x: with the distance s from the surface, rays
+//! near the axis meet s r/(2s + r) below it.
 
 use crate::math::{DVec2, DVec3, length};
 
@@ -30,7 +31,8 @@ pub struct Mirror {
     pub form: Form,
     /// The ball around it.
     pub around: (DVec3, f64),
-    /// Which part of the light it reflects, about, on the side of the normal (of a ball: outside) and on the other.
+    /// Which part of the light it reflects, about, on the side of the normal (of a ball: outside) and on the
+    /// other.
     pub strength: [f64; 2],
     /// Counted over the whole scene, in order.
     pub primitives: Vec<u32>,
@@ -72,7 +74,8 @@ impl Mirror {
         }
     }
 
-    /// How much of the light at x it may bring, about: what it reflects, times the part of the surroundings that it fills.
+    /// How much of the light at x it may bring, about: what it reflects, times the part of the surroundings
+    /// that it fills.
     pub fn weight(&self, x: DVec3) -> f64 {
         let behind = match self.form {
             Form::Plane { n, height } => n.dot(x) < height,
@@ -98,7 +101,8 @@ fn on_unit_ball(x: DVec3, y: DVec3) -> Option<DVec3> {
         return (along > 0.0).then_some(e1);
     }
     let e2 = (y - e1 * along) / across;
-    // In the plane of the two: x = (a, 0), y = (along, across), and the normal leads from (1, 0) to y/|y| as t from 0 to 1.
+    // In the plane of the two: x = (a, 0), y = (along, across), and the normal leads from (1, 0) to y/|y| as
+    // t from 0 to 1.
     let normal = |t: f64| {
         let n = DVec2::new(1.0 - t + t * along / b, t * across / b);
         n / n.length()

@@ -56,8 +56,8 @@ impl Mirrors {
         (weights, weights.iter().sum::<f64>().max(1.0))
     }
 
-    /// One of them for the light at x, by a number in [0, 1), and with which chance. Where all together bring little, perhaps none: what is
-    /// a hundredth of the light is asked for a hundredth of the time.
+    /// One of them for the light at x, by a number in [0, 1), and with which chance. Where all together bring
+    /// little, perhaps none: what is a hundredth of the light is asked for a hundredth of the time.
     pub fn choose(&self, x: DVec3, choice: f64) -> Option<(usize, f64)> {
         let (weights, all) = self.weights(x);
         let mut rest = choice * all;

@@ -1,21 +1,26 @@
 //! Emitter samples through glass and by mirrors.
 //!
-//! A shadow ray ends at glass, and knows nothing of light that a mirror throws, so these are left to paths that happen to hit the emitter, and to
-//! light paths; but where the surface is itself seen through glass or in a mirror, light paths cannot be connected with the
-//! camera. There is a bent way from the surface to the sampled point of the emitter, and [`Link`] finds it: manifold next-event
-//! estimation (Hanika, Droske & Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
-//! (`mirror.rs`). Ways through glass alone and those by mirrors are two techniques that have no path in common.
+//! A shadow ray ends at glass, and knows nothing of light that a mirror throws, so these are left to paths
+//! that happen to hit the emitter, and to light paths; but where the surface is itself seen through glass or
+//! in a mirror, light paths cannot be connected with the camera. There is a bent way from the surface to the
+//! sampled point of the emitter, and [`Link`] finds it: manifold next-event estimation (Hanika, Droske &
+//! Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
+//! (`mirror.rs`). Ways through glass alone and those by mirrors are two techniques that have no path in
+//! common.
 //!
-//! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which the way to it leaves the vertex, with
-//! the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the way tell the area |∂y⊥/∂ω| across the ray,
-//! and the emitter is hit at an angle, so p(ω) = pₐ(y) |∂y⊥/∂ω| / cos θ_y. Points are sampled as if for the vertex, or for its image in
-//! the mirror: the straight line's density of directions p′ gives pₐ = p′ cos θ′_y / d². The mirror is chosen with a chance that the vertex's place decides.
+//! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which
+//! the way to it leaves the vertex, with the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the way tell
+//! the area |∂y⊥/∂ω| across the ray, and the emitter is hit at an angle, so p(ω) = pₐ(y) |∂y⊥/∂ω| / cos θ_y.
+//! Points are sampled as if for the vertex, or for its image in the mirror: the straight line's density of
+//! directions p′ gives pₐ = p′ cos θ′_y / d². The mirror is chosen with a chance that the vertex's place
+//! decides.
 //!
-//! **The weights.** There may be other ways to y, with other interfaces or other bends; they are left to paths that scatter into them. So
-//! when such a path has left a vertex by a lobe with a density, gone by specular surfaces and met the emitter, the link between
-//! vertex and emitter is found again: only if it is this very way could an emitter sample have made the path, and the
-//! power heuristic shares it, of p(ω) and the density of the scattering times the chance of the turn at each surface.
-//! What is found depends on the two points and the mirror alone, so both sides agree; and so do light paths, the third technique (see
+//! **The weights.** There may be other ways to y, with other interfaces or other bends; they are left to
+//! paths that scatter into them. So when such a path has left a vertex by a lobe with a density, gone by
+//! specular surfaces and met the emitter, the link between vertex and emitter is found again: only if it is
+//! this very way could an emitter sample have made the path, and the power heuristic shares it, of p(ω) and
+//! the density of the scattering times the chance of the turn at each surface. What is found depends on the
+//! two points and the mirror alone, so both sides agree; and so do light paths, the third technique (see
 //! [`caustics`](super::caustics)), which look for the link as soon as they meet a rough surface.
 
 mod bent;
@@ -38,7 +43,8 @@ pub use link::{Link, Surface};
 use mirrors::Mirrors;
 pub use passage::{Passage, Way};
 
-/// Directions closer than this are the same: those that Newton's method finds are far closer, other ways are farther.
+/// Directions closer than this are the same: those that Newton's method finds are far closer, other ways are
+/// farther.
 const SAME: f64 = 1e-6;
 
 /// At which vertices emitters are sampled through glass and by mirrors, and how.
@@ -50,7 +56,8 @@ pub enum Where {
     /// Where no light path can be connected with the camera.
     Unaided,
     Everywhere,
-    /// Where no light path can be connected with the camera, along ways that light paths have shown; see [`guide`](super::guide).
+    /// Where no light path can be connected with the camera, along ways that light paths have shown; see
+    /// [`guide`](super::guide).
     Guided,
 }
 
@@ -90,7 +97,8 @@ impl Links {
         (something && shining).then_some(Self { glass, mirrors, everywhere: false })
     }
 
-    /// The techniques for the light at a point, by a number in [0, 1): through glass alone, and by a mirror that is chosen with a chance.
+    /// The techniques for the light at a point, by a number in [0, 1): through glass alone, and by a mirror
+    /// that is chosen with a chance.
     pub fn techniques(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Option<(usize, f64)>> {
         let through = (!self.glass.is_empty()).then_some(None);
         through.into_iter().chain(self.mirrors.choose(p, choice).map(Some))
@@ -108,8 +116,8 @@ impl Links {
     }
 }
 
-/// The density with which one emitter sample at a vertex makes a direction that leads by specular surfaces to a point of an
-/// emitter; `None` if there is another way that it would take, or none.
+/// The density with which one emitter sample at a vertex makes a direction that leads by specular surfaces to
+/// a point of an emitter; `None` if there is another way that it would take, or none.
 pub fn density_of(
     scene: &Scene,
     from: (DVec3, u32),
@@ -148,9 +156,11 @@ fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n
     straight_pdf * (n.dot(straight) / (n.dot(link.last.direction) * distance * distance)).abs() * link.spread
 }
 
-/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: an estimate of the light that this
-/// technique has to contribute, up to visibility behind the last surface. `mirror` is what [`Links::techniques`] says. `light_paths` says of a link, of the density of its
-/// direction when scattering, and of a point of the emitter, how much likelier light paths make the whole path than scattering does.
+/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: an estimate
+/// of the light that this technique has to contribute, up to visibility behind the last surface. `mirror` is
+/// what [`Links::techniques`] says. `light_paths` says of a link, of the density of its direction when
+/// scattering, and of a point of the emitter, how much likelier light paths make the whole path than
+/// scattering does.
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,

@@ -55,7 +55,8 @@ pub struct Way {
     pdf: f64,
     /// `None` if there is no such vertex, or the path has done what no link does.
     passage: Option<Passage>,
-    /// How much likelier a guided emitter sample takes the same way, and how many surfaces it may still lead by.
+    /// How much likelier a guided emitter sample takes the same way, and how many surfaces it may still lead
+    /// by.
     guided: (f64, u32),
 }
 
@@ -63,7 +64,8 @@ impl Way {
     pub const NONE: Self =
         Self { from: (DVec3::ZERO, 0), direction: DVec3::ZERO, pdf: 0.0, passage: None, guided: (0.0, 0) };
 
-    /// Leaves a vertex in a sampled direction (world); `seen` is what guides its emitter samples, if anything does.
+    /// Leaves a vertex in a sampled direction (world); `seen` is what guides its emitter samples, if anything
+    /// does.
     pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample, seen: Option<&Directions>) -> Self {
         let passage = (!sample.delta && seen.is_none()).then_some(Passage::default());
         let seen = seen.filter(|_| !sample.delta);
@@ -81,7 +83,8 @@ impl Way {
         };
     }
 
-    /// How much likelier emitter samples, `count` where they are not guided, make the path that has met a point of an emitter.
+    /// How much likelier emitter samples, `count` where they are not guided, make the path that has met a
+    /// point of an emitter.
     pub fn rival(
         &self,
         scene: &Scene,

@@ -26,9 +26,9 @@ pub const EXAMPLES: &[&str] = &[
 /// absorbed; such paths are counted and reported.
 pub const MAX_VERTICES: u32 = 1 << 20;
 
-/// From this many edges on no path is sure to survive roulette, not even one that has lost nothing: where nothing is absorbed and
-/// nothing leads out, it would go on to [`MAX_VERTICES`]. With so many edges hardly a path of a scene that light can leave is concerned: the few
-/// that come through such roulette are bright.
+/// From this many edges on no path is sure to survive roulette, not even one that has lost nothing: where
+/// nothing is absorbed and nothing leads out, it would go on to [`MAX_VERTICES`]. With so many edges hardly a
+/// path of a scene that light can leave is concerned: the few that come through such roulette are bright.
 const LONG: u32 = 1 << 16;
 
 /// With which chance a path of so many edges goes on that carries this part of what it might.
@@ -49,7 +49,8 @@ pub struct Path {
     pub emitter_samples: u32,
     /// The same at the first vertex that is more than a mirror or smooth glass.
     pub first_emitter_samples: u32,
-    /// Light paths to a camera path, where there are caustics; see [`caustics`](super::caustics). By default a pilot decides.
+    /// Light paths to a camera path, where there are caustics; see [`caustics`](super::caustics). By default
+    /// a pilot decides.
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,

@@ -160,7 +160,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             };
         }
         if F & Features::CAUSTICS != 0 {
-            // Whether or not light paths could make what is behind it: pixels that share must agree on what they share.
+            // Whether or not light paths could make what is behind it: pixels that share must agree on what
+            // they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
             if links.is_some() || seen.is_some() {
                 *way = Way::begin((point.p, primitive), vertex.to_world(sample.wi), &sample, seen);
@@ -190,9 +191,10 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             λ.collapse();
         }
         if state.depth >= settings.rr_depth {
-            // The largest lane: a red path between red walls must not be punished for its other lanes. What a lossless
-            // path has lost to rounding is no loss: in a thousand reflections it would end one path in thousands.
-            // What is shared must not end for want of colour in the path's own receiver: others see it too.
+            // The largest lane: a red path between red walls must not be punished for its other lanes. What a
+            // lossless path has lost to rounding is no loss: in a thousand reflections it would end one path
+            // in thousands. What is shared must not end for want of colour in the path's own receiver: others
+            // see it too.
             let survival = survival(λ.peak(state.throughput) as f64 * state.eta2, state.depth);
             let rounding = 4.0 * state.depth as f64 * f32::EPSILON as f64;
             if survival < 1.0 - rounding {
@@ -206,8 +208,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     }
 }
 
-/// The factor of r (see [`caustics`]) that a vertex brings with a direction to the light (local) that was sampled with density `pdf`, seen from `wo`
-/// (world): as the first vertex on the camera's ray, if that is given, or as a further one.
+/// The factor of r (see [`caustics`]) that a vertex brings with a direction to the light (local) that was
+/// sampled with density `pdf`, seen from `wo` (world): as the first vertex on the camera's ray, if that is
+/// given, or as a further one.
 fn ratio_at<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,

@@ -12,8 +12,8 @@ use crate::scene::{Features, Scene};
 use crate::shape::Hit;
 use crate::spectrum::Spectrum;
 
-/// How many camera paths are traced together: enough to fill vector registers most of the time, few enough for the
-/// nearest cache.
+/// How many camera paths are traced together: enough to fill vector registers most of the time, few enough
+/// for the nearest cache.
 pub const STREAM: usize = 64;
 
 /// A path on its way.
@@ -30,8 +30,8 @@ pub struct State {
     pub direct_view: bool,
     /// Whether it comes from the camera by mirrors and smooth glass alone.
     pub mirrored: bool,
-    /// The factors of how much likelier light paths make this path, and whether they would begin at the last vertex;
-    /// see [`caustics`](crate::integrator::caustics).
+    /// The factors of how much likelier light paths make this path, and whether they would begin at the last
+    /// vertex; see [`caustics`](crate::integrator::caustics).
     pub light_ratio: f64,
     pub from_caster: bool,
     /// What is found from here on is shared with other pixels; the throughput begins anew.
@@ -79,9 +79,10 @@ struct Stream {
 impl Path {
     /// Estimates the radiance along camera rays.
     ///
-    /// In streams of `STREAM`, all paths take a step together: their rays are traced, then their vertices are looked at one after another,
-    /// then the light that the vertices ask for is tested for visibility. Rays that lie side by side can share
-    /// vector registers, and the steps of neighbours overlap in the processor; no path knows of the others.
+    /// In streams of `STREAM`, all paths take a step together: their rays are traced, then their vertices are
+    /// looked at one after another, then the light that the vertices ask for is tested for visibility. Rays
+    /// that lie side by side can share vector registers, and the steps of neighbours overlap in the
+    /// processor; no path knows of the others.
     pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
         if self.max_depth == 0 {
             return;

@@ -22,7 +22,8 @@ pub struct Arrival {
     pub pdf: f64,
     /// The direction could not have been found by sampling an emitter.
     pub delta: bool,
-    /// What the vertex before gathers light about; see [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing asks for it.
+    /// What the vertex before gathers light about; see
+    /// [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing asks for it.
     pub n: DVec3,
     /// That the vertex before took.
     pub emitter_samples: u32,

@@ -1,6 +1,7 @@
 //! Operators that do the same to each lane.
 
-/// Implements operators by an intrinsic where the build has the feature, and by a function of two scalars where it has not.
+/// Implements operators by an intrinsic where the build has the feature, and by a function of two scalars
+/// where it has not.
 macro_rules! lanewise {
     ($Lanes:ident, $feature:tt: $($Trait:ident $method:ident $intrinsic:ident $scalar:path;)*) => {$(
         impl $Trait for $Lanes {

@@ -32,7 +32,8 @@ fn printed(scene: &Scene, settings: &Settings) -> Quality {
     quality
 }
 
-/// A file holds variances in single precision, which ends at 10⁻⁴⁵ and 10³⁸: light of 10⁻²⁵ has smaller ones and light of 10²⁵ larger ones.
+/// A file holds variances in single precision, which ends at 10⁻⁴⁵ and 10³⁸: light of 10⁻²⁵ has smaller ones
+/// and light of 10²⁵ larger ones.
 #[test]
 fn errors_are_known_of_the_dimmest_and_of_the_brightest_light() {
     let of = |power: i32, shared: &str, shard: bool| {

@@ -1,5 +1,5 @@
-//! From XML text to a tree of elements: parameters substituted, includes spliced in, old names upgraded, nothing
-//! interpreted yet. Every piece remembers where it stood.
+//! From XML text to a tree of elements: parameters substituted, includes spliced in, old names upgraded,
+//! nothing interpreted yet. Every piece remembers where it stood.
 
 mod parameters;
 mod place;

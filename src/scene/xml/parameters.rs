@@ -3,7 +3,8 @@
 use crate::scene::error::{SceneError, Span, known};
 use std::collections::BTreeMap;
 
-/// Attributes in which parameters stand are no longer all together, in bytes: a parameter of two others doubles.
+/// Attributes in which parameters stand are no longer all together, in bytes: a parameter of two others
+/// doubles.
 const MOST_SUBSTITUTED: usize = 1 << 27;
 
 struct Parameter {

@@ -1,8 +1,9 @@
 //! Where boxes are best divided.
 //!
-//! Their centres go into bins along each axis, and the plane between two bins is taken that costs rays least by the surface
-//! area heuristic (Wald 2007, "On Fast Construction of SAH-Based Bounding Volume Hierarchies", section 3). Size is an
-//! axis too: the walls of a room are kept from what stands in it, whose boxes they would blow up.
+//! Their centres go into bins along each axis, and the plane between two bins is taken that costs rays least
+//! by the surface area heuristic (Wald 2007, "On Fast Construction of SAH-Based Bounding Volume Hierarchies",
+//! section 3). Size is an axis too: the walls of a room are kept from what stands in it, whose boxes they
+//! would blow up.
 
 use super::fold::LEAF;
 use glam::Vec4;
@@ -39,8 +40,8 @@ struct Plane {
     bounds: [Aabb; 2],
 }
 
-/// Brings at least two boxes into two groups, and what belongs to them likewise. Answers with the size of the first and the
-/// boxes around both. Neither group is empty.
+/// Brings at least two boxes into two groups, and what belongs to them likewise. Answers with the size of the
+/// first and the boxes around both. Neither group is empty.
 pub fn divide(boxes: &mut [Aabb], items: &mut [u32]) -> (usize, [Aabb; 2]) {
     match boxes.len() {
         0..=16 => divide_by::<8, 3>(boxes, items),
@@ -60,7 +61,8 @@ fn divide_by<const BINS: usize, const AXES: usize>(
         let (one, other) = boxes.split_at(boxes.len() / 2);
         return (one.len(), [around(one), around(other)]);
     };
-    // Without a branch that could be guessed wrong: each in turn changes places with the first that is behind the plane.
+    // Without a branch that could be guessed wrong: each in turn changes places with the first that is behind
+    // the plane.
     let mut at = 0;
     for i in 0..boxes.len() {
         let before = scale.bins(&boxes[i])[plane.axis] < plane.bin;
@@ -98,7 +100,8 @@ impl<const BINS: usize> Scale<BINS> {
 
     #[inline(always)]
     fn bins(&self, aabb: &Aabb) -> [usize; 4] {
-        // Next to 2²³ there are only whole numbers, whose bits end with what was added. Infinity and NaN end with zeros.
+        // Next to 2²³ there are only whole numbers, whose bits end with what was added. Infinity and NaN end
+        // with zeros.
         let whole = (coordinates(aabb) - self.origin) * self.factor + Vec4::splat(8388608.0);
         whole.to_array().map(|x| x.to_bits() as usize % BINS)
     }

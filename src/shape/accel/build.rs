@@ -1,7 +1,8 @@
 //! From shapes to blocks and boxes.
 //!
-//! A binary tree is [grown](super::grow) from the top, obvhs tries a few nodes elsewhere (Meister & Bittner 2018, "Parallel
-//! Reinsertion for Bounding Volume Hierarchy Optimization"), and [`Plan`] folds it into nodes of eight.
+//! A binary tree is [grown](super::grow) from the top, obvhs tries a few nodes elsewhere (Meister & Bittner
+//! 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization"), and [`Plan`] folds it into nodes
+//! of eight.
 
 use super::fold::{Content, LEAF, Plan};
 use super::grow::grow;
@@ -28,12 +29,12 @@ use std::collections::BTreeSet;
 /// Up to this many blocks are faster tried than searched.
 const FEW: usize = 10;
 
-/// With more items leaves are filled while the tree grows: half the memory, and no ray notices. Fewer are left to the plan, which
-/// is better where kinds of shapes meet.
+/// With more items leaves are filled while the tree grows: half the memory, and no ray notices. Fewer are
+/// left to the plan, which is better where kinds of shapes meet.
 const MANY: usize = 1000;
 
-/// The part of all nodes that is tried elsewhere in the tree. Without, any-hit rays in rooms take a third longer; more
-/// gains nothing.
+/// The part of all nodes that is tried elsewhere in the tree. Without, any-hit rays in rooms take a third
+/// longer; more gains nothing.
 const REINSERTED: f32 = 0.02;
 
 /// A primitive by shape and place in it, or an instance.
@@ -51,8 +52,8 @@ impl Accel {
         Self::with_instances(shapes, vec![])
     }
 
-    /// The same, with instances of other trees; their primitives come after those of the shapes. All together must
-    /// be fewer than [`Ray::FREE`](crate::math::Ray::FREE).
+    /// The same, with instances of other trees; their primitives come after those of the shapes. All together
+    /// must be fewer than [`Ray::FREE`](crate::math::Ray::FREE).
     pub fn with_instances(shapes: &[&Geometry], mut instances: Vec<Instance>) -> Self {
         let count =
             shapes.iter().map(|geometry| geometry.primitives() as usize).sum::<usize>() + instances.len();

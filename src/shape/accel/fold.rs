@@ -1,9 +1,9 @@
 //! From a binary tree to one with eight children a node.
 //!
-//! Among all trees that keep the binary tree's order, the one of least expected cost is found from the leaves up
-//! (Ylitie, Karras & Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section
-//! 3.1): for each binary node and each count i, the least cost of at most i trees that together hold what is below it.
-//! A ray enters a box with a chance proportional to its area.
+//! Among all trees that keep the binary tree's order, the one of least expected cost is found from the leaves
+//! up (Ylitie, Karras & Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs", section 3.1): for each binary node and each count i, the least cost of at most i trees that
+//! together hold what is below it. A ray enters a box with a chance proportional to its area.
 
 use super::node::{Node, NodeRef};
 use obvhs::bvh2::Bvh2;
@@ -12,8 +12,8 @@ use obvhs::bvh2::node::Bvh2Node;
 /// What testing a block of four triangles costs, in tests of a node.
 const BLOCK_COST: f32 = 0.6;
 
-/// A leaf that could be whole is divided only if that leaves no more than this part of its cost: full blocks save
-/// memory, which large scenes wait for.
+/// A leaf that could be whole is divided only if that leaves no more than this part of its cost: full blocks
+/// save memory, which large scenes wait for.
 const THRIFT: f32 = 0.6;
 
 /// How many items fit a leaf.
@@ -34,8 +34,9 @@ pub struct Content {
 struct Decision {
     /// The least cost of one tree.
     cost: f32,
-    /// How it comes about: `choices[i]` trees of at most i come from the left child, and 0 means as for i − 1.
-    /// `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight children come from the left.
+    /// How it comes about: `choices[i]` trees of at most i come from the left child, and 0 means as for
+    /// i − 1. `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight children come from
+    /// the left.
     choices: [u8; 8],
     surface: f32,
     /// More than [`LEAF`] is too large for a leaf.

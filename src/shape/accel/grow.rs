@@ -1,7 +1,7 @@
 //! A binary tree from the top down.
 //!
-//! Boxes are divided in two, and the halves again, each time where [`bins`](super::bins) finds it cheapest. No step depends
-//! on the order of work, so the tree is the same for any number of threads.
+//! Boxes are divided in two, and the halves again, each time where [`bins`](super::bins) finds it cheapest.
+//! No step depends on the order of work, so the tree is the same for any number of threads.
 
 use super::bins::{around, divide};
 use obvhs::aabb::Aabb;
@@ -46,7 +46,8 @@ impl<'a> Seeds<'a> {
     }
 }
 
-/// The tree over `boxes`, at least one, which are around `items`. Leaves hold up to `most`, and no less where they can.
+/// The tree over `boxes`, at least one, which are around `items`. Leaves hold up to `most`, and no less where
+/// they can.
 pub fn grow(mut boxes: Vec<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
     let bounds = around(&boxes);
     let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, bounds }, most);

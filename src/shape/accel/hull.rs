@@ -5,18 +5,20 @@ use super::space::Space;
 use crate::math::simd::F32x8;
 use crate::math::{Bounds, DVec3};
 
-/// The hull of a box and a point, in unit coordinates, by planes: those of the box around both, and in each projection along an axis the two
-/// lines from the point that touch the box.
+/// The hull of a box and a point, in unit coordinates, by planes: those of the box around both, and in each
+/// projection along an axis the two lines from the point that touch the box.
 pub struct Hull {
     lo: [f32; 3],
     hi: [f32; 3],
     to: [f32; 3],
-    /// Pairs of axes, each with the normals of two lines that point inwards; zero where the point is in the projected box.
+    /// Pairs of axes, each with the normals of two lines that point inwards; zero where the point is in the
+    /// projected box.
     tangents: [(usize, usize, [[f32; 2]; 2]); 3],
 }
 
-/// What may be lost when a box is held against a tangent in unit coordinates: the point and the normal are rounded to `f32`, by 2⁻²⁵ each, with
-/// at most 2 between point and corner and |nₐ| + |n_b| = 1; two differences, two products and a sum lose 2⁻²⁴ of at most 2 each.
+/// What may be lost when a box is held against a tangent in unit coordinates: the point and the normal are
+/// rounded to `f32`, by 2⁻²⁵ each, with at most 2 between point and corner and |nₐ| + |n_b| = 1; two
+/// differences, two products and a sum lose 2⁻²⁴ of at most 2 each.
 const LOST: f32 = 1.0 / (1 << 20) as f32;
 
 impl Hull {

@@ -1,8 +1,8 @@
 //! A tree that is held once and searched in many places.
 //!
-//! A ray is taken into the coordinates of the group, where lengths differ from the world's by a factor of its own, and
-//! the group is searched as if it were the scene. Each instance offers its closest hit, so by (distance,
-//! primitive) nothing depends on the order in which instances are tried.
+//! A ray is taken into the coordinates of the group, where lengths differ from the world's by a factor of its
+//! own, and the group is searched as if it were the scene. Each instance offers its closest hit, so by
+//! (distance, primitive) nothing depends on the order in which instances are tried.
 
 use super::{Accel, Search};
 use crate::math::bounds::around;
@@ -20,8 +20,9 @@ pub struct Instance {
     first: u32,
 }
 
-/// Distances are multiplied once on the way into the group and divided once on the way out, each with an error of
-/// at most 2⁻⁵³: what lies at the best distance is not lost if the search goes farther by this factor.
+/// Distances are multiplied once on the way into the group and divided once on the way out, each with an
+/// error of at most 2⁻⁵³: what lies at the best distance is not lost if the search goes farther by this
+/// factor.
 const TWO_ROUNDINGS: f64 = 1.0 + 1.0 / (1u64 << 51) as f64;
 
 impl Instance {
@@ -70,8 +71,9 @@ impl Instance {
         (local, stretch)
     }
 
-    /// A bound of what rounding adds to a point that is taken into the group: Σ|mᵢⱼ||pⱼ| + |tᵢ| bounds the terms of
-    /// each coordinate, of which a few are rounded here and a few were when the point was taken out of a group.
+    /// A bound of what rounding adds to a point that is taken into the group: Σ|mᵢⱼ||pⱼ| + |tᵢ| bounds the
+    /// terms of each coordinate, of which a few are rounded here and a few were when the point was taken out
+    /// of a group.
     fn rounding(&self, p: DVec3) -> f64 {
         let m = &self.to_world.inverse;
         let terms = m.x_axis.abs() * p.x.abs() + m.y_axis.abs() * p.y.abs() + m.z_axis.abs() * p.z.abs();

@@ -1,9 +1,10 @@
 //! What a ray meets first.
 //!
 //! A hierarchy of axis-aligned boxes, eight to a node, leads to blocks of four primitives. Boxes are `f32` in
-//! coordinates that fill the unit cube whatever the scene's scale and place; primitives are tested in `f64`, so the
-//! boxes only have to be safe, not exact. The closest hit is the smallest (distance, primitive number): neither the
-//! shape of the tree, nor who built it, nor the order of traversal can change what is found.
+//! coordinates that fill the unit cube whatever the scene's scale and place; primitives are tested in `f64`,
+//! so the boxes only have to be safe, not exact. The closest hit is the smallest (distance, primitive
+//! number): neither the shape of the tree, nor who built it, nor the order of traversal can change what is
+//! found.
 //!
 //! A handful of primitives needs no tree at all.
 

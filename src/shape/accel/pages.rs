@@ -1,7 +1,7 @@
 //! Arrays that are read all over and all the time.
 //!
-//! A ray of a large scene waits for memory, and half of the wait is for the page tables. Large arrays are put in pages of
-//! two megabytes where the system has them to give.
+//! A ray of a large scene waits for memory, and half of the wait is for the page tables. Large arrays are put
+//! in pages of two megabytes where the system has them to give.
 
 use bytemuck::Pod;
 use memmap2::MmapMut;

@@ -1,8 +1,8 @@
 //! Whether nothing stands between many points and one.
 //!
-//! All ways from points near each other to a common one lie in the hull of the one and a box around the many. Where no primitive
-//! reaches into it, one question spares as many shadow rays (Haines and Wallace 1991, "Shaft Culling for Efficient
-//! Ray-Cast Radiosity"). "Not clear" is no answer: then rays have to tell.
+//! All ways from points near each other to a common one lie in the hull of the one and a box around the many.
+//! Where no primitive reaches into it, one question spares as many shadow rays (Haines and Wallace 1991,
+//! "Shaft Culling for Efficient Ray-Cast Radiosity"). "Not clear" is no answer: then rays have to tell.
 
 use super::hull::Hull;
 use super::node::{Node, NodeRef, Target};
@@ -62,7 +62,8 @@ impl Shaft {
         self.points.len()
     }
 
-    /// Whether all points and `to` lie on one side of a primitive's plane, or on it as far as rounding lets one tell.
+    /// Whether all points and `to` lie on one side of a primitive's plane, or on it as far as rounding lets
+    /// one tell.
     fn is_beside(&mut self, primitive: u32, plane: &Plane, to: DVec3) -> bool {
         let known = self.heights.iter().find(|known| known.0 == primitive);
         let [least, most] = known.map(|known| known.1).unwrap_or_else(|| {
@@ -90,7 +91,8 @@ pub struct Few {
     pub primitives: Vec<(u32, Option<Plane>)>,
 }
 
-/// What is asked: whether something comes between the points of a shaft and `to`, which lies on primitive `on`.
+/// What is asked: whether something comes between the points of a shaft and `to`, which lies on primitive
+/// `on`.
 struct Question<'a> {
     shaft: &'a mut Shaft,
     hull: Hull,
@@ -106,7 +108,8 @@ impl Question<'_> {
 }
 
 impl Accel {
-    /// Whether nothing can come between `to` and any of the points. `to` lies on primitive `on`, which cannot do so if it is flat.
+    /// Whether nothing can come between `to` and any of the points. `to` lies on primitive `on`, which cannot
+    /// do so if it is flat.
     pub fn is_clear(&self, shaft: &mut Shaft, to: DVec3, on: u32) -> bool {
         let hull = Hull::new(&self.space, shaft.bounds, to);
         let mut waiting = std::mem::take(&mut shaft.waiting);

@@ -2,8 +2,9 @@
 
 use crate::math::{DVec3, Ray};
 
-/// Boxes are widened by this part of the scene. It covers what a ray loses when it is rounded to `f32` in unit
-/// coordinates: 2⁻²⁵ of its origin, and 2⁻²⁴ of its direction over a length of at most 2√3, together below 2⁻²².
+/// Boxes are widened by this part of the scene. It covers what a ray loses when it is rounded to `f32` in
+/// unit coordinates: 2⁻²⁵ of its origin, and 2⁻²⁴ of its direction over a length of at most 2√3, together
+/// below 2⁻²².
 pub const PADDING: f32 = 1.0 / (1 << 21) as f32;
 
 /// The relative rounding error of a slab test, twice over (Ize 2013): (1 + 2γ₃) rounded up.

@@ -20,7 +20,8 @@ pub struct Spheres {
 ///
 /// With o relative to the centre and |d| = 1: t² + 2(o·d)t + (o² − r²) = 0. The discriminant is taken as
 /// r² − |o − (o·d)d|², which does not cancel for small distant spheres (Haines et al. 2019), and the root of
-/// smaller size as c/q. A ray that starts on the sphere (`from`) has c = 0 exactly, so its other root is −2 o·d.
+/// smaller size as c/q. A ray that starts on the sphere (`from`) has c = 0 exactly, so its other root is
+/// −2 o·d.
 #[inline(always)]
 fn cross(
     (centre, radius, radius2): ([F64x4; 3], F64x4, F64x4),

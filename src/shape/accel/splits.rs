@@ -1,16 +1,18 @@
 //! Thin triangles across the axes, in several boxes each.
 //!
-//! The box of such a triangle is nearly empty, and a ray would look into it in vain. Before the tree is built it is
-//! cut in halves again and again, the box first from which that takes most area, as long as there are pieces to spend
-//! (in the spirit of Karras & Aila 2013, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies",
-//! section 4). Every piece leads to the whole triangle, so what is found does not change.
+//! The box of such a triangle is nearly empty, and a ray would look into it in vain. Before the tree is built
+//! it is cut in halves again and again, the box first from which that takes most area, as long as there are
+//! pieces to spend (in the spirit of Karras & Aila 2013, "Fast Parallel Construction of High-Quality Bounding
+//! Volume Hierarchies", section 4). Every piece leads to the whole triangle, so what is found does not
+//! change.
 
 use crate::math::bounds::around;
 use crate::math::{Bounds, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A box is cut if it has so many times the area of the least boxes around ever smaller pieces of its triangle.
+/// A box is cut if it has so many times the area of the least boxes around ever smaller pieces of its
+/// triangle.
 const EMPTY: f64 = 16.0;
 
 /// Up to so many pieces more than triangles.

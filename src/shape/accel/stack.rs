@@ -2,12 +2,12 @@
 
 use super::node::NodeRef;
 
-/// So many waiting nodes cost no memory from the heap: enough for all but pathological trees, few enough that making
-/// the stack costs a ray nothing worth noting.
+/// So many waiting nodes cost no memory from the heap: enough for all but pathological trees, few enough that
+/// making the stack costs a ray nothing worth noting.
 const FEW: usize = 64;
 
-/// Nodes, each with the distance (in unit coordinates, never negative) where the ray enters it. How many there are is kept
-/// elsewhere, in a register.
+/// Nodes, each with the distance (in unit coordinates, never negative) where the ray enters it. How many
+/// there are is kept elsewhere, in a register.
 pub struct Stack {
     few: [Waiting; FEW],
     /// What waits below the few.
@@ -47,9 +47,9 @@ impl Stack {
         self.more.clear();
     }
 
-    /// Answers with the first of the children that a ray enters (a bit each, at least one) and lets the others wait. Any hit
-    /// will do (`ANY`) in the order of the children, the closest one is best looked for in the order of distances: then all
-    /// are likely to be looked at, and `coming` hears of them beforehand.
+    /// Answers with the first of the children that a ray enters (a bit each, at least one) and lets the
+    /// others wait. Any hit will do (`ANY`) in the order of the children, the closest one is best looked for
+    /// in the order of distances: then all are likely to be looked at, and `coming` hears of them beforehand.
     #[inline(always)]
     pub fn enter<const ANY: bool>(
         &mut self,

@@ -132,7 +132,8 @@ fn no_ray_leaks_through_edges_or_vertices() {
 
 #[test]
 fn boxes_that_a_ray_just_touches_are_entered() {
-    // Boxes without width, at points that the ray meets exactly: what its axes say differs by rounding alone. None of them is 0.
+    // Boxes without width, at points that the ray meets exactly: what its axes say differs by rounding alone.
+    // None of them is 0.
     let space = Space::new(-DVec3::ONE, DVec3::ONE);
     let mut rng = Pcg32::new(9, 9);
     for _ in 0..10_000 {
@@ -286,7 +287,8 @@ fn rays_that_leave_a_needle_do_not_meet_its_neighbour() {
     let accel = Accel::new(&[&mesh]);
     let mut rng = Pcg32::new(8, 8);
     for _ in 0..200_000 {
-        // On the first face, a millionth to a hundred-millionth of its width from the edge, and farther from it.
+        // On the first face, a millionth to a hundred-millionth of its width from the edge, and farther from
+        // it.
         let from_edge = w * libm::exp2(-20.0 - 7.0 * uniform(&mut rng));
         let place = |from_edge| DVec3::new(w - from_edge, -w, 18.0 * uniform(&mut rng) - 9.0);
         let [close, farther] = [from_edge, 4096.0 * from_edge].map(place);

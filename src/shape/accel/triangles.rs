@@ -1,8 +1,8 @@
 //! Four triangles at a time, watertight (Woop, Benthin & Wald 2013).
 //!
-//! The ray is sheared to the z axis and the edge functions are evaluated in `f64` from `f32` vertices. The function of
-//! an edge shared by two triangles is computed from the same numbers in both, with the sign exactly reversed, so a
-//! ray through the edge meets at least one.
+//! The ray is sheared to the z axis and the edge functions are evaluated in `f64` from `f32` vertices. The
+//! function of an edge shared by two triangles is computed from the same numbers in both, with the sign
+//! exactly reversed, so a ray through the edge meets at least one.
 
 use super::Search;
 use crate::math::simd::F64x4;
@@ -10,8 +10,8 @@ use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3Swizzles;
 
-/// A hit nearer than this part of what all triangles measure is looked at again: see [`Triangles::near`]. It leaves room for
-/// needles as long as that and as 2²⁶ widths.
+/// A hit nearer than this part of what all triangles measure is looked at again: see [`Triangles::near`]. It
+/// leaves room for needles as long as that and as 2²⁶ widths.
 pub const NEAR: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
@@ -90,14 +90,17 @@ impl Triangles {
         self.primitives.contains(&primitive)
     }
 
-    /// The distance of a triangle that is met next to the ray's origin, if rounding leaves no doubt that it is beyond the ray's start.
+    /// The distance of a triangle that is met next to the ray's origin, if rounding leaves no doubt that it
+    /// is beyond the ray's start.
     ///
-    /// [`Self::intersect`]'s distance is a mean of those of the corners. If it is small beside them, its terms cancel, and what is
-    /// left is as wrong as the weights: by 2⁻⁵³ of the length over the width, which for a needle a million times as long as wide is
-    /// 10⁻¹⁰ of its length. The distance from the plane, n·(a − o)/n·ω, is wrong by less, and it is known by how much.
+    /// [`Self::intersect`]'s distance is a mean of those of the corners. If it is small beside them, its
+    /// terms cancel, and what is left is as wrong as the weights: by 2⁻⁵³ of the length over the width, which
+    /// for a needle a million times as long as wide is 10⁻¹⁰ of its length. The distance from the plane, n·(a
+    /// − o)/n·ω, is wrong by less, and it is known by how much.
     #[inline(always)]
     fn near(&self, lane: usize, ray: &Ray) -> Option<f64> {
-        // A bound for two differences, a product of two and a difference of those, a third difference, and a sum of three products.
+        // A bound for two differences, a product of two and a difference of those, a third difference, and a
+        // sum of three products.
         const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
         let [a, b, c] = [0, 1, 2].map(|i| self.corner(i, lane));
         let (ab, ac, way) = (b - a, c - a, a - ray.origin);

@@ -1,9 +1,10 @@
 //! Rays that take turns, so that none waits for memory.
 //!
-//! Where most of a tree lies in no near cache, half of a ray's time is waiting for the next node. Several rays that take one step each,
-//! asking for their next nodes in between, wait at the same time. Where the tree is at hand that costs a quarter of a ray, since what a ray
-//! knows can no longer stay in registers: so only [scattered](is_scattered) trees are walked in turns, and not by the rays
-//! of a camera, which lie side by side and find what their neighbours have fetched.
+//! Where most of a tree lies in no near cache, half of a ray's time is waiting for the next node. Several
+//! rays that take one step each, asking for their next nodes in between, wait at the same time. Where the
+//! tree is at hand that costs a quarter of a ray, since what a ray knows can no longer stay in registers: so
+//! only [scattered](is_scattered) trees are walked in turns, and not by the rays of a camera, which lie side
+//! by side and find what their neighbours have fetched.
 
 use super::node::Node;
 use super::stack::Stack;
@@ -18,11 +19,12 @@ const TURNS: usize = 6;
 /// So many nodes and leaves lie in a near cache: about two megabytes.
 const NEAR: usize = 10_000;
 
-/// Of all visits to nodes and leaves, this part must be to others for turns to pay: scenes below 0.03 lost, above 0.1 gained.
+/// Of all visits to nodes and leaves, this part must be to others for turns to pay: scenes below 0.03 lost,
+/// above 0.1 gained.
 const SCATTERED: f64 = 0.06;
 
-/// Whether rays that come from everywhere would often visit what lies in no near cache, if that holds what they visit most. A convex box is
-/// visited in proportion to its surface.
+/// Whether rays that come from everywhere would often visit what lies in no near cache, if that holds what
+/// they visit most. A convex box is visited in proportion to its surface.
 pub fn is_scattered(nodes: &[Node]) -> bool {
     let mut areas: Vec<f32> = nodes.iter().flat_map(Node::half_areas).collect();
     if areas.len() <= NEAR {

@@ -20,8 +20,8 @@ impl<'a> View<'a> {
     }
 }
 
-/// A ray in the middle of the tree, without the stack: what is indexed cannot be held in registers, nor what is in
-/// one structure with it.
+/// A ray in the middle of the tree, without the stack: what is indexed cannot be held in registers, nor what
+/// is in one structure with it.
 pub struct Walk<'a> {
     pub search: Search<'a>,
     local: LocalRay,

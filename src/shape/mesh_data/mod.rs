@@ -33,9 +33,9 @@ pub struct MeshData {
     pub uvs: Option<Vec<[f32; 2]>>,
     /// Three vertex numbers per triangle, counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// For each vertex the first vertex at the same point of the surface, where a file tells: an OBJ vertex that
-    /// is split for its texture coordinates is still one point, and normals computed for a mesh without any
-    /// must be summed over the point, or the seam shows. `None`: every vertex is a point of its own.
+    /// For each vertex the first vertex at the same point of the surface, where a file tells: an OBJ vertex
+    /// that is split for its texture coordinates is still one point, and normals computed for a mesh without
+    /// any must be summed over the point, or the seam shows. `None`: every vertex is a point of its own.
     pub surface_points: Option<Vec<u32>>,
 }
 

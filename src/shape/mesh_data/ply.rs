@@ -1,7 +1,7 @@
 //! PLY, the Stanford triangle format (Greg Turk, 1994), as text or binary of either byte order.
 //!
-//! Read are `x y z`, `nx ny nz` and texture coordinates under any of their usual names of the element `vertex`,
-//! and the lists `vertex_index` or `vertex_indices` of the element `face`. All else is passed over.
+//! Read are `x y z`, `nx ny nz` and texture coordinates under any of their usual names of the element
+//! `vertex`, and the lists `vertex_index` or `vertex_indices` of the element `face`. All else is passed over.
 
 mod header;
 mod values;
@@ -17,9 +17,9 @@ use values::{Ascii, Binary, Values};
 /// Reads a PLY mesh, with polygons cut into fans of triangles (right for convex ones).
 ///
 /// # Errors
-/// Besides a file that cannot be read or is cut short: coordinates stored as integers (Mitsuba would take them
-/// for sRGB-encoded fractions), numbers that are not finite, indices out of range, no triangles, and anything
-/// left over behind the data.
+/// Besides a file that cannot be read or is cut short: coordinates stored as integers (Mitsuba would take
+/// them for sRGB-encoded fractions), numbers that are not finite, indices out of range, no triangles, and
+/// anything left over behind the data.
 pub fn read_ply(path: &Path) -> Result<MeshData, MeshError> {
     parse(&read_bytes(path)?)
 }

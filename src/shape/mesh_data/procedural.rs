@@ -26,11 +26,11 @@ const RELIEFS: [Relief; 3] = [
 /// How high the body is for its width.
 const FLATNESS: f64 = 0.78;
 
-/// A sea urchin: a closed surface with smooth normals and detail at three scales, one unit across at its widest,
-/// which stands on the plane y = 0 (y is up). Triangles are counterclockwise seen from outside.
+/// A sea urchin: a closed surface with smooth normals and detail at three scales, one unit across at its
+/// widest, which stands on the plane y = 0 (y is up). Triangles are counterclockwise seen from outside.
 ///
-/// An icosahedron's 20 triangles are split in four `subdivision` times, at most 10: 7 gives 327 680 triangles,
-/// the least that shows the finest grain well.
+/// An icosahedron's 20 triangles are split in four `subdivision` times, at most 10: 7 gives 327 680
+/// triangles, the least that shows the finest grain well.
 pub fn sea_urchin(subdivision: u32) -> MeshData {
     let (directions, triangles) = icosphere(subdivision.min(10));
     let reliefs = RELIEFS.map(|relief| (spiral(relief.count), relief));
@@ -54,9 +54,9 @@ pub fn sea_urchin(subdivision: u32) -> MeshData {
 
 /// The point of the surface in direction ω, and its unit normal.
 ///
-/// The surface is r(ω) ω with r = 1 + Σ hᵢ uᵢᵏ over the bumps with tips p, where u = 1 − |ω − p|²/ρ² within the
-/// reach ρ. As |ω − p|² = 2 (1 − ω·p), ∇r = Σ h k uᵏ⁻¹ 2p/ρ², and with g its part tangent to the sphere the normal
-/// is along r ω − g. Flattening by f along y takes a normal (x, y, z) to (x, y/f, z).
+/// The surface is r(ω) ω with r = 1 + Σ hᵢ uᵢᵏ over the bumps with tips p, where u = 1 − |ω − p|²/ρ² within
+/// the reach ρ. As |ω − p|² = 2 (1 − ω·p), ∇r = Σ h k uᵏ⁻¹ 2p/ρ², and with g its part tangent to the sphere
+/// the normal is along r ω − g. Flattening by f along y takes a normal (x, y, z) to (x, y/f, z).
 fn displaced(omega: [f64; 3], reliefs: &[(Vec<[f64; 3]>, Relief)]) -> ([f64; 3], [f64; 3]) {
     let mut radius = 1.0;
     let mut gradient = [0.0; 3];
@@ -81,8 +81,8 @@ fn displaced(omega: [f64; 3], reliefs: &[(Vec<[f64; 3]>, Relief)]) -> ([f64; 3],
     ([px, FLATNESS * py, pz], normalized([x, y / FLATNESS, z]))
 }
 
-/// `count` points spread evenly over the unit sphere from the top down, each the golden angle on from the last
-/// (Swinbank and Purser 2006, "Fibonacci grids").
+/// `count` points spread evenly over the unit sphere from the top down, each the golden angle on from the
+/// last (Swinbank and Purser 2006, "Fibonacci grids").
 fn spiral(count: u32) -> Vec<[f64; 3]> {
     let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
     let point = |index: u32| {
@@ -209,7 +209,8 @@ mod tests {
 
     #[test]
     fn normals_are_those_of_the_surface() {
-        // Central differences across a step h are off by h²/6 times a third derivative: here some 1e-10 · 1e4.
+        // Central differences across a step h are off by h²/6 times a third derivative: here some 1e-10 ·
+        // 1e4.
         let reliefs = RELIEFS.map(|relief| (spiral(relief.count), relief));
         let step = 1e-5;
         for omega in spiral(500) {

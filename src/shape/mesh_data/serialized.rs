@@ -1,5 +1,5 @@
-//! Mitsuba's `serialized` format, versions 3 and 4: meshes compressed with zlib, several to a file, and at its
-//! end a table of where each begins. All numbers are little-endian.
+//! Mitsuba's `serialized` format, versions 3 and 4: meshes compressed with zlib, several to a file, and at
+//! its end a table of where each begins. All numbers are little-endian.
 
 use super::{MeshData, MeshError, Place, open};
 use flate2::bufread::ZlibDecoder;
@@ -19,8 +19,8 @@ const DOUBLE_PRECISION: u32 = 0x2000;
 /// Reads mesh number `shape_index`, counted from 0, of a serialized file. Vertex colours are passed over.
 ///
 /// # Errors
-/// A file that cannot be read or is cut short, another format or version, no mesh of that number, numbers that
-/// are not finite, indices out of range, and a mesh without triangles.
+/// A file that cannot be read or is cut short, another format or version, no mesh of that number, numbers
+/// that are not finite, indices out of range, and a mesh without triangles.
 pub fn read_serialized(path: &Path, shape_index: u32) -> Result<MeshData, MeshError> {
     let (file, length) = open(path)?;
     parse(BufReader::new(file), length, shape_index)

@@ -1,9 +1,9 @@
 //! Values and densities against Mitsuba's, from `validation/references/golden/bsdf.json`
 //! (made by `validation/peers/golden_bsdf.py`).
 //!
-//! Mitsuba computes in f32. How much a rounding of it matters depends on the place, so the tolerance is measured: the
-//! largest change that one ulp of any coordinate of ωo or ωi makes here, times `ROUNDINGS`, beside as many ulps of the
-//! number itself.
+//! Mitsuba computes in f32. How much a rounding of it matters depends on the place, so the tolerance is
+//! measured: the largest change that one ulp of any coordinate of ωo or ωi makes here, times `ROUNDINGS`,
+//! beside as many ulps of the number itself.
 
 use etalon::bsdf::{AnyMaterial, Bsdf};
 use etalon::math::{DVec2, DVec3};
@@ -17,8 +17,9 @@ use validation::statistics::worst_of;
 /// Operations in a row whose roundings add up in an evaluation.
 const ROUNDINGS: f64 = 32.0;
 
-/// Mitsuba sets a microfacet density to zero where density times cosine is below 10⁻²⁰, so that it does not overflow
-/// elsewhere (`microfacet.h`). Divided by the cosines of the steepest directions of the grid that is 10⁻¹⁸.
+/// Mitsuba sets a microfacet density to zero where density times cosine is below 10⁻²⁰, so that it does not
+/// overflow elsewhere (`microfacet.h`). Divided by the cosines of the steepest directions of the grid that is
+/// 10⁻¹⁸.
 const SMALLEST: f64 = 1e-18;
 
 /// The committed file.
@@ -71,8 +72,8 @@ impl Golden {
             let [a, b, c, d] = example.value[i];
             let theirs = [a, b, c, d, example.pdf[i]];
             let ours = model.evaluate(*wo, *wi);
-            // Where there is nothing to see, a density of directions that are never drawn says nothing: Mitsuba's `principled` has one behind what
-            // is opaque.
+            // Where there is nothing to see, a density of directions that are never drawn says nothing:
+            // Mitsuba's `principled` has one behind what is opaque.
             if example.name.starts_with("principled") && ours == [0.0; 5] && theirs[..4] == [0.0; 4] {
                 continue;
             }

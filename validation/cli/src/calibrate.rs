@@ -50,7 +50,8 @@ struct Calibration {
     processor_time: bool,
     machine: Vec<(String, String)>,
     found: Vec<Share>,
-    /// Standard deviation of the logarithm of the ratio within a pair, averaged over rungs: of errors, seconds, and their product.
+    /// Standard deviation of the logarithm of the ratio within a pair, averaged over rungs: of errors,
+    /// seconds, and their product.
     scatter: [f64; 3],
     /// How many seeds find 5 % nine times in ten, by that of the product.
     seeds_needed: u32,
@@ -65,7 +66,8 @@ struct Share {
     share: f64,
 }
 
-/// Standard deviation over the pool of the mean over rungs of log(b/a), where a and b are the sides' quantities.
+/// Standard deviation over the pool of the mean over rungs of log(b/a), where a and b are the sides'
+/// quantities.
 fn scatter(pool: &[Pair], quantity: fn([f64; 2]) -> f64) -> f64 {
     let difference = |Pair([a, b]): &Pair| {
         let each = a.iter().zip(b).map(|(a, b)| libm::log(quantity(*b) / quantity(*a)));
@@ -82,8 +84,8 @@ fn seeds_needed(scatter: f64) -> u32 {
     (wanted * wanted).ceil().max(3.0) as u32
 }
 
-/// The promises are kept if for some number of seeds equal sides are called different in at most 1 % of trials, and sides
-/// that differ by 5 % in at least 90 %.
+/// The promises are kept if for some number of seeds equal sides are called different in at most 1 % of
+/// trials, and sides that differ by 5 % in at least 90 %.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;

@@ -58,8 +58,8 @@ impl Scatterer for Companion<'_> {
         self.subject.material.at(&self.subject.point, &self.places[0]).evaluate(wo, wi).pdf
     }
 
-    /// A path's estimate is the mean over its lanes, so a wavelength's share is the mean over the lanes it may be in. The
-    /// lane comes from late digits of a number whose early ones make the direction.
+    /// A path's estimate is the mean over its lanes, so a wavelength's share is the mean over the lanes it
+    /// may be in. The lane comes from late digits of a number whose early ones make the direction.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
         let lane = ((u[1] * (1u32 << 24) as f64).fract() * LANES as f64) as usize;
         let bsdf = self.subject.material.at(&self.subject.point, &self.places[lane]);

@@ -146,7 +146,8 @@ struct Runner<'a> {
     brightness: Vec<f64>,
 }
 
-/// Runs the study of the renderers of these names. `progress` hears of each step. Fails if a renderer fails after it has once succeeded.
+/// Runs the study of the renderers of these names. `progress` hears of each step. Fails if a renderer fails
+/// after it has once succeeded.
 pub fn study(
     scene: &Path,
     (known, names): (&Renderers, &[String]),

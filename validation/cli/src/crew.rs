@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-/// Asks all questions and tells their answers in the order of the questions, each as soon as those before it are known.
-/// The first error of `tell` ends it; so does, when all others have answered, a question that panicked.
+/// Asks all questions and tells their answers in the order of the questions, each as soon as those before it
+/// are known. The first error of `tell` ends it; so does, when all others have answered, a question that
+/// panicked.
 pub fn ask_in_turn<T: Sync, A: Send>(
     questions: &[T],
     ask: impl Fn(&T) -> A + Sync,

@@ -126,7 +126,8 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
 /// How often a cell of the furnace is asked at most.
 const ASKINGS: usize = 4;
 
-/// The answer of a cell, asked again while it is inconclusive, each time of other samples and four times as many.
+/// The answer of a cell, asked again while it is inconclusive, each time of other samples and four times as
+/// many.
 fn settle(cell: &furnace::Cell, effort: &Effort, number: u64, askings: usize) -> Result<Outcome, String> {
     let mut outcome = cell.run(effort, number)?;
     for asking in 1..askings {

@@ -54,8 +54,9 @@ impl Light {
         Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0, n: DVec3::ZERO })
     }
 
-    /// What radiance is divided by, so that no weight is above 1: light is no albedo. Power over the squared distance is
-    /// π times what a small flat source would weigh; a colour differs from its luminance by less than the rest.
+    /// What radiance is divided by, so that no weight is above 1: light is no albedo. Power over the squared
+    /// distance is π times what a small flat source would weigh; a colour differs from its luminance by less
+    /// than the rest.
     fn scale(&self) -> f64 {
         let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
         let nearest = self.radius * (DISTANCE - 1.0);

@@ -23,8 +23,8 @@ fn parse<T>(
     read(&document.root.children[0], &loader).map_err(|e| e.to_string())
 }
 
-/// Where rays leave the lens: squared radius, in units of the lens's, and azimuth, in which a disk is a rectangle. Cameras
-/// without a lens draw nothing.
+/// Where rays leave the lens: squared radius, in units of the lens's, and azimuth, in which a disk is a
+/// rectangle. Cameras without a lens draw nothing.
 pub struct Lens {
     camera: AnySensor,
 }
@@ -70,7 +70,8 @@ impl Planar for Lens {
     }
 }
 
-/// Places along one axis of a reconstruction filter; the other axis is left even. Weights and values by magnitude.
+/// Places along one axis of a reconstruction filter; the other axis is left even. Weights and values by
+/// magnitude.
 pub struct Filter {
     profile: Profile,
     sampler: FilterSampler,
@@ -93,8 +94,8 @@ impl Filter {
         let end = |pixels: u32| profile.radius().min(f64::from(pixels) + 0.5);
         let (low, high) = (-end(margins[0]), end(margins[1]));
         let count = (BINS * (high - low)).round() as usize;
-        // The rule of the sampler's own table: what it draws by is the table, and the table is exact by definition, also
-        // where the rule is off by 10⁻⁵ because |f| has a kink in the bin.
+        // The rule of the sampler's own table: what it draws by is the table, and the table is exact by
+        // definition, also where the rule is off by 10⁻⁵ because |f| has a kink in the bin.
         let over = |i: usize, of: &dyn Fn(f64) -> f64| {
             let cell = |i: usize| low + i as f64 / BINS;
             gauss_legendre(cell(i), cell(i + 1), of)
@@ -155,7 +156,8 @@ impl Planar for Hero {
         0.5 / (RANGE[1] - RANGE[0]) * (nm - RANGE[0]) / (RANGE[1] - RANGE[0])
     }
 
-    /// The density that a path states whose first wavelength is this: the draw is monotonous, so bisection finds it.
+    /// The density that a path states whose first wavelength is this: the draw is monotonous, so bisection
+    /// finds it.
     fn pdf(&self, [nm, _]: [f64; 2]) -> f64 {
         let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
         for _ in 0..40 {

@@ -1,5 +1,5 @@
-//! Energy over roughness, index and angle: every model that has them, against quadrature, against physics, and against what
-//! single scattering is known to lose.
+//! Energy over roughness, index and angle: every model that has them, against quadrature, against physics,
+//! and against what single scattering is known to lose.
 
 use crate::materials::Subject;
 use crate::trial::from;
@@ -145,8 +145,9 @@ impl Cell {
     }
 }
 
-/// What leaves white plastic seen at a cosine. By its reflection R, what enters, and what is reflected inwards, F, that is R + (1 − R)(1 − F)/(1 − F′), where
-/// F′ is what Mitsuba's plastic has in place of F in the sum of all orders: the fit of Egan and Hilgeman (1973). The exact F makes it 1.
+/// What leaves white plastic seen at a cosine. By its reflection R, what enters, and what is reflected
+/// inwards, F, that is R + (1 − R)(1 − F)/(1 − F′), where F′ is what Mitsuba's plastic has in place of F in
+/// the sum of all orders: the fit of Egan and Hilgeman (1973). The exact F makes it 1.
 fn fitted(cosine: f64, eta: f64) -> f64 {
     let reflectance = fresnel::dielectric(cosine, eta).reflectance;
     let exact = fresnel::diffuse_reflectance(1.0 / eta);
@@ -194,7 +195,8 @@ fn delta_albedo(subject: &Subject, wo: DVec3) -> f64 {
     lobes.iter().map(|lobe| lobe.pdf * lobe.weight * subject.laws().flux_factor(wo, lobe.wi)).sum()
 }
 
-/// What single scattering loses on the whole grid, as a table: CSV with a line for each roughness, index and law.
+/// What single scattering loses on the whole grid, as a table: CSV with a line for each roughness, index and
+/// law.
 pub fn losses() -> String {
     let angles: Vec<String> = ANGLES.iter().map(|angle| format!("{angle}°")).collect();
     let mut table = format!("law,alpha,eta,{}\n", angles.join(","));

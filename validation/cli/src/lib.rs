@@ -1,15 +1,16 @@
 //! Joins the harness, which knows no renderer, to Etalon, which knows no harness.
 //!
-//! [`materials`] shows every material of the registry to the checks, [`limits`] those that should turn into others,
-//! [`sampling`] all else that is drawn, and [`peers`] the BSDFs of other programs; [`furnace`] measures energy over
-//! roughness and index, and [`agreement`] compares values and densities with Mitsuba's golden ones. [`ledger`] keeps
-//! p-values, and [`images`] asks of real renders whether their comparison keeps its promises.
+//! [`materials`] shows every material of the registry to the checks, [`limits`] those that should turn into
+//! others, [`sampling`] all else that is drawn, and [`peers`] the BSDFs of other programs; [`furnace`]
+//! measures energy over roughness and index, and [`agreement`] compares values and densities with Mitsuba's
+//! golden ones. [`ledger`] keeps p-values, and [`images`] asks of real renders whether their comparison keeps
+//! its promises.
 //!
-//! [`references`] renders the reference scenes and compares them with the images that Mitsuba made; [`closed_forms`] are
-//! scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must be alike; [`stability`] asks the
-//! same of stiff and extreme scenes. [`converge`] measures the error of [`renderers`] against their time,
-//! on one scene, and [`table`] on all of the convergence table. [`museum`] asks
-//! whether all of this would notice a bug, and [`report`] puts all of it on one page.
+//! [`references`] renders the reference scenes and compares them with the images that Mitsuba made;
+//! [`closed_forms`] are scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must
+//! be alike; [`stability`] asks the same of stiff and extreme scenes. [`converge`] measures the error of
+//! [`renderers`] against their time, on one scene, and [`table`] on all of the convergence table. [`museum`]
+//! asks whether all of this would notice a bug, and [`report`] puts all of it on one page.
 
 pub mod agreement;
 pub mod calibrate;

@@ -11,10 +11,10 @@ const GGX: &str = r#"<string name="distribution" value="ggx"/>"#;
 const ALIKE: &str = r#"<float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/>"#;
 const GLASS: &str = r#"<float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>"#;
 
-/// Mitsuba's rough plastic takes the reflectance from inside, F = 2∫R(c) c dc, as the mean over 64 directions, and Etalon
-/// follows: at α → 0 and η = 1.5 that is F′ = 0.58755 instead of 0.59635, so the base is darker than the smooth one's by
-/// (1 − F)/(1 − F′) = 0.97868 (Mitsuba 3.9.1 evaluates to 0.9786 at α = 10⁻³). The limit is a smooth plastic whose
-/// reflectance is that much lower.
+/// Mitsuba's rough plastic takes the reflectance from inside, F = 2∫R(c) c dc, as the mean over 64
+/// directions, and Etalon follows: at α → 0 and η = 1.5 that is F′ = 0.58755 instead of 0.59635, so the base
+/// is darker than the smooth one's by (1 − F)/(1 − F′) = 0.97868 (Mitsuba 3.9.1 evaluates to 0.9786 at α =
+/// 10⁻³). The limit is a smooth plastic whose reflectance is that much lower.
 const DARKER: &str = r#"<spectrum name="diffuse_reflectance" value="0.48934"/>"#;
 
 fn bsdf(kind: &str, inside: &str) -> String {
@@ -61,7 +61,8 @@ fn pairs() -> Vec<(String, String, String, f64)> {
     pairs
 }
 
-/// All trials, or those whose name begins with one word. The near models go through every other check as well.
+/// All trials, or those whose name begins with one word. The near models go through every other check as
+/// well.
 pub fn trials(name: Option<&str>) -> Vec<Trial> {
     let wanted = pairs().into_iter().filter(|pair| name.is_none_or(|name| pair.0.starts_with(name)));
     let trials = wanted.flat_map(|(name, near, limit, within)| {

@@ -26,7 +26,8 @@ enum Command {
     Sampling(distributions::SamplingArguments),
     /// Energy over roughness, index and angle
     Furnace(distributions::FurnaceArguments),
-    /// Whether the p-values of a ledger are uniform, and its reseeded runs reject as often as their level says
+    /// Whether the p-values of a ledger are uniform, and its reseeded runs reject as often as their level
+    /// says
     Ledger(ledger::command::Arguments),
     /// Whether two images have the same expectation
     Images(images::command::Arguments),

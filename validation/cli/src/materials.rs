@@ -46,8 +46,8 @@ impl Subject {
         Self { limit: Some((Box::new(limit), within)), ..self }
     }
 
-    /// The relative index of the far side, as a refracted sample from the front tells it; steep enough for light to cross
-    /// whatever the index.
+    /// The relative index of the far side, as a refracted sample from the front tells it; steep enough for
+    /// light to cross whatever the index.
     fn index(&self) -> Option<f64> {
         let bsdf = self.material.at(&self.point, &self.λ);
         let tries = (0..4096).map(|i| [(i % 64) as f64 / 64.0, (i / 64) as f64 / 64.0]);

@@ -21,11 +21,12 @@ pub struct Settings<'a> {
     pub limit: Duration,
 }
 
-/// What asks questions by the answers to the last ones, many thousands in all: over a pipe that takes minutes.
+/// What asks questions by the answers to the last ones, many thousands in all: over a pipe that takes
+/// minutes.
 const STEP_BY_STEP: [&str; 2] = ["jacobian", "moments"];
 
-/// Starts `command` and runs every check that applies on each of its configurations, from each direction of [`ANGLES`].
-/// `progress` sees each outcome as it comes.
+/// Starts `command` and runs every check that applies on each of its configurations, from each direction of
+/// [`ANGLES`]. `progress` sees each outcome as it comes.
 pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> Result<Report, PeerError> {
     let mut peer = Peer::meet(Process::start(command, settings.limit)?)?;
     let configurations: Vec<_> = peer

@@ -15,8 +15,8 @@ use validation::image;
 pub struct Renderer {
     /// Program and arguments with words in braces to be filled in.
     pub command: String,
-    /// A renderer whose pictures have the same mean: its converged mean is what this one is held against, for its own may not converge in
-    /// any time there is.
+    /// A renderer whose pictures have the same mean: its converged mean is what this one is held against, for
+    /// its own may not converge in any time there is.
     pub mean_of: Option<String>,
 }
 
@@ -134,8 +134,9 @@ fn from_environment(command: &str) -> Result<String, String> {
     Ok(filled)
 }
 
-/// Processor time of the children that have ended, in seconds; 0 where the system does not say. Linux counts it in
-/// hundredths (`proc(5)`, fields 16 and 17 of `stat`); the name of the program, in parentheses, may hold spaces.
+/// Processor time of the children that have ended, in seconds; 0 where the system does not say. Linux counts
+/// it in hundredths (`proc(5)`, fields 16 and 17 of `stat`); the name of the program, in parentheses, may
+/// hold spaces.
 fn children_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after = text.rsplit_once(')').map_or("", |(_, rest)| rest);

@@ -1,4 +1,5 @@
-//! All that is drawn besides materials: light, places on lenses and in filters, wavelengths, and the warps below them.
+//! All that is drawn besides materials: light, places on lenses and in filters, wavelengths, and the warps
+//! below them.
 
 use crate::trial::{Source, Trial, trials_of};
 use crate::{drawn_light, drawn_places, warps};
@@ -74,7 +75,8 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
             }
         }
     }
-    // Wavelengths are f32, which leaves difference quotients no digits; `importance.rs` tests its density piece by piece.
+    // Wavelengths are f32, which leaves difference quotients no digits; `importance.rs` tests its density
+    // piece by piece.
     let without = [&SCATTERING[..], &["jacobian"]].concat();
     for (name, visible) in [("wavelengths-visible", true), ("wavelengths-uniform", false)] {
         let source = wrap(move || Ok(validation::chart::Chart(drawn_places::Hero { visible })));

@@ -1,4 +1,5 @@
-//! Scenes from strings: the pieces that closed forms and metamorphic relations are built of, and how they are rendered.
+//! Scenes from strings: the pieces that closed forms and metamorphic relations are built of, and how they are
+//! rendered.
 //!
 //! World space is right-handed with z up; lengths have no unit.
 
@@ -166,7 +167,8 @@ pub fn gather<T>(families: &[Family<T>], name: fn(&mut T) -> &mut String) -> Vec
     all
 }
 
-/// Efforts and numbers of seeds that a test has: a fault counts if four times the samples, of other seeds, confirm it.
+/// Efforts and numbers of seeds that a test has: a fault counts if four times the samples, of other seeds,
+/// confirm it.
 pub const TWICE: [(u64, u64); 2] = [(1, 0), (4, 1)];
 
 /// Checks until a try finds no fault; fails with what the last one found.

@@ -46,8 +46,8 @@ impl Trial {
         self.check.name
     }
 
-    /// Runs the check once for each of these numbers, which share what no seed decides; nothing if the check has nothing to
-    /// say about the subject.
+    /// Runs the check once for each of these numbers, which share what no seed decides; nothing if the check
+    /// has nothing to say about the subject.
     pub fn repeat(&self, effort: &Effort, numbers: Range<u64>) -> Result<Vec<Outcome>, String> {
         let subject = (self.source)()?;
         if !(self.check.applies)(subject.as_ref()) {

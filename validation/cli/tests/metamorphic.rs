@@ -1,7 +1,8 @@
 //! Every relation between renders, each a test of its own: bit-identical, or equivalent within the margin.
 //!
-//! A statistical relation that is undecided or different is repeated with other seeds and four times the samples, and only
-//! a second such answer counts. Those at length are ignored unless asked for: `cargo test --release -p validate --test metamorphic -- --ignored`.
+//! A statistical relation that is undecided or different is repeated with other seeds and four times the
+//! samples, and only a second such answer counts. Those at length are ignored unless asked for: `cargo test
+//! --release -p validate --test metamorphic -- --ignored`.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::metamorphic::relations;

@@ -1,5 +1,5 @@
-//! `validate bsdf --peer` on the example of the documentation. Where there is no `python3` these say so and pass; the
-//! protocol itself is tested in the crate `validation` without it.
+//! `validate bsdf --peer` on the example of the documentation. Where there is no `python3` these say so and
+//! pass; the protocol itself is tested in the crate `validation` without it.
 
 use std::process::{Command, Output};
 

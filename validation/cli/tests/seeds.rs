@@ -1,7 +1,7 @@
 //! No seed is picked by hand: whoever tries seeds until a test passes has tested nothing.
 //!
-//! A seed is a name's hash (`Stream::named`), or counts from 0. So the only literals are 0 and 1, and a search of all sources
-//! finds any other.
+//! A seed is a name's hash (`Stream::named`), or counts from 0. So the only literals are 0 and 1, and a
+//! search of all sources finds any other.
 
 use std::path::{Path, PathBuf};
 

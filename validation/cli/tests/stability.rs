@@ -1,6 +1,8 @@
-//! Every stiff or extreme case, each a test of its own: its expectation holds, or is missed within its known limit.
+//! Every stiff or extreme case, each a test of its own: its expectation holds, or is missed within its known
+//! limit.
 //!
-//! What is undecided or different is repeated with other seeds and four times the samples, and only a second such answer counts.
+//! What is undecided or different is repeated with other seeds and four times the samples, and only a second
+//! such answer counts.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::stability::cases;

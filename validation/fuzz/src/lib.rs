@@ -1,4 +1,5 @@
-//! Random input, by machine: scenes that two renderers are asked for, and files that readers must refuse or read.
+//! Random input, by machine: scenes that two renderers are asked for, and files that readers must refuse or
+//! read.
 
 pub mod draw;
 pub mod inputs;

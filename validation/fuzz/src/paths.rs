@@ -1,4 +1,5 @@
-//! Very many paths through random scenes: none of them may bring a value that is not finite, or less than no light.
+//! Very many paths through random scenes: none of them may bring a value that is not finite, or less than no
+//! light.
 
 use crate::scenes::grammar;
 use crate::scenes::models::Models;

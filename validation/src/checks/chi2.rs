@@ -1,10 +1,10 @@
 //! Do sampled directions follow the density? Pearson's χ² test.
 //!
-//! Finds a wrong shape *and* a wrong total of the density, since draws without a direction (absorption, delta lobes) are one
-//! more bin that expects 1 − ∫pdf. Cannot see a wrong weight: see `weight` and `furnace`.
+//! Finds a wrong shape *and* a wrong total of the density, since draws without a direction (absorption, delta
+//! lobes) are one more bin that expects 1 − ∫pdf. Cannot see a wrong weight: see `weight` and `furnace`.
 //!
-//! Expected counts come from adaptive quadrature; its errors, as the non-centrality Σ n e²/p they could cause, must be
-//! negligible beside the statistic's own spread √(2k), else the answer is inconclusive.
+//! Expected counts come from adaptive quadrature; its errors, as the non-centrality Σ n e²/p they could
+//! cause, must be negligible beside the statistic's own spread √(2k), else the answer is inconclusive.
 
 use super::{BLURRED, Check, Effort, always, draw, judge, partition::Partition, pilot, show};
 use crate::{
@@ -31,7 +31,8 @@ const POOL: f64 = 5.0;
 const PER_BIN: usize = 1024;
 const BINS: [usize; 2] = [16, 512];
 
-/// Largest error of all expected counts together, in samples: little beside the noise of even the smallest bin.
+/// Largest error of all expected counts together, in samples: little beside the noise of even the smallest
+/// bin.
 const QUADRATURE: f64 = 2.0;
 
 fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {

@@ -1,7 +1,7 @@
 //! Is every answer a number that makes sense, also in the corners?
 //!
-//! Poles, grazing directions down to a cosine of 10⁻¹², exact mirrors and opposites, and the ends of the unit cube. Values,
-//! densities and weights must be finite and not negative, directions of unit length.
+//! Poles, grazing directions down to a cosine of 10⁻¹², exact mirrors and opposites, and the ends of the unit
+//! cube. Values, densities and weights must be finite and not negative, directions of unit length.
 
 use super::{Check, Effort, always, show};
 use crate::{
@@ -48,7 +48,8 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     outcome.figure("tried", tried as f64)
 }
 
-/// `wo`, its mirrors and opposite, and directions at every stressed cosine in its azimuth, across and beside it.
+/// `wo`, its mirrors and opposite, and directions at every stressed cosine in its azimuth, across and beside
+/// it.
 fn stressed(wo: DVec3) -> Vec<DVec3> {
     let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
     let own = [wo, mirrored, -wo, -mirrored];

@@ -20,10 +20,11 @@ pub(super) fn fluxes(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, count: usi
     (0..count).map(|_| draw(scatterer, wo, &mut stream).map_or([0.0; 5], flux)).collect()
 }
 
-/// Whether the means of all moments lie within `margin` of one another, with confidence, and a sentence about the worst.
+/// Whether the means of all moments lie within `margin` of one another, with confidence, and a sentence about
+/// the worst.
 ///
-/// Draws of the same random numbers are compared pair by pair: models that are alike differ with little variance, and a
-/// model that ignores what changed does not differ at all.
+/// Draws of the same random numbers are compared pair by pair: models that are alike differ with little
+/// variance, and a model that ignores what changed does not differ at all.
 pub(super) fn compare(a: &[[f64; 5]], b: &[[f64; 5]], margin: f64, effort: &Effort) -> (Verdict, String) {
     let level = crate::statistics::sidak(effort.level, NAMES.len());
     let nothing = Estimate { mean: 0.0, variance: 0.0, degrees: f64::INFINITY };

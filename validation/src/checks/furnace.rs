@@ -1,8 +1,9 @@
 //! How much light comes back, and do sampling and evaluation agree on it?
 //!
-//! Three statements: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the albedo, delta lobes
-//! included, is at most 1; and it is 1 if the model claims to be lossless. Weights count as flux (η² taken out), of
-//! which energy conservation speaks. Blind to errors that value and sample share and that keep the albedo.
+//! Three statements: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the
+//! albedo, delta lobes included, is at most 1; and it is 1 if the model claims to be lossless. Weights count
+//! as flux (η² taken out), of which energy conservation speaks. Blind to errors that value and sample share
+//! and that keep the albedo.
 
 use super::{BLURRED, Check, Effort, always, draw, partition::Partition, pilot};
 use crate::{
@@ -50,9 +51,11 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
     let total = Estimate::of(weights.iter().map(|weight| weight[0] + weight[1]));
     let exact = Estimate { mean: integral.value, variance: 0.0, degrees: f64::INFINITY };
     let welch = Welch::new(exact, smooth);
-    // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own digits allow.
+    // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own
+    // digits allow.
     let slack = integral.error + effort.tolerance * integral.value.abs();
-    // Draws that carry or lose about 1 may be so rare that an honest model did not show any; no variance tells.
+    // Draws that carry or lose about 1 may be so rare that an honest model did not show any; no variance
+    // tells.
     let slack = slack - libm::log(effort.level) / effort.samples as f64;
     let agreement = Interval::around(welch.difference, welch.half_width(effort.level) + slack)
         .verdict(0.0, effort.albedo);
@@ -74,7 +77,8 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
         .figure("sampled", total.mean)
         .figure("sampled_smooth", smooth.mean)
         .figure("integrated", integral.value);
-    // A constant weight leaves nothing to chance, and Student's distribution speaks of means that are near to normal.
+    // A constant weight leaves nothing to chance, and Student's distribution speaks of means that are near to
+    // normal.
     let by_chance =
         integral.error + effort.tolerance * integral.value.abs() <= BLURRED * welch.standard_error;
     let normal = nearly_normal(weights.iter().map(|weight| weight[0]), &smooth);

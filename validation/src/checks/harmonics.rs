@@ -4,8 +4,8 @@ use crate::scatterer::DVec3;
 
 /// The `N` = (degree + 1)² harmonics Y_lm of a unit direction, at index l(l + 1) + m.
 ///
-/// Associated Legendre functions divided by sin^m θ, by the usual three-term recurrence in l; cos mφ sin^m θ and
-/// sin mφ sin^m θ are the parts of (x + iy)^m, so nothing is divided by sin θ.
+/// Associated Legendre functions divided by sin^m θ, by the usual three-term recurrence in l; cos mφ sin^m θ
+/// and sin mφ sin^m θ are the parts of (x + iy)^m, so nothing is divided by sin θ.
 pub(super) fn harmonics<const N: usize>(w: DVec3) -> [f64; N] {
     let mut values = [0.0; N];
     let degree = (1..).take_while(|l| l * l < N).count();

@@ -1,14 +1,16 @@
 //! Is the density the inverse Jacobian of the sampling?
 //!
-//! No statistics: a draw is a map from the unit square (the first number, which chooses the lobe, is held fixed) to
-//! directions, so its density is the share of first numbers that choose this lobe over |∂ω/∂u × ∂ω/∂v|. Differences of
-//! sixth order give the Jacobian and, by halving their step, its error. Where the stated density is larger, other lobes must
-//! reach the same direction: their preimages are sought (`preimages`) and their densities added. A stated density that is
-//! smaller than one lobe's alone is wrong at once.
+//! No statistics: a draw is a map from the unit square (the first number, which chooses the lobe, is held
+//! fixed) to directions, so its density is the share of first numbers that choose this lobe over |∂ω/∂u ×
+//! ∂ω/∂v|. Differences of sixth order give the Jacobian and, by halving their step, its error. Where the
+//! stated density is larger, other lobes must reach the same direction: their preimages are sought
+//! (`preimages`) and their densities added. A stated density that is smaller than one lobe's alone is wrong
+//! at once.
 //!
-//! States in which the difference quotient or the density itself has too few digits are left out, counted and printed; so are
-//! those of a mixture whose sum stays short, since a preimage may have been missed. More than 1 % of either is no answer, or
-//! for the sum a fault. Cannot see a wrong weight, nor faults of the map and its density in common.
+//! States in which the difference quotient or the density itself has too few digits are left out, counted and
+//! printed; so are those of a mixture whose sum stays short, since a preimage may have been missed. More than
+//! 1 % of either is no answer, or for the sum a fault. Cannot see a wrong weight, nor faults of the map and
+//! its density in common.
 
 use super::{
     Check, Effort, always, has_no_digits, pilot,

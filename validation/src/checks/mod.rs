@@ -1,7 +1,7 @@
 //! Checks of one scattering distribution seen from one direction.
 //!
-//! To add one: a file with `pub(super) const CHECK: Check` that opens by saying what it finds and what it cannot, a line in
-//! [`CHECKS`], and a saboteur in `subjects` that this check and no weaker one rejects.
+//! To add one: a file with `pub(super) const CHECK: Check` that opens by saying what it finds and what it
+//! cannot, a line in [`CHECKS`], and a saboteur in `subjects` that this check and no weaker one rejects.
 
 mod chi2;
 mod finiteness;
@@ -36,8 +36,8 @@ pub struct Effort {
     pub level: f64,
     /// Relative difference that deterministic checks take for rounding.
     pub tolerance: f64,
-    /// Values below this have no digits left, such as those under the normal range of an f32 model, and are not
-    /// compared with one another.
+    /// Values below this have no digits left, such as those under the normal range of an f32 model, and are
+    /// not compared with one another.
     pub smallest: f64,
     /// The error of an albedo that must be detectable.
     pub albedo: f64,
@@ -106,7 +106,8 @@ pub fn run_all(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort)
     applicable.map(|check| check.run(scatterer, wo, seed_for(check.name, seed), effort)).collect()
 }
 
-/// Rejects if the p-value is at most the level (or NaN), else accepts if the test was sharp enough, else says so.
+/// Rejects if the p-value is at most the level (or NaN), else accepts if the test was sharp enough, else says
+/// so.
 fn judge(p_value: f64, level: f64, detectable: f64, margin: f64) -> Verdict {
     if p_value.is_nan() || p_value <= level {
         Verdict::Different
@@ -117,12 +118,14 @@ fn judge(p_value: f64, level: f64, detectable: f64, margin: f64) -> Verdict {
     }
 }
 
-/// The largest error of an expectation, in standard deviations of what is compared with it, that p-values do not show: in
-/// 10⁴ of them Kolmogorov and Smirnov's test at 10⁻³ finds a shift of all by 0.02. Where quadrature leaves more, there is a
-/// verdict, which allows for it, but no p-value. That follows from the density alone, not from what was drawn.
+/// The largest error of an expectation, in standard deviations of what is compared with it, that p-values do
+/// not show: in 10⁴ of them Kolmogorov and Smirnov's test at 10⁻³ finds a shift of all by 0.02. Where
+/// quadrature leaves more, there is a verdict, which allows for it, but no p-value. That follows from the
+/// density alone, not from what was drawn.
 const BLURRED: f64 = 0.02;
 
-/// A stream for looking around before the samples that are judged: of the first seed, and independent of all of them.
+/// A stream for looking around before the samples that are judged: of the first seed, and independent of all
+/// of them.
 fn pilot(seeds: &[u64]) -> Stream {
     Stream::new(seed_for("pilot", seeds.first().copied().unwrap_or(0)))
 }
@@ -141,8 +144,8 @@ fn relative_difference(a: f64, b: f64) -> f64 {
     if a == b && a.is_finite() { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) }
 }
 
-/// Whether a quantity changes by more than a tenth of the tolerance within the rounding of a direction, as it does near its
-/// zeros and at its jumps: then there is nothing to compare.
+/// Whether a quantity changes by more than a tenth of the tolerance within the rounding of a direction, as it
+/// does near its zeros and at its jumps: then there is nothing to compare.
 fn has_no_digits(quantity: impl Fn(DVec3) -> f64, w: DVec3, tolerance: f64) -> bool {
     let middle = quantity(w);
     let across = w.any_orthonormal_vector();

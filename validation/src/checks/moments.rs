@@ -1,9 +1,9 @@
 //! Do weighted samples carry light where the value says? All low spherical harmonics at once.
 //!
-//! E[weight · Y_lm(ωi)] against ∫ f |cos θ| Y_lm dω by quadrature, for l ≤ 8 (l ≤ 4 in tests), judged together by Hotelling's T².
-//! Sees what `chi2` (which looks at directions without weights) and `furnace` (which looks at weights without directions)
-//! can only see together, such as light moved from one side to the other. Blind to what value and sample share, and
-//! to errors finer than a few tens of degrees.
+//! E[weight · Y_lm(ωi)] against ∫ f |cos θ| Y_lm dω by quadrature, for l ≤ 8 (l ≤ 4 in tests), judged
+//! together by Hotelling's T². Sees what `chi2` (which looks at directions without weights) and `furnace`
+//! (which looks at weights without directions) can only see together, such as light moved from one side to
+//! the other. Blind to what value and sample share, and to errors finer than a few tens of degrees.
 
 use super::{Check, Effort, always, draw, harmonics::harmonics, judge, partition::Partition, pilot};
 use crate::{

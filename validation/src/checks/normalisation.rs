@@ -1,7 +1,8 @@
 //! Does the density integrate to the probability of drawing a direction?
 //!
-//! ∫pdf by adaptive quadrature against the share of draws that return a direction outside delta lobes. A model that
-//! sometimes absorbs or takes a delta lobe has ∫pdf < 1, and exactly that share must come back empty.
+//! ∫pdf by adaptive quadrature against the share of draws that return a direction outside delta lobes. A
+//! model that sometimes absorbs or takes a delta lobe has ∫pdf < 1, and exactly that share must come back
+//! empty.
 
 use std::f64::consts::LN_10;
 
@@ -50,7 +51,8 @@ fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, in
     let draws = (0..effort.samples).filter_map(|_| draw(scatterer, wo, &mut stream));
     let drawn = draws.filter(|sample| !sample.delta).count();
     let share = drawn as f64 / effort.samples as f64;
-    // Of all values the integral may have, the one that is kindest to the model; never more than a probability.
+    // Of all values the integral may have, the one that is kindest to the model; never more than a
+    // probability.
     let kindest =
         share.clamp(integral.value - integral.error, integral.value + integral.error).clamp(0.0, 1.0);
     let p_value = binomial_two_sided(drawn as u64, effort.samples as u64, kindest);

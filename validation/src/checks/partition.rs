@@ -1,9 +1,10 @@
 //! The sphere cut into bins that fit a distribution.
 //!
-//! Fixed grids are blind to narrow lobes: at α = 0.01 all samples fall into one bin. Here a pilot sample cuts the (cos θ, φ)
-//! rectangle at medians, so that every bin expects about the same count, whatever the roughness. Within each bin the cuts
-//! go on until a handful of pilot samples is left: these cells are where quadrature starts, so it cannot overlook a lobe
-//! that sampling finds. The pilot is independent of the samples that are tested, which keeps Pearson's test valid.
+//! Fixed grids are blind to narrow lobes: at α = 0.01 all samples fall into one bin. Here a pilot sample cuts
+//! the (cos θ, φ) rectangle at medians, so that every bin expects about the same count, whatever the
+//! roughness. Within each bin the cuts go on until a handful of pilot samples is left: these cells are where
+//! quadrature starts, so it cannot overlook a lobe that sampling finds. The pilot is independent of the
+//! samples that are tested, which keeps Pearson's test valid.
 
 use std::f64::consts::PI;
 
@@ -24,11 +25,12 @@ const LARGEST: [f64; 2] = [0.25, PI / 4.0];
 /// A cell with points is no larger than this many times what they cover.
 const LOOSE: f64 = 4.0;
 
-/// A cell expects at most this many times the points it has, if the density were everywhere that of any one of them: the rim
-/// of a needle in a cell of a broad lobe must not be overlooked.
+/// A cell expects at most this many times the points it has, if the density were everywhere that of any one
+/// of them: the rim of a needle in a cell of a broad lobe must not be overlooked.
 const CROWDED: f64 = 16.0;
 
-/// A direction of the pilot sample in (cos θ, φ), and how many others its density makes expect in a steradian.
+/// A direction of the pilot sample in (cos θ, φ), and how many others its density makes expect in a
+/// steradian.
 type Point = [f64; 3];
 
 /// Evaluations for one bin, at most.
@@ -46,8 +48,8 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// About `bins` bins for the non-delta part of `scatterer` seen from `wo`. The horizon is always a cut, since
-    /// distributions jump there.
+    /// About `bins` bins for the non-delta part of `scatterer` seen from `wo`. The horizon is always a cut,
+    /// since distributions jump there.
     pub fn adapt(scatterer: &dyn Scatterer, wo: DVec3, stream: &mut Stream, bins: usize) -> Self {
         let pilot = (0..bins * PER_BIN).filter_map(|_| draw(scatterer, wo, stream));
         let directions = pilot.filter(|sample| !sample.delta && sample.wi.is_finite());
@@ -79,7 +81,8 @@ impl Partition {
         }
     }
 
-    /// The integral over each bin, each with an error below `tolerance` / (number of bins) where the budget allows.
+    /// The integral over each bin, each with an error below `tolerance` / (number of bins) where the budget
+    /// allows.
     pub fn integrate(&self, tolerance: f64, function: impl Fn(DVec3) -> f64) -> Vec<Integral> {
         let tolerance = tolerance / self.bins.len() as f64;
         let at = |[z, phi]: [f64; 2]| function(direction(z, phi));
@@ -116,9 +119,9 @@ impl Partition {
     }
 }
 
-/// Cuts `cell` into the cells that quadrature starts from: at middles while it is much larger than what its points cover
-/// (so that cells shrink towards a lobe, and none holds the lobe in a corner where no node falls), at medians while it
-/// holds many, and at middles again while it is too large altogether.
+/// Cuts `cell` into the cells that quadrature starts from: at middles while it is much larger than what its
+/// points cover (so that cells shrink towards a lobe, and none holds the lobe in a corner where no node
+/// falls), at medians while it holds many, and at middles again while it is too large altogether.
 ///
 /// `cover` is the extent of the points in the smallest cell around this one that had enough of them to tell.
 fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cell>) {
@@ -148,7 +151,8 @@ fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cel
     refine(high, above, cover, cells);
 }
 
-/// The middle along the axis on which `cell` exceeds `limit` most; `None` if it does not, or can be cut no finer.
+/// The middle along the axis on which `cell` exceeds `limit` most; `None` if it does not, or can be cut no
+/// finer.
 fn halve(cell: &Cell, limit: [f64; 2]) -> Option<(usize, f64)> {
     let excess = [0, 1].map(|axis| (cell.high[axis] - cell.low[axis]) / limit[axis]);
     let axis = usize::from(excess[1] > excess[0]);
@@ -167,7 +171,8 @@ fn range(points: &[Point], axis: usize) -> (f64, f64) {
     (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// The median along the axis on which `points` spread over the larger angle; `None` if it does not separate them.
+/// The median along the axis on which `points` spread over the larger angle; `None` if it does not separate
+/// them.
 fn median(cell: &Cell, points: &mut [Point]) -> Option<(usize, f64)> {
     let (z, phi) = (range(points, 0), range(points, 1));
     let cosine = 0.5 * (z.0 + z.1);

@@ -9,9 +9,9 @@ use crate::{
 /// Directions nearer than this are the same draw; the map is evaluated twice with the same numbers.
 const SAME: f64 = 1e-12;
 
-/// What rounding to f64 leaves of a sixth-order difference of directions, in units of 1/step: (45 + 9 + 1)/30 of a
-/// coordinate's rounding, thrice for the operations that made it, and as much again for that of a place in the square times the
-/// slope there, which is steep where the disk's rim becomes the horizon.
+/// What rounding to f64 leaves of a sixth-order difference of directions, in units of 1/step: (45 + 9 + 1)/30
+/// of a coordinate's rounding, thrice for the operations that made it, and as much again for that of a place
+/// in the square times the slope there, which is steep where the disk's rim becomes the horizon.
 const ROUNDING: f64 = 6.0 * 0.5 * f64::EPSILON;
 
 /// First numbers that are tried to find the lobes at a point of the square.
@@ -20,8 +20,8 @@ const SCAN: usize = 32;
 /// The largest number below 1.
 const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Points of the square in the table that inverses start from, and the most starts from each part of the first numbers: few
-/// are needed but where the map tears between a start and the preimage.
+/// Points of the square in the table that inverses start from, and the most starts from each part of the
+/// first numbers: few are needed but where the map tears between a start and the preimage.
 const TABLE: usize = 4096;
 const STARTS: usize = 40;
 
@@ -40,15 +40,16 @@ impl Map<'_> {
         (!sample.delta && sample.wi.is_finite()).then_some(sample.wi)
     }
 
-    /// The density of directions that the lobe of `lobe` makes about its direction of `v`, with a relative error.
+    /// The density of directions that the lobe of `lobe` makes about its direction of `v`, with a relative
+    /// error.
     pub fn density(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
         let (share, middle) = self.share(lobe, v)?;
         let area = self.area_factor(middle, v)?;
         Some(Integral { value: share / area.value, error: area.error })
     }
 
-    /// How many of all first numbers lead from `v` to the direction that `lobe` leads to, and the middle of those
-    /// about `lobe`.
+    /// How many of all first numbers lead from `v` to the direction that `lobe` leads to, and the middle of
+    /// those about `lobe`.
     fn share(&self, lobe: f64, v: [f64; 2]) -> Option<(f64, f64)> {
         let target = self.at(lobe, v)?;
         let same = |number: f64| self.at(number, v).is_some_and(|wi| (wi - target).length() <= SAME);
@@ -78,7 +79,8 @@ impl Map<'_> {
         Some((share, 0.5 * (own[0] + own[1])))
     }
 
-    /// Every direction that `v` leads to, with a first number that leads there, in the order of these numbers.
+    /// Every direction that `v` leads to, with a first number that leads there, in the order of these
+    /// numbers.
     fn directions(&self, v: [f64; 2]) -> Vec<(f64, DVec3)> {
         let mut found: Vec<(f64, DVec3)> = vec![];
         for number in (0..=SCAN).map(|i| (i as f64 / SCAN as f64).min(LAST)) {
@@ -91,10 +93,11 @@ impl Map<'_> {
         found
     }
 
-    /// |∂ω/∂u × ∂ω/∂v| and its relative error. Steps are halved until the sixth-order differences agree or rounding
-    /// makes them disagree more. Two of eighteen quotients may agree by luck, so their error is at least what the
-    /// rounding of directions leaves of them, and a sixty-fourth of that of the quotient before; and they agree about a
-    /// kink, where they are the mean of two slopes, so what the slope jumps by counts as error.
+    /// |∂ω/∂u × ∂ω/∂v| and its relative error. Steps are halved until the sixth-order differences agree or
+    /// rounding makes them disagree more. Two of eighteen quotients may agree by luck, so their error is at
+    /// least what the rounding of directions leaves of them, and a sixty-fourth of that of the quotient
+    /// before; and they agree about a kink, where they are the mean of two slopes, so what the slope jumps by
+    /// counts as error.
     fn area_factor(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
         let middle = self.at(lobe, v)?;
         let mut steps = v.map(|x| (0.25 * x.min(1.0 - x)).min(1.0 / 32.0));
@@ -109,7 +112,8 @@ impl Map<'_> {
                     ROUNDING * (along_v * (1.0 + along_u) / steps[0] + along_u * (1.0 + along_v) / steps[1]);
                 let jump = jump_u.cross(dv).length() + du.cross(jump_v).length();
                 let apart = (value - last).abs();
-                // Not `max`, which would take rounding for the error of a first quotient, that nothing has confirmed.
+                // Not `max`, which would take rounding for the error of a first quotient, that nothing has
+                // confirmed.
                 let error = if apart < rounding { rounding } else { apart } + last_apart / 64.0 + jump;
                 let error = (error / value).abs();
                 if error < best.error {
@@ -125,9 +129,10 @@ impl Map<'_> {
         (best.value > 0.0).then_some(best)
     }
 
-    /// ∂ω about `middle` along one axis by (−1, 9, −45, 0, 45, −9, 1)/60, and how much larger it is on one side than on the other: the second differences
-    /// over 1, 2 and 3 steps, each divided by its step, extrapolated to no step at all. Without a kink they are odd in the step, and
-    /// (5, −4, 1)/2 cancels its first and third power.
+    /// ∂ω about `middle` along one axis by (−1, 9, −45, 0, 45, −9, 1)/60, and how much larger it is on one
+    /// side than on the other: the second differences over 1, 2 and 3 steps, each divided by its step,
+    /// extrapolated to no step at all. Without a kink they are odd in the step, and (5, −4, 1)/2 cancels its
+    /// first and third power.
     fn slope(&self, middle: DVec3, lobe: f64, v: [f64; 2], axis: usize, step: f64) -> Option<(DVec3, DVec3)> {
         let moved = |by: f64| {
             let mut v = v;
@@ -207,7 +212,8 @@ impl Preimages {
         !self.lobes.is_empty()
     }
 
-    /// The density at `wi` of all preimages found, to which `own` at `v` belongs, as soon as it meets `stated`.
+    /// The density at `wi` of all preimages found, to which `own` at `v` belongs, as soon as it meets
+    /// `stated`.
     pub fn sum(&self, map: &Map, wi: DVec3, own: f64, v: [f64; 2], stated: f64, tolerance: f64) -> f64 {
         let mut found = vec![(stretched(v), own)];
         let starts: Vec<Vec<&Entry>> = self.lobes.iter().map(|entries| nearest(entries, wi)).collect();
@@ -215,8 +221,8 @@ impl Preimages {
             (0..STARTS).flat_map(|rank| starts.iter().filter_map(move |lobe| lobe.get(rank).copied()));
         for entry in in_turn {
             let Some(t) = invert(map, entry, wi) else { continue };
-            // The same place, and this lobe leads from there to the same direction: where two lobes spread equally far,
-            // each has a preimage nearby that the other only nearly meets.
+            // The same place, and this lobe leads from there to the same direction: where two lobes spread
+            // equally far, each has a preimage nearby that the other only nearly meets.
             let same = |other: [f64; 2]| {
                 (0..2).all(|i| (other[i] - t[i]).abs() < NEAR)
                     && map
@@ -257,8 +263,9 @@ fn nearest(entries: &[Entry], wi: DVec3) -> Vec<&Entry> {
     best.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// How near a preimage comes to its direction, in units of what the slopes say, but never more: where the map tears, the
-/// quotient across the tear makes a slope of any size, and places beside it would pass for preimages.
+/// How near a preimage comes to its direction, in units of what the slopes say, but never more: where the map
+/// tears, the quotient across the tear makes a slope of any size, and places beside it would pass for
+/// preimages.
 const ARRIVED: f64 = 1e-7;
 
 /// Newton's method with halved steps in stretched coordinates, from a table entry to the preimage of `wi`.

@@ -1,7 +1,7 @@
 //! Does light take the same way back?
 //!
-//! f(wo, wi) / η(wo)² = f(wi, wo) / η(wi)² (Veach 1997, eq. 5.14), pair by pair, for directions that the model samples and for
-//! directions all over the sphere.
+//! f(wo, wi) / η(wo)² = f(wi, wo) / η(wi)² (Veach 1997, eq. 5.14), pair by pair, for directions that the
+//! model samples and for directions all over the sphere.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,8 +1,8 @@
 //! Does the value at a wavelength depend on the company it travels in?
 //!
-//! A path carries several wavelengths at once. What it says about one of them must not depend on the others: values must be
-//! the same number, and so must the flux that samples carry in expectation, although lobes may be chosen with other
-//! probabilities. Blind to models that know one wavelength only.
+//! A path carries several wavelengths at once. What it says about one of them must not depend on the others:
+//! values must be the same number, and so must the flux that samples carry in expectation, although lobes may
+//! be chosen with other probabilities. Blind to models that know one wavelength only.
 
 use super::{
     Check, Effort, draw,

@@ -1,7 +1,8 @@
 //! Is the weight of each sample f |cos θ| / pdf?
 //!
-//! Holds for every single sample, so no statistics: `weight` × `pdf` must be `value`, and the density that comes with the
-//! sample must be the one the model states for that direction. A χ² test of directions cannot see either.
+//! Holds for every single sample, so no statistics: `weight` × `pdf` must be `value`, and the density that
+//! comes with the sample must be the one the model states for that direction. A χ² test of directions cannot
+//! see either.
 
 use super::{Check, Effort, always, draw, has_no_digits, relative_difference, show};
 use crate::{

@@ -1,8 +1,9 @@
 //! Is what [`ratio`] calls different, different, and does it find what is there?
 //!
-//! A pool of pairs, each rendered one after the other by the same renderer with two seeds, holds the true scatter of errors and
-//! times of a machine at work. A trial draws a few pairs and exchanges the two of a pair at random: then none is more efficient.
-//! Multiplying the times of one side makes it less efficient by a known factor.
+//! A pool of pairs, each rendered one after the other by the same renderer with two seeds, holds the true
+//! scatter of errors and times of a machine at work. A trial draws a few pairs and exchanges the two of a
+//! pair at random: then none is more efficient. Multiplying the times of one side makes it less efficient by
+//! a known factor.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +14,8 @@ use crate::statistics::Stream;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pair(pub [Vec<[f64; 2]>; 2]);
 
-/// The share of `trials` of `seeds` pairs in which the sides are called different, where the second takes `factor` times as
-/// long as it does. `None` if the pool has too few pairs, or an error is not positive.
+/// The share of `trials` of `seeds` pairs in which the sides are called different, where the second takes
+/// `factor` times as long as it does. `None` if the pool has too few pairs, or an error is not positive.
 pub fn share_called_different(
     pool: &[Pair],
     seeds: usize,

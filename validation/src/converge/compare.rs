@@ -1,8 +1,9 @@
 //! How much more efficient is one renderer than another?
 //!
-//! Efficiency is 1 / (error · seconds). The ratio is studied in logarithms, seed by seed and paired, since interleaved renders
-//! share the state of the machine: dᵢ = mean over rungs of log(errorᵢ secondsᵢ) of B minus that of A, and Student's
-//! interval of the mean of d. A percentile bootstrap of as few as eight values would be too narrow.
+//! Efficiency is 1 / (error · seconds). The ratio is studied in logarithms, seed by seed and paired, since
+//! interleaved renders share the state of the machine: dᵢ = mean over rungs of log(errorᵢ secondsᵢ) of B
+//! minus that of A, and Student's interval of the mean of d. A percentile bootstrap of as few as eight values
+//! would be too narrow.
 
 use serde::Serialize;
 
@@ -21,12 +22,12 @@ pub struct Ratio {
     pub different: bool,
 }
 
-/// The level at which efficiencies are called different: half of the one per cent that is promised, so that an experiment can
-/// show the promise kept.
+/// The level at which efficiencies are called different: half of the one per cent that is promised, so that
+/// an experiment can show the promise kept.
 const LEVEL: f64 = 0.005;
 
-/// Compares ladders of the same sample counts and seeds. `None` if they are not, if there are fewer than three seeds, or if
-/// the reference's noise has swallowed an error.
+/// Compares ladders of the same sample counts and seeds. `None` if they are not, if there are fewer than
+/// three seeds, or if the reference's noise has swallowed an error.
 pub fn ratio(a: &[Rung], b: &[Rung]) -> Option<Ratio> {
     let count = a.first()?.errors.len();
     let whole = |r: &Rung| {
@@ -67,7 +68,8 @@ mod tests {
     use super::*;
     use crate::statistics::Stream;
 
-    /// A synthetic renderer: the error of a picture of many pixels scatters by 2 %, the time by 2 % around a common drift.
+    /// A synthetic renderer: the error of a picture of many pixels scatters by 2 %, the time by 2 % around a
+    /// common drift.
     fn pair(stream: &mut Stream, seeds: usize, faster: f64) -> [Vec<Rung>; 2] {
         let mut ladders = [vec![], vec![]];
         for samples in [16u32, 64, 256] {

@@ -1,7 +1,8 @@
-//! Replicates over a ladder of sample counts: error, time, their product, and slope, with bootstrap intervals.
+//! Replicates over a ladder of sample counts: error, time, their product, and slope, with bootstrap
+//! intervals.
 //!
-//! The bootstrap (Efron 1979, expanded percentile intervals) draws whole seeds: the rungs of a seed are rendered one after the other
-//! and share whatever the machine did then.
+//! The bootstrap (Efron 1979, expanded percentile intervals) draws whole seeds: the rungs of a seed are
+//! rendered one after the other and share whatever the machine did then.
 
 use serde::Serialize;
 
@@ -44,7 +45,8 @@ pub struct Curve {
 /// The errors to which times are given.
 pub const TARGETS: [f64; 2] = [1e-2, 1e-3];
 
-/// Efficiency of resampled seeds: −mean over rungs of log(mean error · mean seconds). NaN where an error is not positive.
+/// Efficiency of resampled seeds: −mean over rungs of log(mean error · mean seconds). NaN where an error is
+/// not positive.
 fn log_efficiency(rungs: &[Rung], seeds: &[usize]) -> f64 {
     let product = |r: &Rung| libm::log(mean(&r.errors, seeds) * mean(&r.seconds, seeds));
     -rungs.iter().map(product).sum::<f64>() / rungs.len() as f64
@@ -81,8 +83,9 @@ fn interval(statistic: impl Fn(&[usize]) -> f64, count: usize, draws: &[Vec<usiz
     let all: Vec<usize> = (0..count).collect();
     let mut values: Vec<f64> = draws.iter().map(|draw| statistic(draw)).collect();
     values.sort_by(f64::total_cmp);
-    // Resampling n seeds scatters by √((n − 1)/n) of what it should, and knows nothing of Student's tails: both are put right by
-    // taking wider percentiles (Hesterberg 2015, "What teachers should know about the bootstrap", §5.2).
+    // Resampling n seeds scatters by √((n − 1)/n) of what it should, and knows nothing of Student's tails:
+    // both are put right by taking wider percentiles (Hesterberg 2015, "What teachers should know about the
+    // bootstrap", §5.2).
     let number = count as f64;
     let reach = student_quantile(0.05, number - 1.0) * (number / (number - 1.0)).sqrt();
     let tail = 0.5 * normal_two_sided(reach);

@@ -1,8 +1,9 @@
 //! The error of a picture against the mean of other pictures of the same renderer.
 //!
-//! With a reference m̂ = m + e of variance σ²_m in a value, E (x − m̂)² = MSE(x) + σ²_m as long as x is no part of m̂; so σ²_m,
-//! estimated from the spread of the reference's own pictures, is subtracted value by value. relMSE divides by m̂² + ε² with ε
-//! one per cent of the picture's mean, the same for every picture of a renderer.
+//! With a reference m̂ = m + e of variance σ²_m in a value, E (x − m̂)² = MSE(x) + σ²_m as long as x is no
+//! part of m̂; so σ²_m, estimated from the spread of the reference's own pictures, is subtracted value by
+//! value. relMSE divides by m̂² + ε² with ε one per cent of the picture's mean, the same for every picture of
+//! a renderer.
 
 use serde::{Deserialize, Serialize};
 

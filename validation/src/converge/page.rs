@@ -1,4 +1,5 @@
-//! Pages about error and time: their frame and their tables. Everything is inside; nothing comes from a network.
+//! Pages about error and time: their frame and their tables. Everything is inside; nothing comes from a
+//! network.
 
 use super::plot::{legend, plot};
 use super::{Curve, Interval, Ratio};

@@ -3,7 +3,8 @@
 use super::{Curve, Interval};
 use crate::html::escape;
 
-/// Okabe and Ito's palette, which colour-blind eyes can tell apart; black and yellow are left out for the sake of both themes.
+/// Okabe and Ito's palette, which colour-blind eyes can tell apart; black and yellow are left out for the
+/// sake of both themes.
 const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 /// The second, third … time that a colour comes around, the line is dashed in another way.
 const DASHES: [&str; 4] = ["", "7 4", "2 3", "9 3 2 3"];
@@ -97,7 +98,8 @@ fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     ((libm::log10(value.max(f64::MIN_POSITIVE)) - low) / (high - low)).clamp(0.0, 1.0)
 }
 
-/// Whole multiples of powers of ten within the range. Powers are named; so are 2 and 5 where there are few powers.
+/// Whole multiples of powers of ten within the range. Powers are named; so are 2 and 5 where there are few
+/// powers.
 fn ticks([low, high]: [f64; 2]) -> Vec<(f64, bool)> {
     let few = high.floor() - low.ceil() < 2.0;
     let decades = low.floor() as i32..=high.floor() as i32;

@@ -1,4 +1,5 @@
-//! Does the comparison keep its level, and does it find what it promises? On synthetic images with known truth.
+//! Does the comparison keep its level, and does it find what it promises? On synthetic images with known
+//! truth.
 
 use super::{
     Comparison, Image, Settings, compare,
@@ -68,7 +69,8 @@ fn scaled(mut scene: Vec<f64>, factor: f64, selected: impl Fn(usize, usize) -> b
 
 #[test]
 fn two_percent_loss_in_the_noisy_half_is_found() {
-    // At 512 samples a pixel the mean's standard error is √(2/512)/48 · 1.15 (contrast) = 0.15 %; the loss is 1.5 % of it.
+    // At 512 samples a pixel the mean's standard error is √(2/512)/48 · 1.15 (contrast) = 0.15 %; the loss is
+    // 1.5 % of it.
     let loss = scaled(scene(), 0.98, |x, _| x >= WIDTH / 2);
     let found = (0..40).filter(|&trial| {
         let a = render(WIDTH, &scene(), Noise::Exponential, 512, "loss a", trial);

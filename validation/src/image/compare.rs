@@ -21,9 +21,11 @@ pub struct Settings {
     pub level: f64,
     /// The ratio of the means must lie within 1 ± this.
     pub margin: f64,
-    /// A tile that agrees within this, relative to the larger of its and the image's mean, is the same, however sure the difference.
+    /// A tile that agrees within this, relative to the larger of its and the image's mean, is the same,
+    /// however sure the difference.
     pub tile_margin: f64,
-    /// Whether a tile too noisy to tell leaves the whole undecided. If not, it is enough that no tile is beyond its noise.
+    /// Whether a tile too noisy to tell leaves the whole undecided. If not, it is enough that no tile is
+    /// beyond its noise.
     pub tiles_settled: bool,
     /// Pixels along a tile's side.
     pub tile_size: usize,
@@ -32,8 +34,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The default with another margin of the mean, and 8 times that for tiles: in an image of 8×8 tiles a tile's mean
-    /// has 8 times the standard error of the whole, so one sample count settles both.
+    /// The default with another margin of the mean, and 8 times that for tiles: in an image of 8×8 tiles a
+    /// tile's mean has 8 times the standard error of the whole, so one sample count settles both.
     pub fn with_margin(margin: f64) -> Self {
         // Four units in the last place of an f32.
         let rounding = 4.0 * 0.5 * f64::from(f32::EPSILON);
@@ -70,25 +72,26 @@ pub struct Comparison {
     pub message: String,
     /// Of "both are unbiased images of the same scene"; compare with the level.
     pub p_value: f64,
-    /// How many times more samples, on both sides, would settle an inconclusive comparison nine times in ten; absent if
-    /// samples would not help.
+    /// How many times more samples, on both sides, would settle an inconclusive comparison nine times in ten;
+    /// absent if samples would not help.
     pub more_samples: Option<f64>,
     /// The compared values are the same bit for bit: one image, not two pieces of evidence.
     pub identical: bool,
     pub faults: Faults,
     pub channels: Vec<ChannelComparison>,
     pub tiles: TileComparison,
-    /// Channels that only one image has; they were not compared, and without them the images are not equivalent.
+    /// Channels that only one image has; they were not compared, and without them the images are not
+    /// equivalent.
     pub uncompared: Vec<String>,
     pub settings: Settings,
 }
 
 /// Compares `b` with the reference `a`, on all channels they share.
 ///
-/// Half of the level goes to the means (shared by channels), half to the tiles. Different if either rejects and the
-/// difference is not inside its margin, or if [`Faults`] has a failure; equivalent if all intervals lie inside
-/// their margins, or the values are identical, and both have the same channels; else inconclusive. Errors: different sizes,
-/// no common channel.
+/// Half of the level goes to the means (shared by channels), half to the tiles. Different if either rejects
+/// and the difference is not inside its margin, or if [`Faults`] has a failure; equivalent if all intervals
+/// lie inside their margins, or the values are identical, and both have the same channels; else inconclusive.
+/// Errors: different sizes, no common channel.
 pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, ImageError> {
     let (pairs, uncompared) = comparable(a, b)?;
     let faults = Faults::find(&pairs, settings.rounding);

@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::pair::Pair;
 
-/// Share of the largest squared errors that the trimmed mean leaves out, as is common to keep fireflies from deciding.
+/// Share of the largest squared errors that the trimmed mean leaves out, as is common to keep fireflies from
+/// deciding.
 const TRIM: f64 = 0.001;
 
-/// Part of the reference's mean that is added in denominators. Usual definitions add an absolute 0.01, which makes the
-/// figure depend on the unit of radiance; this one does not.
+/// Part of the reference's mean that is added in denominators. Usual definitions add an absolute 0.01, which
+/// makes the figure depend on the unit of radiance; this one does not.
 const SOFTENING: f64 = 0.01;
 
 /// Errors of b against a over pixels where both are finite. All are means over pixels.

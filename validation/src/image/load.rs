@@ -20,11 +20,13 @@ pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
     from_exr(&bytes).map_err(|error| fail(error.0))
 }
 
-/// Reads an EXR file's bytes: every channel of every part, half and integer widened. Channels of a named part are called
-/// `part.channel`. A channel `variance.X` becomes the variance of channel `X`, unless the file says that its pixels are
-/// correlated: then variances of pixels are not enough to compare by, and are left out.
+/// Reads an EXR file's bytes: every channel of every part, half and integer widened. Channels of a named part
+/// are called `part.channel`. A channel `variance.X` becomes the variance of channel `X`, unless the file
+/// says that its pixels are correlated: then variances of pixels are not enough to compare by, and are left
+/// out.
 ///
-/// A file that claims more samples than one of its length can hold is refused before memory is taken for them.
+/// A file that claims more samples than one of its length can hold is refused before memory is taken for
+/// them.
 pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
     let head = exr::block::read(Cursor::new(bytes), false).map_err(|error| ImageError(error.to_string()))?;
     let claims = |header: &exr::meta::header::Header| {
@@ -76,7 +78,8 @@ fn widen(samples: &FlatSamples) -> Vec<f64> {
     }
 }
 
-/// Moves each `variance.X` (or `part.variance.X`) into channel X. A variance without its channel stays a channel.
+/// Moves each `variance.X` (or `part.variance.X`) into channel X. A variance without its channel stays a
+/// channel.
 fn pair_variances(channels: Vec<Channel>) -> Vec<Channel> {
     let owner =
         |name: &str| name.find(VARIANCE).map(|at| format!("{}{}", &name[..at], &name[at + VARIANCE.len()..]));

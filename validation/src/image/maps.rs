@@ -9,8 +9,8 @@ use super::{Image, ImageError, Settings, pair::Pair, tiles};
 /// Scores of this size and beyond have the full colour.
 const FULL: f64 = 5.0;
 
-/// Writes a PNG with each pixel's signed z-score, of its worst channel: red where b is brighter, blue where darker, white
-/// where they agree, black where a value is not finite or the variance unknown.
+/// Writes a PNG with each pixel's signed z-score, of its worst channel: red where b is brighter, blue where
+/// darker, white where they agree, black where a value is not finite or the variance unknown.
 pub fn write_difference_map(
     a: &Image,
     b: &Image,

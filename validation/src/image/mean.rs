@@ -50,11 +50,11 @@ impl Side {
         self.squared_variance += variance * variance;
     }
 
-    /// The mean of `count` pixels. Each pixel's variance counts as one degree of freedom, however many samples made it,
-    /// so Welch and Satterthwaite's ν = (ΣV)²/ΣV² is the number of pixels that effectively carry the noise: hundreds
-    /// where the noise is even, few where a firefly dominates. Its n−1 degrees would hold for normal samples only;
-    /// with heavy tails the variance estimate of a single pixel is worth little, and unusual values are rightly
-    /// no longer significant.
+    /// The mean of `count` pixels. Each pixel's variance counts as one degree of freedom, however many
+    /// samples made it, so Welch and Satterthwaite's ν = (ΣV)²/ΣV² is the number of pixels that effectively
+    /// carry the noise: hundreds where the noise is even, few where a firefly dominates. Its n−1 degrees
+    /// would hold for normal samples only; with heavy tails the variance estimate of a single pixel is worth
+    /// little, and unusual values are rightly no longer significant.
     pub fn estimate(&self, count: f64) -> Estimate {
         let degrees = self.variance * self.variance / self.squared_variance;
         let degrees = if self.squared_variance > 0.0 { degrees } else { f64::INFINITY };
@@ -73,8 +73,9 @@ impl Sums {
     }
 }
 
-/// Compares the means of `pair`: equivalent if the `level` interval of the ratio lies within 1 ± `margin`, else different
-/// if equality is rejected at `corrected`, the level left after correction for the other tests of the same images.
+/// Compares the means of `pair`: equivalent if the `level` interval of the ratio lies within 1 ± `margin`,
+/// else different if equality is rejected at `corrected`, the level left after correction for the other tests
+/// of the same images.
 pub(super) fn compare(pair: &Pair, level: f64, corrected: f64, margin: f64) -> MeanComparison {
     let sums = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
     let (a, b) = (sums.a.estimate(sums.count), sums.b.estimate(sums.count));
@@ -103,8 +104,8 @@ pub(super) fn compare(pair: &Pair, level: f64, corrected: f64, margin: f64) -> M
     }
 }
 
-/// All ρ with (B − ρA)² ≤ q² (V_B + ρ² V_A): the confidence set of a ratio of means (Fieller 1954). It is an interval
-/// only if A differs from 0 at the same level. Two exact zeros have the ratio 1.
+/// All ρ with (B − ρA)² ≤ q² (V_B + ρ² V_A): the confidence set of a ratio of means (Fieller 1954). It is an
+/// interval only if A differs from 0 at the same level. Two exact zeros have the ratio 1.
 fn fieller(a: Estimate, b: Estimate, quantile: f64) -> Interval {
     if a.mean == b.mean && a.variance == 0.0 && b.variance == 0.0 {
         return Interval::around(1.0, 0.0);

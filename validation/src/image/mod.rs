@@ -1,19 +1,21 @@
 //! Are two noisy images the same picture?
 //!
-//! [`Image`] holds means and the variances of those means; [`compare`] answers with a [`Verdict`](crate::Verdict) and says
-//! where and in which channel. The verdict rests on two levels whose false alarms are controlled:
+//! [`Image`] holds means and the variances of those means; [`compare`] answers with a
+//! [`Verdict`](crate::Verdict) and says where and in which channel. The verdict rests on two levels whose
+//! false alarms are controlled:
 //!
-//! - **image**: the ratio of the means of each channel, with its confidence interval against a margin (`mean.rs`);
+//! - **image**: the ratio of the means of each channel, with its confidence interval against a margin
+//!   (`mean.rs`);
 //! - **tiles**: the difference of each 16×16 tile's mean, Šidák-corrected over tiles × channels (`tiles.rs`).
 //!
-//! Single pixels are *reported* (`pixels.rs`) but do not decide: a pixel's mean is far from normal in the tail that a
-//! correction for 10⁶ tests asks for, so a firefly would fail an honest renderer. Three things fail at any pixel, because
-//! they need no statistics: a value that is not finite, a variance that is not a number or negative, and two noiseless
-//! values that differ.
+//! Single pixels are *reported* (`pixels.rs`) but do not decide: a pixel's mean is far from normal in the
+//! tail that a correction for 10⁶ tests asks for, so a firefly would fail an honest renderer. Three things
+//! fail at any pixel, because they need no statistics: a value that is not finite, a variance that is not a
+//! number or negative, and two noiseless values that differ.
 //!
-//! The noise of different pixels must be independent: use a box filter, or filter importance sampling. Reconstruction
-//! filters that share samples between pixels make tile variances too small; `pixels.rs` reports the correlation of
-//! neighbours so that this shows.
+//! The noise of different pixels must be independent: use a box filter, or filter importance sampling.
+//! Reconstruction filters that share samples between pixels make tile variances too small; `pixels.rs`
+//! reports the correlation of neighbours so that this shows.
 
 #[cfg(test)]
 mod calibration;
@@ -54,7 +56,8 @@ impl std::error::Error for ImageError {}
 pub struct Channel {
     pub name: String,
     pub mean: Vec<f64>,
-    /// Variance of each pixel's mean. +infinity marks a pixel whose variance is unknown; `None`, that all are.
+    /// Variance of each pixel's mean. +infinity marks a pixel whose variance is unknown; `None`, that all
+    /// are.
     pub variance: Option<Vec<f64>>,
 }
 
@@ -67,8 +70,9 @@ pub struct Image {
 }
 
 impl Image {
-    /// The mean of independent images of the same scene (different seeds), its variance estimated from their spread.
-    /// Variances the images may carry are not used. At least two are needed, of the same size and channels.
+    /// The mean of independent images of the same scene (different seeds), its variance estimated from their
+    /// spread. Variances the images may carry are not used. At least two are needed, of the same size and
+    /// channels.
     pub fn from_replicates(images: &[Image]) -> Result<Image, ImageError> {
         let [first, .., _] = images else {
             return Err(ImageError("the variance needs at least two images".into()));
@@ -99,8 +103,8 @@ impl Image {
         self
     }
 
-    /// The same image with the variances of its means taken from the equally named channels of a separate image. (A file
-    /// of *sample* variances must be divided by the number of samples first.)
+    /// The same image with the variances of its means taken from the equally named channels of a separate
+    /// image. (A file of *sample* variances must be divided by the number of samples first.)
     pub fn with_variance(mut self, variances: &Image) -> Result<Image, ImageError> {
         if (self.width, self.height) != (variances.width, variances.height) {
             return Err(ImageError("the variance image has another size".into()));
@@ -114,10 +118,12 @@ impl Image {
         Ok(self)
     }
 
-    /// The same image with variances from the second moments that Mitsuba's `moment` integrator writes: a channel `m2_X` is
-    /// the mean of squares of `X` over `samples` samples, so X's mean has the variance (m2 − X²)/(samples − 1).
+    /// The same image with variances from the second moments that Mitsuba's `moment` integrator writes: a
+    /// channel `m2_X` is the mean of squares of `X` over `samples` samples, so X's mean has the variance (m2
+    /// − X²)/(samples − 1).
     ///
-    /// The subtraction cannot resolve a variance below the rounding of an f32 m2, so no less than that is assumed.
+    /// The subtraction cannot resolve a variance below the rounding of an f32 m2, so no less than that is
+    /// assumed.
     pub fn with_second_moments(mut self, samples: usize) -> Result<Image, ImageError> {
         if samples < 2 {
             return Err(ImageError("the variance needs at least two samples".into()));

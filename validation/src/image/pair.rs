@@ -41,8 +41,8 @@ impl Pixel {
         if self.difference() == 0.0 { 0.0 } else { self.difference() / self.variance().sqrt() }
     }
 
-    /// The same pixel with each variance at least what the other side predicts, b being `ratio` times as noisy as a: an
-    /// image with few samples that missed a rare event does not know of it (see `tiles`).
+    /// The same pixel with each variance at least what the other side predicts, b being `ratio` times as
+    /// noisy as a: an image with few samples that missed a rare event does not know of it (see `tiles`).
     pub fn informed(mut self, ratio: Option<f64>) -> Self {
         if let Some(ratio) = ratio {
             let (a, b) = (self.variance_a, self.variance_b);
@@ -113,11 +113,12 @@ impl<'a> Pair<'a> {
 pub struct Faults {
     /// A value that is not finite, or a variance that is negative or not a number. Always a failure.
     pub not_finite: Vec<Place>,
-    /// All variances of the channel are zero in both images, so the values are exact, yet they differ by more than rounding. Always a
-    /// failure: with no noise there is nothing to explain the difference.
+    /// All variances of the channel are zero in both images, so the values are exact, yet they differ by more
+    /// than rounding. Always a failure: with no noise there is nothing to explain the difference.
     pub exact_but_different: Vec<Place>,
-    /// The values differ and a variance is unknown, or both are zero in a noisy channel, which few samples of a value that is mostly
-    /// the same estimate now and then: nothing can be said, so the verdict is at best inconclusive.
+    /// The values differ and a variance is unknown, or both are zero in a noisy channel, which few samples of
+    /// a value that is mostly the same estimate now and then: nothing can be said, so the verdict is at best
+    /// inconclusive.
     pub unknown_variance: Vec<Place>,
 }
 

@@ -1,11 +1,12 @@
 //! Pixel level: an indication, with the reason why it does not decide.
 //!
-//! A pixel's mean is far from normal in the tail that a correction for 10⁶ tests looks at, and its own variance knows nothing
-//! of what it missed: with 16 exponential samples against a reference of 1024, 0.5 % of honest pixels lie beyond 5
-//! standard errors (8,000 times the normal share), with a light hit once in 40 samples, 64 against 1024, 11 %. So each side's variance is
-//! raised to what the other side predicts; then none of 400,000 such pixels lay beyond 5, and the share with p < 1 % stayed
-//! below 0.4 %. That is safe but conservative, and how conservative depends on the noise, hence no part of the verdict: the
-//! share is called suspicious above 1 % plus three standard errors.
+//! A pixel's mean is far from normal in the tail that a correction for 10⁶ tests looks at, and its own
+//! variance knows nothing of what it missed: with 16 exponential samples against a reference of 1024, 0.5 %
+//! of honest pixels lie beyond 5 standard errors (8,000 times the normal share), with a light hit once in 40
+//! samples, 64 against 1024, 11 %. So each side's variance is raised to what the other side predicts; then
+//! none of 400,000 such pixels lay beyond 5, and the share with p < 1 % stayed below 0.4 %. That is safe but
+//! conservative, and how conservative depends on the noise, hence no part of the verdict: the share is called
+//! suspicious above 1 % plus three standard errors.
 
 use serde::Serialize;
 
@@ -22,9 +23,11 @@ const BINS: usize = 20;
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelFigures {
     pub tested: usize,
-    /// How many p-values fall into each twentieth of \[0, 1\]; even if the noise is normal and the images agree.
+    /// How many p-values fall into each twentieth of \[0, 1\]; even if the noise is normal and the images
+    /// agree.
     pub histogram: Vec<usize>,
-    /// p-value of the histogram's evenness (χ²). Only an indication: heavy tails bend it in honest images too.
+    /// p-value of the histogram's evenness (χ²). Only an indication: heavy tails bend it in honest images
+    /// too.
     pub evenness: f64,
     /// Share of pixels with p < 1 %.
     pub share_beyond: f64,
@@ -33,8 +36,9 @@ pub struct PixelFigures {
     /// The largest |z| and where.
     pub worst_z: f64,
     pub worst: Option<Place>,
-    /// Correlation of the z-scores of horizontal neighbours. Far from 0 (in units of 1/√n) it says that pixels share
-    /// samples, and that tile and image levels are too sure; or that the images differ in patches.
+    /// Correlation of the z-scores of horizontal neighbours. Far from 0 (in units of 1/√n) it says that
+    /// pixels share samples, and that tile and image levels are too sure; or that the images differ in
+    /// patches.
     pub neighbour_correlation: f64,
 }
 

@@ -37,7 +37,8 @@ pub fn grey(width: usize, mean: &[f64], variance: f64) -> Image {
     Image { width, height: mean.len() / width, channels: vec![channel] }
 }
 
-/// `scene` seen through `samples` samples a pixel with estimated variances; `name` and `number` give the seed.
+/// `scene` seen through `samples` samples a pixel with estimated variances; `name` and `number` give the
+/// seed.
 pub fn render(width: usize, scene: &[f64], noise: Noise, samples: usize, name: &str, number: u64) -> Image {
     let mut stream = Stream::named(name, number);
     let mut image = grey(width, scene, 0.0);

@@ -21,8 +21,8 @@ pub struct Tile {
     pub y: usize,
     pub width: usize,
     pub height: usize,
-    /// (mean_b − mean_a) relative to the larger of the tile's and the whole image's mean, so that a dark tile is not asked
-    /// for an accuracy nobody sees.
+    /// (mean_b − mean_a) relative to the larger of the tile's and the whole image's mean, so that a dark tile
+    /// is not asked for an accuracy nobody sees.
     pub difference: f64,
     /// Of `difference`.
     pub standard_error: f64,
@@ -95,7 +95,8 @@ pub(super) fn noise_ratio_of(pair: &Pair, size: usize) -> Option<f64> {
     noise_ratio(&cut(pair, size))
 }
 
-/// Median over tiles of variance_b / variance_a: how much noisier b is in a typical place. `None` without noise.
+/// Median over tiles of variance_b / variance_a: how much noisier b is in a typical place. `None` without
+/// noise.
 fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
     let ratio = |tile: &Raw| tile.sums.b.variance / tile.sums.a.variance;
     let mut ratios: Vec<f64> =
@@ -106,9 +107,9 @@ fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
 
 /// The side's variance, or what the other side's variance predicts for it if that is larger.
 ///
-/// An image in which a rare event has not happened yet (no caustic hit the tile) has a mean that is too low *and* a
-/// variance that knows nothing of it; against a converged reference it would differ by many of its own standard errors
-/// although nothing is wrong. The better-informed side tells what the noise ought to be.
+/// An image in which a rare event has not happened yet (no caustic hit the tile) has a mean that is too low
+/// *and* a variance that knows nothing of it; against a converged reference it would differ by many of its
+/// own standard errors although nothing is wrong. The better-informed side tells what the noise ought to be.
 fn informed(side: Side, other: Side, ratio: f64) -> Side {
     if other.variance * ratio <= side.variance {
         return side;
@@ -117,9 +118,9 @@ fn informed(side: Side, other: Side, ratio: f64) -> Side {
     Side { mean: side.mean, variance: other.variance * ratio, squared_variance }
 }
 
-/// Tests every tile at the Šidák level of all, which together are to keep the level `corrected`; equivalent if each tile's interval at the level
-/// of the settings lies within ± their margin for tiles.
-/// Equivalence of all needs no correction: it is claimed only if every single test accepts (intersection–union).
+/// Tests every tile at the Šidák level of all, which together are to keep the level `corrected`; equivalent
+/// if each tile's interval at the level of the settings lies within ± their margin for tiles. Equivalence of
+/// all needs no correction: it is claimed only if every single test accepts (intersection–union).
 pub(super) fn compare(pairs: &[Pair], settings: &Settings, corrected: f64) -> TileComparison {
     let size = settings.tile_size.max(1);
     let cuts: Vec<Vec<Raw>> = pairs.iter().map(|pair| cut(pair, size)).collect();
@@ -241,8 +242,8 @@ mod tests {
 
     #[test]
     fn a_missed_rare_event_is_no_difference() {
-        // The reference saw the caustic in the last tile (variance 0.01 each pixel); b, with 100 times fewer samples
-        // and so 100 times the variance elsewhere, did not.
+        // The reference saw the caustic in the last tile (variance 0.01 each pixel); b, with 100 times fewer
+        // samples and so 100 times the variance elsewhere, did not.
         let a = grey(64, &[vec![1.0; 64 * 15], vec![1.5; 64]].concat(), 1e-4);
         let mut a = a;
         let mut b = grey(64, &[1.0; 64 * 16], 1e-2);

@@ -1,16 +1,17 @@
 //! Checks ask one question at a time; another program answers thousands at the price of one.
 //!
-//! So a check is run against a memory of answers. A question without an answer is noted and gets a placeholder; after the
-//! run all noted questions go to the peer in one batch, and the check runs again. Checks are functions of the answers they get,
-//! so the run that misses nothing is the run they would have made by themselves, and each pass answers at least the
-//! first question that the one before got wrong.
+//! So a check is run against a memory of answers. A question without an answer is noted and gets a
+//! placeholder; after the run all noted questions go to the peer in one batch, and the check runs again.
+//! Checks are functions of the answers they get, so the run that misses nothing is the run they would have
+//! made by themselves, and each pass answers at least the first question that the one before got wrong.
 
 use std::{cell::RefCell, collections::HashMap, f64::consts::FRAC_1_PI};
 
 use super::{Lines, Peer, PeerError};
 use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
-/// Passes after which a check is taken to ask without end. The checks need about as many as quadrature has levels.
+/// Passes after which a check is taken to ask without end. The checks need about as many as quadrature has
+/// levels.
 const MOST_PASSES: usize = 2000;
 
 /// Runs a check on a configuration of `peer`, given by its index.
@@ -79,7 +80,8 @@ impl Memory {
         Ok(())
     }
 
-    /// The placeholder is a density everywhere on the sphere, so that checks go on and quadrature does not refine.
+    /// The placeholder is a density everywhere on the sphere, so that checks go on and quadrature does not
+    /// refine.
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> [f64; 2] {
         // A direction that is none has no density, and the peer need not know how to read it.
         if !(wo.is_finite() && wi.is_finite()) {

@@ -1,7 +1,7 @@
 //! Another program, one line in, one line out.
 //!
-//! Reading and writing have a thread each, so that a program that does not read, does not answer, or answers without end
-//! costs at most the time limit.
+//! Reading and writing have a thread each, so that a program that does not read, does not answer, or answers
+//! without end costs at most the time limit.
 
 use std::{
     io::{BufRead, BufReader, Read, Write},
@@ -25,8 +25,8 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `command`: a program and its arguments, separated by spaces; quotes (' or ") hold spaces together. Its
-    /// standard error stays that of this process. Each answer may take as long as `limit`.
+    /// Starts `command`: a program and its arguments, separated by spaces; quotes (' or ") hold spaces
+    /// together. Its standard error stays that of this process. Each answer may take as long as `limit`.
     pub fn start(command: &str, limit: Duration) -> Result<Self, PeerError> {
         let words =
             words(command).ok_or_else(|| PeerError(format!("a quote is not closed in: {command}")))?;

@@ -102,7 +102,8 @@ fn null_is_not_a_number_and_is_judged() {
     assert!(answers[0][0].is_nan() && answers[1] == [1.0, 1.0]);
 }
 
-/// The error of a shell script that is no peer. Scripts that would run for ever must not make this test do so.
+/// The error of a shell script that is no peer. Scripts that would run for ever must not make this test do
+/// so.
 #[cfg(unix)]
 fn fails(script: &str) -> String {
     let start = Instant::now();

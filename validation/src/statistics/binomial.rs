@@ -38,16 +38,16 @@ fn series(first: f64, ratio: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
-/// Two-sided p-value of `hits` out of `trials` when each trial hits with probability `probability`: twice the smaller
-/// tail, what was observed included. NaN stays NaN.
+/// Two-sided p-value of `hits` out of `trials` when each trial hits with probability `probability`: twice the
+/// smaller tail, what was observed included. NaN stays NaN.
 pub fn binomial_two_sided(hits: u64, trials: u64, probability: f64) -> f64 {
     let [below, at, above] = tails(hits, trials, probability);
     let tail = if below < above { below } else { above };
     if (tail + at).is_nan() { f64::NAN } else { (2.0 * (tail + at)).min(1.0) }
 }
 
-/// The same, made uniform: what was observed counts to the share `u`, uniform on \[0, 1), which chance decides. Without
-/// that a discrete test's p-values are larger than uniform ones, and a ledger of them bends.
+/// The same, made uniform: what was observed counts to the share `u`, uniform on \[0, 1), which chance
+/// decides. Without that a discrete test's p-values are larger than uniform ones, and a ledger of them bends.
 pub fn binomial_randomised(hits: u64, trials: u64, probability: f64, u: f64) -> f64 {
     let [below, at, above] = tails(hits, trials, probability);
     let [low, high] = [below + u * at, above + (1.0 - u) * at];

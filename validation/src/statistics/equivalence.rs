@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a test concludes. "Not shown to differ" is [`Verdict::Inconclusive`] unless the interval lies in the margin.
+/// What a test concludes. "Not shown to differ" is [`Verdict::Inconclusive`] unless the interval lies in the
+/// margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -40,8 +41,8 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-/// A confidence interval. Two one-sided tests at level α/2 (Schuirmann 1987) accept exactly when the 1 − α interval lies
-/// inside the margin.
+/// A confidence interval. Two one-sided tests at level α/2 (Schuirmann 1987) accept exactly when the 1 − α
+/// interval lies inside the margin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     pub low: f64,
@@ -69,8 +70,9 @@ impl Interval {
         self.low <= target + margin && target - margin <= self.high
     }
 
-    /// Equivalent if inside the margin, else different if it excludes the target, else inconclusive. A difference that
-    /// is visible but smaller than the margin is therefore equivalent; an interval with NaN is different.
+    /// Equivalent if inside the margin, else different if it excludes the target, else inconclusive. A
+    /// difference that is visible but smaller than the margin is therefore equivalent; an interval with NaN
+    /// is different.
     pub fn verdict(&self, target: f64, margin: f64) -> Verdict {
         if self.within(target, margin) {
             Verdict::Equivalent

@@ -17,16 +17,17 @@ pub struct Components {
 /// Variance left to a component by those before it, relative to its own, below which it is one of their sums.
 const DEPENDENT: f64 = 1e-4;
 
-/// Largest skewness and excess kurtosis of a *mean* that counts as normal: third and fourth cumulants over n^½ and n. The
-/// second says that at least some 500 samples carry the variance.
+/// Largest skewness and excess kurtosis of a *mean* that counts as normal: third and fourth cumulants over
+/// n^½ and n. The second says that at least some 500 samples carry the variance.
 const SKEWED: f64 = 0.05;
 const HEAVY: f64 = 0.002;
 
-/// Most that the error of the expected mean may add to the statistic of a component, which is 1 in expectation.
+/// Most that the error of the expected mean may add to the statistic of a component, which is 1 in
+/// expectation.
 const BLURRED: f64 = 0.01;
 
-/// A component whose variance is this many times that of the samples has events that the samples have missed; where skewness and
-/// kurtosis are small, variances of samples are known far better.
+/// A component whose variance is this many times that of the samples has events that the samples have missed;
+/// where skewness and kurtosis are small, variances of samples are known far better.
 const MISSED: f64 = 1.5;
 
 /// What the mean and the variances of vectors should be.
@@ -62,13 +63,14 @@ impl Covariance {
 
 /// Tests whether the vectors that `samples` yields (the same ones at each call) have the expected mean.
 ///
-/// A pivoted Cholesky factor of the sample covariance turns the components into uncorrelated ones of unit variance. Those
-/// whose means are far from normal, because few samples carry all of their variance, are left out: their T² would
-/// reject honest subjects. The choice looks at variance, skewness and kurtosis and not at the mean. Samples that have missed a rare event
-/// look normal, and have a wrong mean and too small a variance: so T² is divided by how many times larger the expected variance is. Of what
-/// is left of a component when the others have explained most of it, that says nothing: there other samples are asked, and where they vary
-/// more it is left out as well.
-/// Then T²(n − p)/(p(n − 1)) follows Fisher's F with p and n − p degrees of freedom (Hotelling 1931).
+/// A pivoted Cholesky factor of the sample covariance turns the components into uncorrelated ones of unit
+/// variance. Those whose means are far from normal, because few samples carry all of their variance, are left
+/// out: their T² would reject honest subjects. The choice looks at variance, skewness and kurtosis and not at
+/// the mean. Samples that have missed a rare event look normal, and have a wrong mean and too small a
+/// variance: so T² is divided by how many times larger the expected variance is. Of what is left of a
+/// component when the others have explained most of it, that says nothing: there other samples are asked, and
+/// where they vary more it is left out as well. Then T²(n − p)/(p(n − 1)) follows Fisher's F with p and n − p
+/// degrees of freedom (Hotelling 1931).
 pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
     samples: impl Fn() -> I,
     expected: &Expected<N>,
@@ -160,7 +162,8 @@ fn covariance<const N: usize>(samples: impl Iterator<Item = [f64; N]>) -> (f64, 
     (count, mean, sums)
 }
 
-/// The order of pivots and the rows of the lower factor in that order, until what is left depends on what was taken.
+/// The order of pivots and the rows of the lower factor in that order, until what is left depends on what was
+/// taken.
 fn cholesky(covariance: Vec<Vec<f64>>) -> (Vec<usize>, Vec<Vec<f64>>) {
     let size = covariance.len();
     let at = |i: usize, j: usize| if i >= j { covariance[i][j] } else { covariance[j][i] };
@@ -240,7 +243,8 @@ mod tests {
         assert!((0..400).filter_map(|seed| p_value(seed, 1.011)).all(|p| p < 1e-9));
     }
 
-    /// The second component is the first but for a rare event, of which neither variance nor kurtosis of those that missed it tells.
+    /// The second component is the first but for a rare event, of which neither variance nor kurtosis of
+    /// those that missed it tells.
     #[test]
     fn what_others_explain_may_hide_what_is_rare() {
         let draws = |seed: u64, count: usize| {

@@ -1,7 +1,7 @@
 //! The statistics behind every verdict, each with the derivation or the source of its formula.
 //!
-//! To add a test: compute a p-value that is uniform (or conservative) under the null hypothesis, state the smallest
-//! effect it finds nine times in ten ([`power`]), and show both on synthetic data.
+//! To add a test: compute a p-value that is uniform (or conservative) under the null hypothesis, state the
+//! smallest effect it finds nine times in ten ([`power`]), and show both on synthetic data.
 
 pub mod binomial;
 pub mod distributions;

@@ -1,7 +1,7 @@
 //! Many tests at once: what each must show so that all together keep the stated level.
 
-/// Level of each of `count` tests so that, independent or positively dependent, at least one rejects with probability
-/// at most `level` (Šidák 1967): 1 − (1 − α)^(1/n).
+/// Level of each of `count` tests so that, independent or positively dependent, at least one rejects with
+/// probability at most `level` (Šidák 1967): 1 − (1 − α)^(1/n).
 pub fn sidak(level: f64, count: usize) -> f64 {
     -libm::expm1(libm::log1p(-level) / count.max(1) as f64)
 }
@@ -19,7 +19,8 @@ fn ascending(p_values: &[f64]) -> Vec<usize> {
     order
 }
 
-/// Indices rejected by Holm's step-down procedure (Holm 1979): family-wise error at most `level` under any dependence.
+/// Indices rejected by Holm's step-down procedure (Holm 1979): family-wise error at most `level` under any
+/// dependence.
 pub fn holm(p_values: &[f64], level: f64) -> Vec<usize> {
     let order = ascending(p_values);
     let count = order.len();
@@ -27,7 +28,8 @@ pub fn holm(p_values: &[f64], level: f64) -> Vec<usize> {
     order[..kept.unwrap_or(count)].to_vec()
 }
 
-/// Indices rejected by Benjamini and Hochberg's step-up procedure (1995): false discovery rate at most `rate`.
+/// Indices rejected by Benjamini and Hochberg's step-up procedure (1995): false discovery rate at most
+/// `rate`.
 pub fn benjamini_hochberg(p_values: &[f64], rate: f64) -> Vec<usize> {
     let order = ascending(p_values);
     let count = order.len() as f64;

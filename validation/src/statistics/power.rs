@@ -5,25 +5,26 @@ use super::distributions::{chi_square_upper, normal_quantile, student_quantile};
 /// The probability with which a "minimum detectable effect" is found.
 pub const POWER: f64 = 0.9;
 
-/// Smallest true difference, in the unit of `standard_error`, that a two-sided test at `level` finds with [`POWER`], if the standard error was
-/// estimated with these degrees of freedom; infinitely many if it is known.
+/// Smallest true difference, in the unit of `standard_error`, that a two-sided test at `level` finds with
+/// [`POWER`], if the standard error was estimated with these degrees of freedom; infinitely many if it is
+/// known.
 pub fn detectable_difference(standard_error: f64, level: f64, degrees: f64) -> f64 {
     (student_quantile(level, degrees) + student_quantile(2.0 * (1.0 - POWER), degrees)) * standard_error
 }
 
-/// How many times more samples make a comparison with no true difference equivalent with [`POWER`]: the interval's half
-/// width shrinks with √k and must leave room for the noise of its centre on both sides.
+/// How many times more samples make a comparison with no true difference equivalent with [`POWER`]: the
+/// interval's half width shrinks with √k and must leave room for the noise of its centre on both sides.
 ///
-/// `parts` questions must be settled together, each at `level`. The answer is at least 2, since less would hardly change
-/// the outcome.
+/// `parts` questions must be settled together, each at `level`. The answer is at least 2, since less would
+/// hardly change the outcome.
 pub fn more_samples(standard_error: f64, level: f64, margin: f64, parts: usize) -> f64 {
     let miss = (1.0 - POWER) / parts.max(1) as f64;
     let reach = (normal_quantile(0.5 * level) + normal_quantile(0.5 * miss)) * standard_error / margin;
     (reach * reach).max(2.0)
 }
 
-/// Smallest root mean square relative error of the expected bin probabilities (Cohen's w) that Pearson's test with
-/// `samples` samples and `degrees` degrees of freedom finds with [`POWER`] at `level`.
+/// Smallest root mean square relative error of the expected bin probabilities (Cohen's w) that Pearson's test
+/// with `samples` samples and `degrees` degrees of freedom finds with [`POWER`] at `level`.
 ///
 /// The statistic is then non-central χ² with λ = n w², mean k + λ and variance 2(k + 2λ), taken as normal.
 pub fn detectable_chi_square(samples: f64, degrees: f64, level: f64) -> f64 {
@@ -93,7 +94,8 @@ mod tests {
             chi_square_upper(statistic, (bins - 1) as f64) < 1e-3
         });
         let share = found.count() as f64 / 2000.0;
-        // 0.02 is three standard errors; the rest is the normal approximation of the non-central distribution.
+        // 0.02 is three standard errors; the rest is the normal approximation of the non-central
+        // distribution.
         assert!((share - 0.9).abs() < 0.03, "{share}");
     }
 

@@ -2,8 +2,8 @@
 
 use rand_pcg::{Pcg64Mcg, rand_core::Rng};
 
-/// A seed for the test called `name`, the `number`-th of its kind: FNV-1a over the name's bytes and the number's, then
-/// splitmix64's finaliser (Steele, Lea and Flood 2014), so that neighbours differ in all bits.
+/// A seed for the test called `name`, the `number`-th of its kind: FNV-1a over the name's bytes and the
+/// number's, then splitmix64's finaliser (Steele, Lea and Flood 2014), so that neighbours differ in all bits.
 pub fn seed_for(name: &str, number: u64) -> u64 {
     let bytes = name.bytes().chain(number.to_le_bytes());
     let hash = bytes

@@ -2,8 +2,8 @@
 
 /// p-value of Kolmogorov and Smirnov's test of `values` against the uniform distribution on \[0, 1\].
 ///
-/// The asymptotic series Q(λ) = 2 Σ (−1)^(k−1) exp(−2k²λ²) with λ = (√n + 0.12 + 0.11/√n) D (Stephens 1970). A value
-/// that is NaN or outside \[0, 1\] gives 0.
+/// The asymptotic series Q(λ) = 2 Σ (−1)^(k−1) exp(−2k²λ²) with λ = (√n + 0.12 + 0.11/√n) D (Stephens 1970).
+/// A value that is NaN or outside \[0, 1\] gives 0.
 pub fn uniformity(values: &[f64]) -> f64 {
     if values.iter().any(|value| !(0.0..=1.0).contains(value)) {
         return 0.0;

@@ -1,5 +1,5 @@
-//! A rough conductor: GGX normals (Walter et al. 2007) with separable masking, visible normals sampled (Heitz 2018), and
-//! Schlick's Fresnel term.
+//! A rough conductor: GGX normals (Walter et al. 2007) with separable masking, visible normals sampled (Heitz
+//! 2018), and Schlick's Fresnel term.
 
 use std::f64::consts::{PI, TAU};
 

@@ -32,7 +32,8 @@ impl Scatterer for Near<'_> {
     }
 }
 
-/// A diffuse reflector whose albedo rises with the wavelength, on a path that carries another wavelength beside it.
+/// A diffuse reflector whose albedo rises with the wavelength, on a path that carries another wavelength
+/// beside it.
 pub struct Coloured {
     pub nm: f64,
     pub beside: f64,

@@ -16,7 +16,8 @@ pub struct Connections {
 }
 
 impl Connections {
-    /// Proposes to connect the matte source of each path of a group, the first of which has this number, with the sources of one of the group's light paths.
+    /// Proposes to connect the matte source of each path of a group, the first of which has this number, with
+    /// the sources of one of the group's light paths.
     pub fn propose(
         &mut self,
         (light_sources, max_depth): (&LightSources, u32),

@@ -42,8 +42,8 @@ pub struct Offer<'a> {
 }
 
 impl Exchange {
-    /// Hands on what every path found to all whose receivers see its source, and to these the sources of light paths. Contested light comes in the order in
-    /// which each path found it.
+    /// Hands on what every path found to all whose receivers see its source, and to these the sources of
+    /// light paths. Contested light comes in the order in which each path found it.
     pub fn share(
         &mut self,
         (scene, max_depth): (&Scene, u32),
@@ -111,8 +111,8 @@ impl Exchange {
         contested.sort_by_key(|of| of.path);
     }
 
-    /// A share of a source for each receiver that faces it: at once if all of them are in sight, else once the
-    /// rays have been traced that ask.
+    /// A share of a source for each receiver that faces it: at once if all of them are in sight, else once
+    /// the rays have been traced that ask.
     fn propose(
         &mut self,
         scene: &Scene,

@@ -1,8 +1,9 @@
 //! Sources that light paths find.
 //!
-//! Where a lamp shines at a wall, most of a room's light comes from a spot that few camera paths meet. So each group of pixels has light paths of its
-//! own. Every matte point that they come to is one more source for all its receivers, and one end of connections with sources of camera paths;
-//! see [`super::rivals`] for the weights.
+//! Where a lamp shines at a wall, most of a room's light comes from a spot that few camera paths meet. So
+//! each group of pixels has light paths of its own. Every matte point that they come to is one more source
+//! for all its receivers, and one end of connections with sources of camera paths; see [`super::rivals`] for
+//! the weights.
 
 use super::light_path::LightPath;
 use super::rivals::{MOST_EDGES, Rivals};
@@ -53,7 +54,8 @@ impl LightSources {
         if density > 0.0 { f64::from(self.paths) * density / end.n.dot(w).abs() } else { 0.0 }
     }
 
-    /// Finds the sources of groups, for each of which a sampler and the wavelengths are given, in the order of the groups and of their light paths.
+    /// Finds the sources of groups, for each of which a sampler and the wavelengths are given, in the order
+    /// of the groups and of their light paths.
     pub fn find(
         &self,
         scene: &Scene,

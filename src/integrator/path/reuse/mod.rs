@@ -1,31 +1,37 @@
 //! Path re-use: pixels that see surfaces side by side share what their paths find beyond the next surface.
 //!
-//! Paths i = 1…N of neighbouring pixels, made of the same wavelengths, leave points xᵢ, the *receivers*, and arrive at points yᵢ, the *sources*.
-//! What path j finds from yⱼ on also tells every other pixel that sees yⱼ from its own xᵢ. Each of the N points y is a sample of N techniques: that of xₖ has
-//! the density, in area about y, pₖ(y) = Vₖ(y) p(ωₖ) |cos ϑₖ| / dₖ²: visibility, the density with which xₖ scatters towards y, the cosine at y, the
-//! distance.
+//! Paths i = 1…N of neighbouring pixels, made of the same wavelengths, leave points xᵢ, the *receivers*, and
+//! arrive at points yᵢ, the *sources*. What path j finds from yⱼ on also tells every other pixel that sees yⱼ
+//! from its own xᵢ. Each of the N points y is a sample of N techniques: that of xₖ has the density, in area
+//! about y, pₖ(y) = Vₖ(y) p(ωₖ) |cos ϑₖ| / dₖ²: visibility, the density with which xₖ scatters towards y, the
+//! cosine at y, the distance.
 //!
-//! **Matte sources.** An estimate Lⱼ of the radiance that leaves yⱼ is one for all directions alike. With the balance heuristic
-//! (Veach 1997, §9.2.2) pixel i gathers
+//! **Matte sources.** An estimate Lⱼ of the radiance that leaves yⱼ is one for all directions alike. With the
+//! balance heuristic (Veach 1997, §9.2.2) pixel i gathers
 //!
 //!   Σⱼ f(ωᵢ) |cos θᵢ| Vᵢ |cos ϑᵢ| / dᵢ² · Lⱼ / Σₖ pₖ(yⱼ).
 //!
-//! If all receivers are matte, pₖ = Gₖ/π with Gₖ = Vₖ cos θₖ |cos ϑₖ| / dₖ², and this is ρᵢ Σⱼ Lⱼ Gᵢ(yⱼ) / Σₖ Gₖ(yⱼ): no weight is above one, and those of
-//! a source sum to one, so nothing is gained or lost.
+//! If all receivers are matte, pₖ = Gₖ/π with Gₖ = Vₖ cos θₖ |cos ϑₖ| / dₖ², and this is ρᵢ Σⱼ Lⱼ Gᵢ(yⱼ) / Σₖ
+//! Gₖ(yⱼ): no weight is above one, and those of a source sum to one, so nothing is gained or lost.
 //!
-//! **Rough sources** send each receiver something else, so what is shared begins one edge further: path j goes on from yⱼ in direction ωⱼ, and Lⱼ is what comes back
-//! along it from the next surface, without what that surface emits (by how much emitter sampling shares in that depends on xⱼ) and only if that surface scatters with a
-//! density, as ways by mirrors and glass have rivals too. Then Lⱼ has the factor f(yⱼ: ωⱼ → xᵢ) |cos ωⱼ|, and pₖ the factor p(yⱼ: xₖ → ωⱼ).
+//! **Rough sources** send each receiver something else, so what is shared begins one edge further: path j
+//! goes on from yⱼ in direction ωⱼ, and Lⱼ is what comes back along it from the next surface, without what
+//! that surface emits (by how much emitter sampling shares in that depends on xⱼ) and only if that surface
+//! scatters with a density, as ways by mirrors and glass have rivals too. Then Lⱼ has the factor f(yⱼ: ωⱼ →
+//! xᵢ) |cos ωⱼ|, and pₖ the factor p(yⱼ: xₖ → ωⱼ).
 //!
-//! One shadow ray buys a pixel the rest of a whole path (Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths"). The
-//! price: errors of neighbouring pixels are no longer independent.
+//! One shadow ray buys a pixel the rest of a whole path (Bekaert, Sbert and Halton 2002, "Accelerating Path
+//! Tracing by Re-Using Paths"). The price: errors of neighbouring pixels are no longer independent.
 //!
-//! Mirrors and smooth glass before xᵢ only change with what its light is multiplied, but then only points that are as many edges from the camera share.
+//! Mirrors and smooth glass before xᵢ only change with what its light is multiplied, but then only points
+//! that are as many edges from the camera share.
 //!
-//! **Light paths** may find more sources for a group, and light that matte ones send: `light_sources.rs` says why, `rivals.rs` derives the weights.
+//! **Light paths** may find more sources for a group, and light that matte ones send: `light_sources.rs` says
+//! why, `rivals.rs` derives the weights.
 //!
-//! What stays with its own path: all light up to yᵢ, and to a rough yᵢ; paths by surfaces of any other kind; and beyond yᵢ the light that
-//! light paths bring as well ([`caustics`](crate::integrator::caustics)), whose weights depend on the pixel.
+//! What stays with its own path: all light up to yᵢ, and to a rough yᵢ; paths by surfaces of any other kind;
+//! and beyond yᵢ the light that light paths bring as well ([`caustics`](crate::integrator::caustics)), whose
+//! weights depend on the pixel.
 
 mod connections;
 mod exchange;
@@ -57,9 +63,9 @@ pub fn correlated_edge(pixels: u32) -> u32 {
     1 << pixels.ilog2().div_ceil(2)
 }
 
-/// The pixels of a sample that can share what they find with `pixel`, as far as they are on the film: those of a group of any
-/// size in [`PIXELS`] follow one another. Groups are as compact as can be, and lie across in every other sample, so that
-/// the same pixels do not always share.
+/// The pixels of a sample that can share what they find with `pixel`, as far as they are on the film: those
+/// of a group of any size in [`PIXELS`] follow one another. Groups are as compact as can be, and lie across
+/// in every other sample, so that the same pixels do not always share.
 pub fn cell(
     (x, y): (u32, u32),
     sample: u64,

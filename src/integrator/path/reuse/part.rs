@@ -6,7 +6,8 @@ use crate::spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
-/// The part that a receiver has of the light of a source, not yet divided by the sum of densities. As if π were 1: it cancels.
+/// The part that a receiver has of the light of a source, not yet divided by the sum of densities. As if π
+/// were 1: it cancels.
 #[derive(Clone, Copy)]
 pub struct Part {
     /// What scatters it on its way to the camera.
@@ -34,8 +35,8 @@ pub enum Light {
 }
 
 impl Light {
-    /// The share of it that its own path has to hand on, and what the geometry of each part is to be multiplied with, if the densities of all
-    /// parts sum to this.
+    /// The share of it that its own path has to hand on, and what the geometry of each part is to be
+    /// multiplied with, if the densities of all parts sum to this.
     fn shared(&self, density: f64, contested: &[Contested]) -> (Spectrum, f64) {
         match self {
             Self::ByCamera(alone, range) => {

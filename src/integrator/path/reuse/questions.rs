@@ -47,7 +47,8 @@ impl Share {
 }
 
 impl Questions {
-    /// Hands parts on at once if all receivers are known to see the source, else asks about the others first. All parts are matte or not.
+    /// Hands parts on at once if all receivers are known to see the source, else asks about the others first.
+    /// All parts are matte or not.
     pub fn offer(
         &mut self,
         receiving: &mut [CameraPath],

@@ -55,7 +55,8 @@ impl Receivers {
         }
     }
 
-    /// The geometry term between a source and each receiver, without visibility; a bit for each that faces it and is one of these.
+    /// The geometry term between a source and each receiver, without visibility; a bit for each that faces it
+    /// and is one of these.
     pub fn weights(&self, of: u64, source: &Source, weights: &mut [f64; 64]) -> u64 {
         let spread = |v: DVec3| v.to_array().map(F64x4::splat);
         let (p, n, ng) = (spread(source.p), spread(source.n), spread(source.ng));

@@ -1,21 +1,25 @@
 //! How likely light paths make what camera paths find beyond a source.
 //!
-//! Let v₀ be a matte source, v₁ … vₙ the rest of the way to a point vₙ of an emitter, and S = Σₖ pₖ(v₀) the density of the source; see [`super`].
-//! With the density P of v₁ … vₙ given v₀, three techniques make the way:
+//! Let v₀ be a matte source, v₁ … vₙ the rest of the way to a point vₙ of an emitter, and S = Σₖ pₖ(v₀) the
+//! density of the source; see [`super`]. With the density P of v₁ … vₙ given v₀, three techniques make the
+//! way:
 //!
 //! - a camera path, with S P;
-//! - a camera path up to v₀ and a light path up to v₁, connected: each source is with one light path, S p(vₙ … v₁);
+//! - a camera path up to v₀ and a light path up to v₁, connected: each source is with one light path, S p(vₙ
+//!   … v₁);
 //! - one of M light paths up to v₀, as a source for all: M p(vₙ … v₀).
 //!
 //! By the balance heuristic their shares are S, S r and c over S (1 + r) + c, where
 //!
 //!   c = M pₐ(vₙ) p(vₙ→vₙ₋₁) / cosₙ · ∏ ρᵢ (i = n−1 … 1) · cos₀ / p(v₀→v₁),   r = c / (M p(v₁→v₀))
 //!
-//! with the ρᵢ of [`caustics`](crate::integrator::caustics), and p(v₁→v₀) in area. The edge to the emitter has two techniques itself, emitter samples and those of
-//! the BSDF. How they part what is left to camera paths is as without light paths, and their sum takes the place of the density in c.
+//! with the ρᵢ of [`caustics`](crate::integrator::caustics), and p(v₁→v₀) in area. The edge to the emitter
+//! has two techniques itself, emitter samples and those of the BSDF. How they part what is left to camera
+//! paths is as without light paths, and their sum takes the place of the density in c.
 //!
-//! c = 0 where a lobe without density is on the way, where vₙ₋₁ focuses light that other light paths look for, and beyond [`MOST_EDGES`]; r = 0 also where v₁ is not
-//! matte, and of n = 1, which is what emitter samples are for.
+//! c = 0 where a lobe without density is on the way, where vₙ₋₁ focuses light that other light paths look
+//! for, and beyond [`MOST_EDGES`]; r = 0 also where v₁ is not matte, and of n = 1, which is what emitter
+//! samples are for.
 
 use super::shared::Source;
 use crate::bsdf::{Bsdf, Sample};
@@ -96,7 +100,8 @@ impl Tail {
         }
     }
 
-    /// The factor of c that a vertex brings with a direction towards the light (local) that was sampled with this density.
+    /// The factor of c that a vertex brings with a direction towards the light (local) that was sampled with
+    /// this density.
     pub fn factor<B: Bsdf>(&self, vertex: &Vertex<B>, to_light: DVec3, pdf: f64) -> f64 {
         let ng = vertex.point.ng;
         let cos_light = ng.dot(vertex.to_world(to_light)).abs();
@@ -116,7 +121,8 @@ impl Tail {
         }
     }
 
-    /// What else finds the light of a point of an emitter, w being the direction from there, if the last factor of c is this.
+    /// What else finds the light of a point of an emitter, w being the direction from there, if the last
+    /// factor of c is this.
     pub fn rivals(
         &self,
         scene: &Scene,

@@ -23,8 +23,8 @@ pub struct Receiver {
     pub weight: Spectrum,
     /// `None` of a matte point.
     pub lobes: Option<Lobes>,
-    /// Of the path from the camera, besides the one that ends here. Only receivers with as many share, for what a source is
-    /// known to send depends on how many are left.
+    /// Of the path from the camera, besides the one that ends here. Only receivers with as many share, for
+    /// what a source is known to send depends on how many are left.
     pub edges: u32,
 }
 
@@ -78,8 +78,8 @@ pub fn ask(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut
 pub struct Lobes {
     pub point: SurfacePoint,
     pub side: Side,
-    /// Local, the direction that is the same whoever shares: from a receiver to where its path came from, from a source to where its path
-    /// goes on.
+    /// Local, the direction that is the same whoever shares: from a receiver to where its path came from,
+    /// from a source to where its path goes on.
     pub fixed: DVec3,
 }
 
@@ -90,7 +90,8 @@ pub struct Shared {
     pub source: Option<Source>,
     /// What becomes of what is shared on its way to the path's own pixel.
     pub own: Spectrum,
-    /// Besides what is [contested](super::rivals::Contested): the radiance that leaves a matte source or comes to a rough one, as far as it is known.
+    /// Besides what is [contested](super::rivals::Contested): the radiance that leaves a matte source or
+    /// comes to a rough one, as far as it is known.
     pub radiance: Spectrum,
 }
 
@@ -98,7 +99,8 @@ impl Shared {
     pub const NOTHING: Self =
         Self { receiver: None, source: None, own: Spectrum::ZERO, radiance: Spectrum::ZERO };
 
-    /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is shared.
+    /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is
+    /// shared.
     pub fn arrive<B: Bsdf>(
         &mut self,
         vertex: &Vertex<B>,

@@ -82,7 +82,8 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     assert_eq!([0, 1].map(|path| facing(path, to_the_left)), [0b0001, 0b0010]);
 }
 
-/// A ray that ended on its source's surface would be stopped there as often as rounding says, and neighbours would go without.
+/// A ray that ended on its source's surface would be stopped there as often as rounding says, and neighbours
+/// would go without.
 #[test]
 fn sources_do_not_hide_themselves() {
     let axis = DVec3::new(1.0, 2.0, 3.0);

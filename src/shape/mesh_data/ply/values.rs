@@ -13,8 +13,8 @@ pub(super) trait Values {
     fn floats(&mut self, numbers: &mut [f32]) -> Result<(), MeshError> {
         numbers.iter_mut().try_for_each(|number| self.float(Scalar::F32).map(|next| *number = next))
     }
-    /// Three 32-bit indices behind a one-byte length of 3, should these be what comes next and be within `limit`.
-    /// It is the face that most files have, which so need not be taken apart number by number.
+    /// Three 32-bit indices behind a one-byte length of 3, should these be what comes next and be within
+    /// `limit`. It is the face that most files have, which so need not be taken apart number by number.
     fn triangle(&mut self, limit: u32) -> Option<[u32; 3]>;
     /// Passes over `count` numbers.
     fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), MeshError>;
@@ -270,7 +270,8 @@ mod tests {
 
     #[test]
     fn text_is_rounded_once() {
-        // 10⁻²⁴ past the midpoint of 1 and 1 + 2⁻²³: f64 would lose that, and the tie would then go down to 1.
+        // 10⁻²⁴ past the midpoint of 1 and 1 + 2⁻²³: f64 would lose that, and the tie would then go down to
+        // 1.
         let mut text = Ascii::new(b"1.000000059604644775390626 12 ", 0);
         assert_eq!(text.float(Scalar::F32).unwrap(), 1.0 + f32::EPSILON);
         assert_eq!(text.integer(Scalar::U8).unwrap(), 12);

@@ -43,8 +43,8 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// M interfaces one behind the other, each reflecting r of what arrives, together reflect R = Mr/(1 + (M − 1)r)
-/// (Stokes 1862, for a pile of plates).
+/// M interfaces one behind the other, each reflecting r of what arrives, together reflect R = Mr/(1 + (M −
+/// 1)r) (Stokes 1862, for a pile of plates).
 fn stacks(glass: &str) -> Vec<ClosedForm> {
     let source = "R = Mr/(1 + (M − 1)r) of M interfaces, without interference (Stokes 1862, pile of plates)";
     let mut cases = vec![];
@@ -104,7 +104,8 @@ pub fn stage(degrees: f64, light: &str, what: &str) -> String {
 
 /// The mean over both polarisations, of a ray at this angle in the nearer medium; `eta` = n far / n near.
 ///
-/// r⊥ = sin(θ − θ′)/sin(θ + θ′), r∥ = tan(θ − θ′)/tan(θ + θ′) (Born & Wolf, eq. 1.5.21a); the renderer uses cosines.
+/// r⊥ = sin(θ − θ′)/sin(θ + θ′), r∥ = tan(θ − θ′)/tan(θ + θ′) (Born & Wolf, eq. 1.5.21a); the renderer uses
+/// cosines.
 pub fn reflectance(degrees: f64, eta: f64) -> f64 {
     let near = degrees.to_radians();
     if near == 0.0 {

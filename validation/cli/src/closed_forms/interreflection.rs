@@ -69,7 +69,8 @@ fn facing_mirrors(depth: i64) -> String {
     scene(&[&path(depth), &pointed([0.1, 0.2, 0.5], [0.1, 0.2, 0.0]), &below, &above])
 }
 
-/// Mirrors of reflectance 0.95 at z = ±½; a ray at 45° meets one each unit of x and then a light across the corridor.
+/// Mirrors of reflectance 0.95 at z = ±½; a ray at 45° meets one each unit of x and then a light across the
+/// corridor.
 fn corridor(bounces: i32) -> String {
     let mirror = bsdf("conductor", &grey("specular_reflectance", 0.95));
     let wide = scale([100.0, 1.0, 1.0]);

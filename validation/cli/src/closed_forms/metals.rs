@@ -56,7 +56,8 @@ pub fn reflectance(cos: f64, eta: f64, k: f64) -> f64 {
     0.5 * (ratio((cos, 0.0), w) + ratio((n2.0 * cos, n2.1 * cos), w))
 }
 
-/// How much of a uniform hemisphere arrives at `degrees`: over facets m with density D cos θₘ, F G₁G₁ (ω·m)/(cos θ cos θₘ).
+/// How much of a uniform hemisphere arrives at `degrees`: over facets m with density D cos θₘ, F G₁G₁
+/// (ω·m)/(cos θ cos θₘ).
 fn albedo(ggx: bool, alpha: f64, degrees: f64) -> f64 {
     let (sin, cos) = libm::sincos(f64::to_radians(degrees));
     let wo = DVec3::new(sin, 0.0, cos);

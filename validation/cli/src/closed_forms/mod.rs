@@ -1,12 +1,12 @@
 //! Scenes whose image has an analytic answer.
 //!
-//! A case is data: a scene, a number computed from a formula by code that shares nothing with the renderer, and what
-//! of the image must equal it. The answer comes from renders with seeds of their own: Student's interval of their
-//! values must lie within the margin (two one-sided tests). So neither the image's own variance nor the
-//! independence of its pixels is relied on.
+//! A case is data: a scene, a number computed from a formula by code that shares nothing with the renderer,
+//! and what of the image must equal it. The answer comes from renders with seeds of their own: Student's
+//! interval of their values must lie within the margin (two one-sided tests). So neither the image's own
+//! variance nor the independence of its pixels is relied on.
 //!
-//! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line in
-//! [`FAMILIES`]. The formula's source stands in `source`, its derivation beside the code.
+//! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line
+//! in [`FAMILIES`]. The formula's source stands in `source`, its derivation beside the code.
 
 mod cameras;
 mod colors;
@@ -159,7 +159,8 @@ impl ClosedForm {
         Outcome { figures, ..outcome.detectable(detectable_difference(error, LEVEL, ratio.degrees)) }
     }
 
-    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm it.
+    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm
+    /// it.
     pub fn test(&self) -> Result<(), String> {
         confirmed(&TWICE, |effort, number| Ok(fault(&self.check(effort, number)?)))
             .map_err(|message| format!("{message}; {}", self.source))

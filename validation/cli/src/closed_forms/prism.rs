@@ -20,10 +20,12 @@ pub fn cases() -> Vec<ClosedForm> {
 const BEAM: f64 = 0.01;
 const DISTANCE: f64 = 20.0;
 
-/// A parallel beam of rays through two faces with an apex of 60° between them, upon a half-plane of light whose edge is
-/// `offset` half-widths from where the beam's middle must fall. At least deviation the beam keeps its width.
+/// A parallel beam of rays through two faces with an apex of 60° between them, upon a half-plane of light
+/// whose edge is `offset` half-widths from where the beam's middle must fall. At least deviation the beam
+/// keeps its width.
 ///
-/// The apex points to +z, the faces stand symmetrically about x = 0, and the ray inside runs along +x at z = 0.
+/// The apex points to +z, the faces stand symmetrically about x = 0, and the ray inside runs along +x at z =
+/// 0.
 fn prism(eta: f64, offset: f64) -> (String, f64) {
     const APEX: f64 = 60.0;
     let half = f64::to_radians(0.5 * APEX);

@@ -56,7 +56,8 @@ pub fn cases() -> Vec<ClosedForm> {
     ]
 }
 
-/// Radius r, parallel to the plane at height h, its axis l aside; by Howell's factor for an element and a parallel disk.
+/// Radius r, parallel to the plane at height h, its axis l aside; by Howell's factor for an element and a
+/// parallel disk.
 fn disk(r: f64, h: f64, l: f64) -> f64 {
     let sum = h * h + l * l + r * r;
     0.5 * PI * (1.0 - (sum - 2.0 * r * r) / (sum * sum - 4.0 * r * r * l * l).sqrt())
@@ -79,7 +80,8 @@ fn cap([x, y, z]: Point, r: f64) -> f64 {
     let cosγ = (1.0 - sinγ * sinγ).sqrt();
     let g = -2.0 * sin * cosσ * cosγ + FRAC_PI_2 - libm::asin(sinγ) + sinγ * cosγ;
     let h = cos.abs() * (cosγ * (sin2 - cosγ * cosγ).max(0.0).sqrt() + sin2 * libm::asin(cosγ / sinσ));
-    // What lies above the horizon of the mirrored cap lies below that of this one, and both differ by the whole.
+    // What lies above the horizon of the mirrored cap lies below that of this one, and both differ by the
+    // whole.
     if cos > 0.0 { whole + g - h } else { g - h }
 }
 

@@ -41,7 +41,8 @@ pub fn cases() -> Vec<ClosedForm> {
     ]
 }
 
-/// Both halves of the unit square to a side are one colour each; of a square s × t the shares are those of its corners.
+/// Both halves of the unit square to a side are one colour each; of a square s × t the shares are those of
+/// its corners.
 fn cut(s: f64, t: f64) -> f64 {
     let (a, b) = (0.5 / s, 0.5 / t);
     let first = a * b + (1.0 - a) * (1.0 - b);

@@ -1,5 +1,5 @@
-//! Blur of a thin lens: rays of a pixel cover, at depth z, a disk of radius b|1 − z/d| (b the aperture's radius, d the
-//! depth of focus).
+//! Blur of a thin lens: rays of a pixel cover, at depth z, a disk of radius b|1 − z/d| (b the aperture's
+//! radius, d the depth of focus).
 
 use super::ClosedForm;
 use crate::stage::*;
@@ -37,14 +37,15 @@ pub fn cases() -> Vec<ClosedForm> {
                     .samples(1 << 14),
             );
         }
-        // A light of half the blur's radius in a wide film: its image is the two disks' convolution, whose mean square
-        // radius is (a² + c²)/2.
+        // A light of half the blur's radius in a wide film: its image is the two disks' convolution, whose
+        // mean square radius is (a² + c²)/2.
         let a = 0.5 * blur;
         let light =
             shape("disk", &[scale([a; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])], &area(1.0));
         let degrees = 2.0 * libm::atan(2.0 * blur / depth).to_degrees();
         let scene = self::scene(&[&path(1), &camera(degrees, &film(64, 64)), &light]);
-        // In pixels of the film 4 blur radii wide, plus 1/12 for each axis that grouping into pixels adds (Sheppard's correction).
+        // In pixels of the film 4 blur radii wide, plus 1/12 for each axis that grouping into pixels adds
+        // (Sheppard's correction).
         let pixel = 4.0 / 64.0;
         let expected = 0.5 * (0.25 + 1.0) / (pixel * pixel) + 1.0 / 6.0;
         let source = "mean square radius (a² + c²)/2 of a disk blurred by a disk (variances add)";

@@ -1,5 +1,5 @@
-//! Lossless things in uniform light, which must not be seen: to 10⁻⁴, in RGB and in spectral mode, and wavelength by
-//! wavelength where they disperse.
+//! Lossless things in uniform light, which must not be seen: to 10⁻⁴, in RGB and in spectral mode, and
+//! wavelength by wavelength where they disperse.
 
 use super::ClosedForm;
 use super::{mean, surroundings::white};
@@ -50,8 +50,8 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// A case in RGB, and one in spectral mode, whose white is the observer's of D65. What noise there is comes from the
-/// wavelengths, of which stratified samples leave little.
+/// A case in RGB, and one in spectral mode, whose white is the observer's of D65. What noise there is comes
+/// from the wavelengths, of which stratified samples leave little.
 fn both(name: &str, scene: String, samples: u64) -> Vec<ClosedForm> {
     let stratified = scene.replace("</sensor>", "<sampler type=\"multijitter\"/></sensor>");
     let spectral = ClosedForm::new(format!("{name}_spectral"), INVISIBLE, stratified, white()).spectral();
@@ -76,9 +76,9 @@ fn pane(wears: &str, z: f64, thickness: Option<f64>) -> String {
     }
 }
 
-/// A rod along +x, from 0 to 6000, of radius 1, closed by two disks. A ray that enters at 59° to its axis runs on at
-/// asin(sin 59°/2.4) = 21° and meets the wall at least once in 2/tan 21° = 5.2 lengths: 1150 times, always reflected
-/// totally, before it comes to the other end; one in six turns back there.
+/// A rod along +x, from 0 to 6000, of radius 1, closed by two disks. A ray that enters at 59° to its axis
+/// runs on at asin(sin 59°/2.4) = 21° and meets the wall at least once in 2/tan 21° = 5.2 lengths: 1150
+/// times, always reflected totally, before it comes to the other end; one in six turns back there.
 fn rod(wears: &str) -> String {
     const LENGTH: f64 = 6000.0;
     let wall = format!(
@@ -89,9 +89,9 @@ fn rod(wears: &str) -> String {
     wall + &end(-90.0, 0.0) + &end(90.0, LENGTH)
 }
 
-/// From within a bubble in a ball of SF11, in three bands of wavelengths. Whatever way light comes in, it has been refracted
-/// and its wavelengths separated; and the weight of every path is 1. So an image's value depends on nothing that is drawn but
-/// the wavelength, which a stratified sampler all but integrates.
+/// From within a bubble in a ball of SF11, in three bands of wavelengths. Whatever way light comes in, it has
+/// been refracted and its wavelengths separated; and the weight of every path is 1. So an image's value
+/// depends on nothing that is drawn but the wavelength, which a stratified sampler all but integrates.
 fn dispersing() -> Vec<ClosedForm> {
     let glass = bsdf("dielectric", "<string name=\"dispersion\" value=\"sf11\"/>");
     let inwards = format!("<boolean name=\"flip_normals\" value=\"true\"/>{glass}");
@@ -121,7 +121,8 @@ fn dispersing() -> Vec<ClosedForm> {
     bands.map(case).into()
 }
 
-/// What is not lossless in one bounce: a rough mirror shows what single scattering leaves, by quadrature of its definition.
+/// What is not lossless in one bounce: a rough mirror shows what single scattering leaves, by quadrature of
+/// its definition.
 fn rough_mirrors() -> Vec<ClosedForm> {
     let source =
         "∫ D G₂/(4 cos θₒ) dω, what single scattering leaves of a furnace (Walter et al. 2007, eq. 20)";

@@ -1,8 +1,8 @@
 //! Does the comparison of images keep its promises on real renders?
 //!
-//! Two of them. *Level*: pairs of renders of the same scene that differ in nothing but their seed are called different
-//! as often as the level says. *Power*: a loss of 2 % in the noisier half of an image is found, at the sample budget that
-//! Mitsuba's own image tests have (two million a picture, `test_renders.py`).
+//! Two of them. *Level*: pairs of renders of the same scene that differ in nothing but their seed are called
+//! different as often as the level says. *Power*: a loss of 2 % in the noisier half of an image is found, at
+//! the sample budget that Mitsuba's own image tests have (two million a picture, `test_renders.py`).
 
 use crate::provenance::Provenance;
 use crate::references::{Reference, folder, references};
@@ -31,7 +31,8 @@ const BUDGET: u32 = 2_000_000;
 /// What is left of the light of the noisier half.
 const KEPT: f64 = 0.98;
 
-/// Bars: shares of honest pairs that may be rejected; the power that counts, and the share of scenes that must have it.
+/// Bars: shares of honest pairs that may be rejected; the power that counts, and the share of scenes that
+/// must have it.
 const REJECTED: [f64; 2] = [0.003, 0.021];
 const POWER: f64 = 0.9;
 const SCENES: f64 = 0.85;
@@ -47,7 +48,8 @@ pub struct Row {
     pub samples: u32,
     /// Share of damaged pairs that were called different.
     pub power: f64,
-    /// The relative standard error of the damaged half's mean luminance-like channel sum, which is what the 2 % compete with.
+    /// The relative standard error of the damaged half's mean luminance-like channel sum, which is what the 2
+    /// % compete with.
     pub standard_error: f64,
 }
 

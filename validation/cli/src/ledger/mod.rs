@@ -1,5 +1,6 @@
-//! The ledger: what reseeded runs of the suite found, one JSON object a line, and whether that is what chance alone would
-//! give. A p-value must be uniform, and a suite at level 1 % must reject an honest renderer once in a hundred runs.
+//! The ledger: what reseeded runs of the suite found, one JSON object a line, and whether that is what chance
+//! alone would give. A p-value must be uniform, and a suite at level 1 % must reject an honest renderer once
+//! in a hundred runs.
 
 pub mod command;
 
@@ -120,7 +121,8 @@ fn read(path: &Path) -> Result<Vec<Line>, String> {
 /// Fewer p-values or runs than these show nothing.
 const ENOUGH: usize = 200;
 
-/// Tests each check's p-values, and all together, for uniformity (Kolmogorov and Smirnov), and the runs for their level.
+/// Tests each check's p-values, and all together, for uniformity (Kolmogorov and Smirnov), and the runs for
+/// their level.
 pub fn judge(path: &Path) -> Result<Summary, String> {
     let mut checks: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut samples: BTreeMap<usize, usize> = BTreeMap::new();
@@ -191,7 +193,8 @@ fn uniform((check, values): (String, Vec<f64>)) -> Outcome {
     outcome.p_value(uniform).figure("count", values.len() as f64)
 }
 
-/// Whether so many rejecting runs are what the level gives: of 200 at 1 %, six are and seven (once in 230) are not.
+/// Whether so many rejecting runs are what the level gives: of 200 at 1 %, six are and seven (once in 230)
+/// are not.
 fn level(runs: usize, rejecting: usize) -> Outcome {
     let p = binomial_two_sided(rejecting as u64, runs as u64, SUITE);
     let excessive = rejecting as f64 > SUITE * runs as f64 && p < 0.01;

@@ -14,7 +14,8 @@ pub(super) fn with_links(integrator: &str, at: &str) -> String {
     integrator.replace("</integrator>", &format!("<string name=\"links\" value=\"{at}\"/></integrator>"))
 }
 
-/// The integrator that finds whatever it finds from the camera, and by no other way than scattering if that is through glass.
+/// The integrator that finds whatever it finds from the camera, and by no other way than scattering if that
+/// is through glass.
 pub(super) fn plain(longest: i64) -> String {
     with_links(&with_light_paths(0.0, longest), "never")
 }

@@ -1,7 +1,8 @@
-//! An even caustic that hardly anything but light paths can find, so that whatever is wrong with these is seen in full.
+//! An even caustic that hardly anything but light paths can find, so that whatever is wrong with these is
+//! seen in full.
 //!
-//! A flat mirror, upright beside the floor, throws the light of a small and far lamp upon it, and a screen keeps off what would
-//! come straight. Of a million camera paths one meets the lamp by the mirror.
+//! A flat mirror, upright beside the floor, throws the light of a small and far lamp upon it, and a screen
+//! keeps off what would come straight. Of a million camera paths one meets the lamp by the mirror.
 
 use super::caustics::with_light_paths;
 use super::still_life::INDEPENDENT;
@@ -21,8 +22,8 @@ fn floor(filter: &str) -> String {
         let steps = [scale([half, half, 1.0]), rotate('y', towards), translate([x, 0.0, z])];
         shape("rectangle", &steps, wears)
     };
-    // The lamp's image stands at (90, 0, 90): what lights a place of the floor passes at a third of the way. The whole lamp is
-    // to be seen in the mirror from every place in view, which is 1 to each side.
+    // The lamp's image stands at (90, 0, 90): what lights a place of the floor passes at a third of the way.
+    // The whole lamp is to be seen in the mirror from every place in view, which is 1 to each side.
     const LAMP: f64 = 0.1;
     let mirror = 2.0 / 3.0 + LAMP / 3.0 + 0.01;
     scene(&[
@@ -44,8 +45,8 @@ fn edges(image: &Image) -> Image {
 }
 
 pub fn relations() -> Vec<Relation> {
-    // What is even is the same through any filter, at the edges as well, where filters are cut. Over the whole film light is only moved
-    // about, whatever is wrong with its weights.
+    // What is even is the same through any filter, at the edges as well, where filters are cut. Over the
+    // whole film light is only moved about, whatever is wrong with its weights.
     let seen = |filter: &str| vec![Term { view: Some(edges), ..Term::new(floor(filter)) }];
     vec![Relation::expectation("edges_of_a_gaussian_film", seen("box"), seen("gaussian")).samples(3 * 65_536)]
 }

@@ -1,4 +1,5 @@
-//! Guided emitter samples change the noise and nothing else, whatever is on the way and however many surfaces.
+//! Guided emitter samples change the noise and nothing else, whatever is on the way and however many
+//! surfaces.
 
 use super::caustics::{
     as_plain, ball, block, glass, globe, room, sheet, vase, veil, with_integrator, with_light_paths,

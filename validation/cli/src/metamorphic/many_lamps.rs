@@ -1,4 +1,5 @@
-//! The light of many emitters is the sum of what each brings alone: which is chosen depends on the place, and alone there is no choice.
+//! The light of many emitters is the sum of what each brings alone: which is chosen depends on the place, and
+//! alone there is no choice.
 
 use super::caustics::{ball, glass, with_light_paths, with_links};
 use super::reuse::one_of;

@@ -1,11 +1,12 @@
 //! Relations between renders that hold whatever the true image is.
 //!
-//! A relation is data: two sides, each a sum of renders, and how alike they must be. What can be bit-identical is asked
-//! to be; everything else must be *equivalent*, by the harness's own comparison of images: the 99 % interval of the ratio
-//! of the means lies within the margin, and no tile is beyond its noise.
+//! A relation is data: two sides, each a sum of renders, and how alike they must be. What can be
+//! bit-identical is asked to be; everything else must be *equivalent*, by the harness's own comparison of
+//! images: the 99 % interval of the ratio of the means lies within the margin, and no tile is beyond its
+//! noise.
 //!
-//! *How to add one*: an entry in the `relations` of the file it belongs to; for a new family, a file and its line in
-//! [`FAMILIES`].
+//! *How to add one*: an entry in the `relations` of the file it belongs to; for a new family, a file and its
+//! line in [`FAMILIES`].
 
 mod by_mirrors;
 mod caustics;
@@ -154,7 +155,8 @@ pub struct Relation {
     pub alike: Alike,
     /// Samples a pixel of each render.
     pub samples: u64,
-    /// It takes long and others ask nearly the same: `cargo test` leaves it out unless told not to ignore any, `validate scenes` does not.
+    /// It takes long and others ask nearly the same: `cargo test` leaves it out unless told not to ignore
+    /// any, `validate scenes` does not.
     pub at_length: bool,
 }
 
@@ -271,7 +273,8 @@ impl Relation {
         Ok(comparison.outcome().of(&self.name))
     }
 
-    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm it.
+    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm
+    /// it.
     pub fn test(&self) -> Result<(), String> {
         // Bits that differ are not a matter of samples.
         let tries = if self.alike == Alike::Bits { &TWICE[..1] } else { &TWICE };
@@ -296,7 +299,8 @@ fn add(images: Vec<Image>) -> Image {
     sum
 }
 
-/// Equality of every mean and variance; f64 holds the f32 of the file exactly, and their products with powers of two.
+/// Equality of every mean and variance; f64 holds the f32 of the file exactly, and their products with powers
+/// of two.
 fn identical(left: &Image, right: &Image) -> Outcome {
     let values = |image: &Image| {
         let all = image.channels.iter().flat_map(|c| c.mean.iter().chain(c.variance.iter().flatten()));

@@ -1,5 +1,6 @@
-//! What pixels share where they are unlike: each scene has an edge within every group, and only pixels on one side of it are compared,
-//! which see little light of their own kind. Light that a wrong weight takes from one side for the other is missed there at once.
+//! What pixels share where they are unlike: each scene has an edge within every group, and only pixels on one
+//! side of it are compared, which see little light of their own kind. Light that a wrong weight takes from
+//! one side for the other is missed there at once.
 
 use super::Relation;
 use super::caustics::{glass, globe, with_links};
@@ -41,7 +42,8 @@ fn case(name: &'static str, world: String) -> Case {
     Case { pixels: 16, camera: camera(), view: Some(last_column), ..Case::new(name, world) }
 }
 
-/// Two rooms, of which the eye sees the one on either side of a wall that it looks along. The right one is the darker.
+/// Two rooms, of which the eye sees the one on either side of a wall that it looks along. The right one is
+/// the darker.
 fn two_rooms() -> Relation {
     let turn = slope(6.0).atan().to_degrees();
     let [near, far] = [1.0, 6.0];
@@ -93,9 +95,10 @@ fn grazed_floor() -> Relation {
     Case { camera, view: Some(one_of::<4>), ..case }.relation().samples(3 * 8192)
 }
 
-/// A board close to the eye, and a wall far behind it, lit by a spot behind the eye that a metal plate throws there. A pixel
-/// sees a thousand times less of the board than of the wall, so its own paths bring nearly all light of the board and light paths
-/// nearly all of the wall's: light found for the one and weighed as its own would be counted again for the other.
+/// A board close to the eye, and a wall far behind it, lit by a spot behind the eye that a metal plate throws
+/// there. A pixel sees a thousand times less of the board than of the wall, so its own paths bring nearly all
+/// light of the board and light paths nearly all of the wall's: light found for the one and weighed as its
+/// own would be counted again for the other.
 fn near_and_far() -> Relation {
     let eye = [0.0, -4.5, 2.2];
     let place = look_at(eye, [0.0, 0.0, eye[2]], [0.0, 0.0, 1.0]);
@@ -119,7 +122,8 @@ fn near_and_far() -> Relation {
         .samples(6 * 8192)
 }
 
-/// A dark room seen in a mirror, where light paths are of no use, and lit by a bulb in glass, which guided samples find.
+/// A dark room seen in a mirror, where light paths are of no use, and lit by a bulb in glass, which guided
+/// samples find.
 fn seen_in_a_mirror() -> Relation {
     let steps = [scale([0.5, 0.5, 1.0]), rotate('x', 90.0), rotate('z', 45.0), translate([0.0, -3.5, 1.5])];
     let mirror = shape("rectangle", &steps, &bsdf("conductor", ""));

@@ -1,7 +1,7 @@
 //! Pixels that share what their paths find see the same image, in other noise.
 //!
-//! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and light that a
-//! wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
+//! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and
+//! light that a wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
 
 use super::caustics::{globe, sheet, vase, with_links};
 use super::still_life::*;
@@ -145,7 +145,8 @@ pub fn relations() -> Vec<Relation> {
         }
         .option("integer", "rr_depth", "3"),
     ];
-    // Light paths of a group find sources as well: few and many, short and long, by rough surfaces, and beside what they leave to others.
+    // Light paths of a group find sources as well: few and many, short and long, by rough surfaces, and
+    // beside what they leave to others.
     let lit = |case: Case, light_paths: u32| {
         let name = "shared_light_paths";
         Case { integrator: path(-1), pixels: 16, ..case }.option("integer", name, &light_paths.to_string())

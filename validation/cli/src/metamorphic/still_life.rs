@@ -65,7 +65,8 @@ pub fn with(more: &str) -> String {
     with_light(&(lamp(8.0) + more))
 }
 
-/// The room with these objects, all lengths times a factor, moved. Lamps shine by radiance, so the image stays.
+/// The room with these objects, all lengths times a factor, moved. Lamps shine by radiance, so the image
+/// stays.
 pub fn placed(objects: fn(&[String]) -> Vec<String>, factor: f64, by: Point) -> String {
     let steps = [scale([factor; 3]), translate(by)];
     let at = |p: Point| [0, 1, 2].map(|i| p[i] * factor + by[i]);

@@ -1,4 +1,5 @@
-//! Emitter samples through glass change the noise and nothing else, whatever the glass, the surface and the emitter behind it.
+//! Emitter samples through glass change the noise and nothing else, whatever the glass, the surface and the
+//! emitter behind it.
 
 use super::Relation;
 use super::caustics::{
@@ -8,7 +9,8 @@ use super::caustics::{
 use super::still_life::*;
 use crate::stage::*;
 
-/// At all vertices, without light paths or with so many to a camera path, in a scene that is given by what is in the room.
+/// At all vertices, without light paths or with so many to a camera path, in a scene that is given by what is
+/// in the room.
 pub(super) fn relation(name: &str, share: f64, things: &str) -> Relation {
     up_to(6, name, share, &room(things))
 }
@@ -18,7 +20,8 @@ pub(super) fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relati
     as_plain(name, longest, everywhere, (&camera(), world))
 }
 
-/// A floor under a pane and under a lamp so large that its numbers are a thousand times those of its points that matter.
+/// A floor under a pane and under a lamp so large that its numbers are a thousand times those of its points
+/// that matter.
 fn lamp_past_the_origin() -> Relation {
     let floor = shape("rectangle", &[], &diffuse(0.5));
     let face = |steps: &[String]| shape("rectangle", &[&[scale([40.0; 3])], steps].concat(), &glass(""));
@@ -44,7 +47,8 @@ pub fn relations() -> Vec<Relation> {
     let pane = |wears: &str| shape("rectangle", &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])], wears);
     // Between the pane and the lamp.
     let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
-    // The straight line to the lamp passes between slats where the bent way meets one, and the other way round.
+    // The straight line to the lamp passes between slats where the bent way meets one, and the other way
+    // round.
     let slat = |i: i32| {
         let steps = [scale([1.5, 0.06, 1.0]), translate([0.0, -0.3 + 0.25 * f64::from(i), 1.95])];
         shape("rectangle", &steps, &bsdf("twosided", &diffuse(0.2)))

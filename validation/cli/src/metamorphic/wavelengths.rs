@@ -44,8 +44,8 @@ fn room(more: &str) -> String {
     with(more).replace(&diffuse(0.6), &orange).replace(&diffuse(0.7), &blue)
 }
 
-/// A pane before the camera that bends nothing, but whose index depends on the wavelength by 10⁻¹²/µm²: behind it every path
-/// has one wavelength.
+/// A pane before the camera that bends nothing, but whose index depends on the wavelength by 10⁻¹²/µm²:
+/// behind it every path has one wavelength.
 fn separator() -> String {
     let glass = bsdf(
         "dielectric",

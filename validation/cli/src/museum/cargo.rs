@@ -16,7 +16,8 @@ pub struct Program {
     pub folder: PathBuf,
 }
 
-/// Programs that cannot see a bug of the renderer, that compare builds which all have it, or that read sources.
+/// Programs that cannot see a bug of the renderer, that compare builds which all have it, or that read
+/// sources.
 const BLIND: [&str; 5] = ["validation", "validate", "etalon::builds", "validate::museum", "validate::seeds"];
 
 /// What the compiler says of a scratch copy.

@@ -27,7 +27,8 @@ pub struct Arguments {
     /// Another number, other mutants
     #[arg(long, default_value_t = 0)]
     number: u64,
-    /// Only tests that bear the name of the bug's file, chapter or folders; what these do not notice stays open
+    /// Only tests that bear the name of the bug's file, chapter or folders; what these do not notice stays
+    /// open
     #[arg(long)]
     near: bool,
     /// Only tests whose names contain this; what these do not notice stays open

@@ -1,9 +1,10 @@
 //! The bug museum: would the suite notice?
 //!
-//! A bug is an expression of the source that is replaced by a wrong one, as `validation/museum/bugs` says, or as
-//! [`mutants`] makes them up. The sources are copied to a scratch folder, and each expression becomes a choice there:
-//! `if on(7) { wrong } else { right }`. So one build holds all bugs, an environment variable lets one of them out, and
-//! the code that is released knows nothing of them. [`suite`] then runs every test program until one fails.
+//! A bug is an expression of the source that is replaced by a wrong one, as `validation/museum/bugs` says, or
+//! as [`mutants`] makes them up. The sources are copied to a scratch folder, and each expression becomes a
+//! choice there: `if on(7) { wrong } else { right }`. So one build holds all bugs, an environment variable
+//! lets one of them out, and the code that is released knows nothing of them. [`suite`] then runs every test
+//! program until one fails.
 
 pub mod bugs;
 pub mod cargo;
@@ -25,18 +26,19 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Copies the sources to `scratch`, so that a run sees one state of them however long it takes; the folder of the copy.
+/// Copies the sources to `scratch`, so that a run sees one state of them however long it takes; the folder of
+/// the copy.
 pub fn keep(scratch: &Path) -> Result<PathBuf, String> {
     let sources = scratch.join("sources");
     plant::copy(&root(), &plant::known_to_git(&root())?, &sources)?;
     Ok(sources)
 }
 
-/// Plants all changes, which were found in what [`keep`] has kept in `scratch`, and lets out those that are `wanted`,
-/// one after another; `tell` hears of every finding.
+/// Plants all changes, which were found in what [`keep`] has kept in `scratch`, and lets out those that are
+/// `wanted`, one after another; `tell` hears of every finding.
 ///
-/// `scratch` is kept between runs, so that a second one compiles only what has changed. Errors are a tree that cannot
-/// be copied or built, and a test that fails without any bug.
+/// `scratch` is kept between runs, so that a second one compiles only what has changed. Errors are a tree
+/// that cannot be copied or built, and a test that fails without any bug.
 pub fn examine(
     changes: Vec<Change>,
     wanted: impl Fn(&str) -> bool,

@@ -1,4 +1,5 @@
-//! Bugs that nobody chose: small changes at every place of a file where they can be made, and a sample of them.
+//! Bugs that nobody chose: small changes at every place of a file where they can be made, and a sample of
+//! them.
 
 use super::plant::Change;
 use proc_macro2::Span;
@@ -9,8 +10,8 @@ use syn::visit::{self, Visit};
 use syn::{BinOp, Expr, Lit, UnOp};
 use validation::statistics::seed_for;
 
-/// A sample of `count` mutants of the files that begin with one of `paths`, from the root of the repository. Another
-/// `number` draws another sample.
+/// A sample of `count` mutants of the files that begin with one of `paths`, from the root of the repository.
+/// Another `number` draws another sample.
 pub fn sample(root: &Path, paths: &[String], count: usize, number: u64) -> Result<Vec<Change>, String> {
     let mut files = vec![];
     paths.iter().try_for_each(|path| list(&root.join(path), &mut files))?;
@@ -168,7 +169,8 @@ impl<'a> Visit<'a> for Finder<'_> {
         }
     }
 
-    // Constants are made before any bug is out; patterns and lengths are no expressions; tests are no code under test.
+    // Constants are made before any bug is out; patterns and lengths are no expressions; tests are no code
+    // under test.
     fn visit_item_const(&mut self, _: &'a syn::ItemConst) {}
     fn visit_impl_item_const(&mut self, _: &'a syn::ImplItemConst) {}
     fn visit_pat(&mut self, _: &'a syn::Pat) {}

@@ -45,7 +45,8 @@ pub mod museum_switch {
 }
 "#;
 
-/// The crate under test compiles faster so, and its tests still run fast enough; its dependencies are as ever.
+/// The crate under test compiles faster so, and its tests still run fast enough; its dependencies are as
+/// ever.
 const PROFILE: &str = "
 [profile.release.package.etalon]
 opt-level = 2
@@ -84,9 +85,9 @@ pub fn copy(from: &Path, names: &[String], to: &Path) -> Result<(), String> {
     forget(to, &kept)
 }
 
-/// Makes `to` the same as `sources`, a folder that [`copy`] has made, but with the changes; bug `i + 1` of the variable
-/// is `changes[i]`. Tells where each has come to lie. A file that is the same as in an earlier `to` is left alone, so
-/// that cargo compiles only what differs.
+/// Makes `to` the same as `sources`, a folder that [`copy`] has made, but with the changes; bug `i + 1` of
+/// the variable is `changes[i]`. Tells where each has come to lie. A file that is the same as in an earlier
+/// `to` is left alone, so that cargo compiles only what differs.
 pub fn plant(sources: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, String> {
     let mut places = vec![(String::new(), 0..0); changes.len()];
     let (mut paths, mut kept) = (vec![], BTreeSet::new());

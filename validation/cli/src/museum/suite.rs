@@ -102,9 +102,9 @@ impl Suite {
         Self { stages: programs.into_iter().rev().map(stage).collect(), jobs, unfit: vec![] }
     }
 
-    /// Lets bug number `bug` out on the suite. First come all tests that are near, then all, in the order of what a
-    /// find in this module has cost so far.
-    /// `None` if not all tests were asked, and these do not notice.
+    /// Lets bug number `bug` out on the suite. First come all tests that are near, then all, in the order of
+    /// what a find in this module has cost so far. `None` if not all tests were asked, and these do not
+    /// notice.
     pub fn judge(&mut self, bug: usize, change: &Change, asked: &Asked) -> Result<Option<Fate>, String> {
         let start = Instant::now();
         let module = names(&change.file).swap_remove(0);
@@ -216,7 +216,8 @@ fn lines_of(child: &mut Child) -> Receiver<String> {
     lines
 }
 
-/// Reads until a test fails, nothing is said for too long, or the time is over; `None` at the end of the output.
+/// Reads until a test fails, nothing is said for too long, or the time is over; `None` at the end of the
+/// output.
 fn watch(lines: &Receiver<String>, patience: Duration, time: Duration) -> Option<End> {
     let begin = Instant::now();
     loop {

@@ -37,8 +37,8 @@ fn commit() -> Option<String> {
     Some(git(&["rev-parse", "--short", "HEAD"])? + if changed.is_empty() { "" } else { "+" })
 }
 
-/// The Gregorian date of a day since 1970-01-01, as ISO 8601 writes it. Years begin in March here, so that the leap
-/// day is the last.
+/// The Gregorian date of a day since 1970-01-01, as ISO 8601 writes it. Years begin in March here, so that
+/// the leap day is the last.
 fn date(days: u64) -> String {
     let days = days + 719_468;
     let (era, day) = (days / 146_097, days % 146_097);

@@ -1,7 +1,7 @@
 //! `validate report`: everything the harness knows of Etalon, on one page that needs no network.
 //!
-//! `evidence` asks `questions`, `pictures` and `histogram` look at what was asked, `page` puts it together. A new section
-//! is a function that gives HTML, and its line in `page`.
+//! `evidence` asks `questions`, `pictures` and `histogram` look at what was asked, `page` puts it together. A
+//! new section is a function that gives HTML, and its line in `page`.
 
 #[cfg(test)]
 mod browser;
@@ -42,7 +42,8 @@ impl Effort {
     pub const QUICK: Self = Self { samples: 1 << 15, spp: 128, sparse: true };
 }
 
-/// Writes the page to `out`. What the JSON documents of `from` answer is not asked again. `say` hears each step.
+/// Writes the page to `out`. What the JSON documents of `from` answer is not asked again. `say` hears each
+/// step.
 pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Verdict, String> {
     let evidence = Evidence::gather(from, effort, say)?;
     say("histograms");

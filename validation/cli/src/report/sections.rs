@@ -84,7 +84,8 @@ pub fn histograms(histograms: &[Histogram]) -> String {
     format!("<div class=\"figures\">{}</div>", drawn.collect::<String>())
 }
 
-/// Albedo over the angle: a plot for each model, a line for each parameter; dots are samples, lines are quadrature.
+/// Albedo over the angle: a plot for each model, a line for each parameter; dots are samples, lines are
+/// quadrature.
 pub fn albedos(cells: &[Outcome]) -> String {
     /// What was found at each angle.
     type Angles<'a> = Vec<(f64, &'a Outcome)>;

@@ -64,7 +64,8 @@ fn disk(radius: f64, radiance: f64) -> (String, f64) {
     (shape("disk", &steps, &area(radiance)), e)
 }
 
-/// A map of 31 417 rows, the first of which is white: a cone of 10⁻⁴ rad about the pole, fading to its edge, in the zenith.
+/// A map of 31 417 rows, the first of which is white: a cone of 10⁻⁴ rad about the pole, fading to its edge,
+/// in the zenith.
 fn sun_in_a_map() -> ClosedForm {
     let (radiance, edge) = (1e9, PI / 31_416.0);
     let file = "<string name=\"filename\" value=\"textures/sun.png\"/>";

@@ -1,12 +1,13 @@
 //! Stiff and extreme scenes: nothing breaks, nothing is lost.
 //!
-//! A case is data: a stated expectation, how it is measured, and, where `f32` or a stated design stands in the way, the
-//! limit that is known of it. What has an answer is a [`ClosedForm`], what has a twin a [`Relation`]; two more measures are
-//! peculiar to this battery: renders of two scenes *with the same random numbers*, whose pixels must then be the same but for
-//! rounding, and the worst error of a computation that needs no picture.
+//! A case is data: a stated expectation, how it is measured, and, where `f32` or a stated design stands in
+//! the way, the limit that is known of it. What has an answer is a [`ClosedForm`], what has a twin a
+//! [`Relation`]; two more measures are peculiar to this battery: renders of two scenes *with the same random
+//! numbers*, whose pixels must then be the same but for rounding, and the worst error of a computation that
+//! needs no picture.
 //!
-//! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line in
-//! [`FAMILIES`].
+//! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line
+//! in [`FAMILIES`].
 
 mod accumulation;
 mod cameras;
@@ -193,7 +194,8 @@ impl Case {
         }
     }
 
-    /// As a test: what is undecided or different counts if four times the samples, of other seeds, confirm it.
+    /// As a test: what is undecided or different counts if four times the samples, of other seeds, confirm
+    /// it.
     pub fn test(&self) -> Result<(), String> {
         let fault = |row: Row| {
             let holds = matches!(row.verdict, Standing::Holds | Standing::Limit);
@@ -205,7 +207,8 @@ impl Case {
 }
 
 impl Row {
-    /// As a report shows it: what was found, and what was expected. A known limit is no difference, but is told.
+    /// As a report shows it: what was found, and what was expected. A known limit is no difference, but is
+    /// told.
     pub fn outcome(&self) -> Outcome {
         let verdict = match self.verdict {
             Standing::Holds | Standing::Limit => Verdict::Equivalent,

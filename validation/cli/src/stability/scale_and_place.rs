@@ -38,8 +38,8 @@ pub fn cases() -> Vec<Case> {
             let expectation = "the same image from the same numbers, so many radii from the origin";
             let case =
                 Case::same(format!("{name}_moved_10^{power}"), expectation, [plain.clone(), other], 1e-3);
-            // Half the distance between floats is 0.016 at 4.5·10⁵, 1/20 of the cube's half edge; the cube and its shadow
-            // are a tenth of the picture.
+            // Half the distance between floats is 0.016 at 4.5·10⁵, 1/20 of the cube's half edge; the cube
+            // and its shadow are a tenth of the picture.
             cases.push(if name == "room" { case.limit(VERTICES, 5e-3) } else { case });
         }
     }

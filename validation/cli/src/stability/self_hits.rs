@@ -15,7 +15,8 @@ pub fn cases() -> Vec<Case> {
     let far = translate([310.0, -150.0, 77.0]);
     let inside = "<boolean name=\"flip_normals\" value=\"true\"/>";
     let turned = [scale([0.7, 1.3, 1.0]), rotate('x', 33.0), rotate('z', 71.0)];
-    // The triangles of a ball lie in a plane two by two but for the rounding of their corners: no ray may be flatter.
+    // The triangles of a ball lie in a plane two by two but for the rounding of their corners: no ray may be
+    // flatter.
     let bodies: Vec<(&str, String, f64)> = vec![
         ("sphere", sphere([0.1, 0.2, -0.3], 1.0, ""), 1e-12),
         ("hollow_sphere", sphere([0.1, 0.2, -0.3], 1.0, inside), 1e-6),
@@ -43,7 +44,8 @@ pub fn cases() -> Vec<Case> {
     bodies.into_iter().map(case).collect()
 }
 
-/// Of so many rays those that meet what they should not. Cosines to the normal are spread over all magnitudes above `least`.
+/// Of so many rays those that meet what they should not. Cosines to the normal are spread over all magnitudes
+/// above `least`.
 fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64, String> {
     let body = &scene.shapes.first().ok_or("no shape")?.geometry;
     let (mut left, mut wrong) = (0, 0);

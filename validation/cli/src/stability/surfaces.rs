@@ -112,7 +112,8 @@ fn mixed_scales() -> Vec<ClosedForm> {
         let e = PI * radius * radius / (radius * radius + height * height);
         ClosedForm::new(name, source, floor_under(&disk(radius, height)), shown(e)).samples(1 << 14)
     };
-    // A ball of 10⁻⁷ beside the wall of 1, seen from 6·10⁻⁷: the ball's disk on the film is π tan²σ of it, sin σ = 1/6.
+    // A ball of 10⁻⁷ beside the wall of 1, seen from 6·10⁻⁷: the ball's disk on the film is π tan²σ of it,
+    // sin σ = 1/6.
     let radius = 1e-7;
     let (place, eye) = ([0.3, 0.2, 0.5], [0.3, 0.2, 0.5 - 6.0 * radius]);
     let camera = pinhole(&look_at(eye, place, [0.0, 1.0, 0.0]), 40.0, &film(6, 6))
@@ -122,7 +123,8 @@ fn mixed_scales() -> Vec<ClosedForm> {
         + &shape("rectangle", &[scale([1.0; 3]), translate([0.0, 0.0, -1.0])], &diffuse(0.5));
     vec![
         under("lamp_of_1e7_above_1", 1e7, 2.0),
-        // Where it is closest to the floor its surface passes the world's origin, and its numbers are 1000 times as large as those of its points.
+        // Where it is closest to the floor its surface passes the world's origin, and its numbers are 1000
+        // times as large as those of its points.
         ClosedForm::new(
             "ball_of_1000_past_the_origin",
             "E = πLr²/d² under a ball",

@@ -1,7 +1,9 @@
-//! Renders what a scene of the table lacks yet, and keeps everything in a folder, so that it can be stopped at any time.
+//! Renders what a scene of the table lacks yet, and keeps everything in a folder, so that it can be stopped
+//! at any time.
 //!
 //! - `scene.xml`: the scene as all render it;
-//! - `schedule.json`: the sample counts that take each renderer the seconds asked for, and who cannot render it;
+//! - `schedule.json`: the sample counts that take each renderer the seconds asked for, and who cannot render
+//!   it;
 //! - `references/`: the pictures of each renderer's converged mean;
 //! - `runs.jsonl`: a line for every picture, in the order of rendering;
 //! - `pictures/`: the longest rung of the first seed.

@@ -1,6 +1,7 @@
 //! `validate table`: error against run time of every renderer on every scene of `validation/table.toml`.
 //!
-//! [`plan`] says what is asked, [`measure`] renders it into a folder, [`summary`] reads the folder, and [`sheet`] draws the page.
+//! [`plan`] says what is asked, [`measure`] renders it into a folder, [`summary`] reads the folder, and
+//! [`sheet`] draws the page.
 
 pub mod measure;
 pub mod plan;
@@ -57,7 +58,8 @@ pub struct Arguments {
     report_only: bool,
 }
 
-/// Measures what is missing and writes `table.json`, `table.md` and `table.html` into the folder, after every scene.
+/// Measures what is missing and writes `table.json`, `table.md` and `table.html` into the folder, after every
+/// scene.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     let known = renderers::load(&arguments.file.clone().unwrap_or_else(renderers::file))?;
     let mut plan = plan::load(&arguments.plan.clone().unwrap_or_else(plan::file))?;
@@ -107,7 +109,8 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     Ok(if measured { Verdict::Equivalent } else { Verdict::Inconclusive })
 }
 
-/// The settings of the folder: those given, written there at first; others than those of its pictures are refused.
+/// The settings of the folder: those given, written there at first; others than those of its pictures are
+/// refused.
 fn kept_settings(
     folder: &Path,
     given: Settings,

@@ -1,4 +1,5 @@
-//! The table's page: a summary, and for each scene its plots, its figures, and pictures of equal time with maps of their error.
+//! The table's page: a summary, and for each scene its plots, its figures, and pictures of equal time with
+//! maps of their error.
 
 use etalon::image::{Rgb8, encode_srgb, write_png};
 use validation::converge::page::{Line as PageLine, curves, figures, frame, missing, row};
@@ -135,7 +136,8 @@ fn develop(picture: &Picture, reference: &Reference) -> Vec<[u8; 3]> {
     (0..count).map(|i| [0, 1, 2].map(|c| encode_srgb((picture[c * count + i] / white) as f32))).collect()
 }
 
-/// The mean over the channels of the relative squared error, on a logarithmic scale from black over red and yellow to white.
+/// The mean over the channels of the relative squared error, on a logarithmic scale from black over red and
+/// yellow to white.
 fn error_map(picture: &Picture, reference: &Reference) -> Vec<[u8; 3]> {
     let (squares, count) = (relative_squares(picture, reference), picture.len() / 3);
     let heat = |value: f64| {

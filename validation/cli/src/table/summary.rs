@@ -60,8 +60,9 @@ pub struct Against {
     pub best_whole: Option<(String, Ratio)>,
     /// The ratio that is aimed at.
     pub aim: f64,
-    /// By trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below, else `open`; `open` as well if either
-    /// renderer is not as bright as its reference, for then errors compare bias with noise.
+    /// By trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below, else
+    /// `open`; `open` as well if either renderer is not as bright as its reference, for then errors compare
+    /// bias with noise.
     pub verdict: String,
 }
 

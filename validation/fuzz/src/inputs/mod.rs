@@ -1,7 +1,8 @@
 //! Damaged files: every reader must read or refuse, soon, and in memory that the file's size bounds.
 //!
-//! An input is a function of the seed files, the format and a number ([`mutate`]), so any can be made again. [`worker`] is a
-//! process that reads one after the other, says which, and may die or hang; [`watch`] starts it, sees that, and goes on after it.
+//! An input is a function of the seed files, the format and a number ([`mutate`]), so any can be made again.
+//! [`worker`] is a process that reads one after the other, says which, and may die or hang; [`watch`] starts
+//! it, sees that, and goes on after it.
 //!
 //! Stated limits: no panic, [`HANG`] for an input, and the memory that [`Format::memory`] says.
 

@@ -158,7 +158,8 @@ pub fn headed(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     }
 }
 
-/// A head of four bytes and a deflated stream, which is changed before it is deflated again; or the file as it is.
+/// A head of four bytes and a deflated stream, which is changed before it is deflated again; or the file as
+/// it is.
 pub fn deflated(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     let mut content = vec![];
     let whole =

@@ -1,4 +1,5 @@
-//! The process that reads inputs. It says a line before each, and what it found; its parent notices if it dies.
+//! The process that reads inputs. It says a line before each, and what it found; its parent notices if it
+//! dies.
 
 use super::Format;
 use super::seeds::Seeds;

@@ -55,7 +55,8 @@ fn drawn(models: &Models, folder: &str, draw: &mut Draw) -> Option<Scene> {
     Some(Scene { text: root.to_string(), mode, boxed, models: found })
 }
 
-/// Integrators whose channels are not the same in two renderers, even on average: mean squares are an estimator's own.
+/// Integrators whose channels are not the same in two renderers, even on average: mean squares are an
+/// estimator's own.
 const UNLIKE: &[&str] = &["moment"];
 
 const SLOTS: &[[f64; 2]] = &[[-1.5, 0.0], [0.0, 0.5], [1.5, 0.0], [-0.7, -1.4], [0.8, -1.4]];

@@ -54,8 +54,8 @@ impl Judgement {
     }
 }
 
-/// Renders with more samples until the answer is clear, or would need more than `most`. A difference counts if four times
-/// the samples, of other seeds, confirm it.
+/// Renders with more samples until the answer is clear, or would need more than `most`. A difference counts
+/// if four times the samples, of other seeds, confirm it.
 pub fn judge(
     scene: &Scene,
     number: u64,
@@ -186,8 +186,8 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     Ok(Image { width, height, channels: image.channels.iter().map(channel).collect() })
 }
 
-/// Puts out pixels that are 10⁻¹⁵ of the brightest and less: an `f32` cannot hold the variance of the least of them, and Mitsuba
-/// knows no denormal numbers.
+/// Puts out pixels that are 10⁻¹⁵ of the brightest and less: an `f32` cannot hold the variance of the least
+/// of them, and Mitsuba knows no denormal numbers.
 fn silenced(mut image: Image) -> Image {
     for channel in &mut image.channels {
         let least = 1e-15 * channel.mean.iter().fold(0.0f64, |most, v| most.max(v.abs()));
@@ -196,7 +196,8 @@ fn silenced(mut image: Image) -> Image {
     image
 }
 
-/// Lifts what is no colour and may have a sign, such as normals, above 0: of a mean near 0 a share says nothing.
+/// Lifts what is no colour and may have a sign, such as normals, above 0: of a mean near 0 a share says
+/// nothing.
 fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
     for channel in a.channels.iter_mut().filter(|c| !["R", "G", "B"].contains(&c.name.as_str())) {
         let (low, high) = channel.mean.iter().fold((0.0f64, 0.0f64), |(l, h), v| (l.min(*v), h.max(v.abs())));
@@ -208,7 +209,8 @@ fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
     (a, b)
 }
 
-/// The image's means as an image of one pixel: where Mitsuba's samples count in several pixels, their noise is not independent.
+/// The image's means as an image of one pixel: where Mitsuba's samples count in several pixels, their noise
+/// is not independent.
 fn mean(image: &Image) -> Image {
     let channel = |c: &Channel| {
         let count = c.mean.len() as f64;

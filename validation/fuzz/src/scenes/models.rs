@@ -1,4 +1,5 @@
-//! What a scene can be made of: the examples of Etalon's registries, and those that need files or Mitsuba's spelling.
+//! What a scene can be made of: the examples of Etalon's registries, and those that need files or Mitsuba's
+//! spelling.
 
 use super::node::Node;
 use etalon::scene::catalogue::{Model, catalogue};

@@ -17,7 +17,8 @@ impl Node {
         Self { tag: tag.into(), attributes, children: vec![] }
     }
 
-    /// The first element of a text that was written by hand; what is no XML is an error with the parser's words.
+    /// The first element of a text that was written by hand; what is no XML is an error with the parser's
+    /// words.
     pub fn parse(text: &str) -> Result<Self, String> {
         let document = roxmltree::Document::parse(text).map_err(|e| format!("{e}: {text}"))?;
         Ok(Self::from(document.root_element()))
