@@ -17,7 +17,8 @@ struct Settings {
     /// Samples a check
     #[arg(long, default_value_t = 1 << 18)]
     samples: usize,
-    /// 10 000 states for `jacobian`, harmonics to degree 8 for `moments`
+    /// Ask what is inconclusive again, of 4, 16 and 64 times the samples; 10 000 states for `jacobian`,
+    /// harmonics to degree 8 for `moments`
     #[arg(long)]
     thorough: bool,
     /// Another number, other seeds
@@ -116,28 +117,9 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
         return Err("there is nothing of this name".into());
     }
     documents.check_writable()?;
-    let askings = if thorough { ASKINGS } else { 1 };
-    // Every asking may be wrong by chance, so all of them share the level.
-    let effort = Effort { albedo: 1e-3, ..effort(samples, askings * cells.len(), true) };
-    let outcomes = ask(&cells, |cell| settle(cell, &effort, number, askings).map(Some))?;
+    let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), thorough) };
+    let outcomes = ask(&cells, |cell| cell.run(&effort, number).map(Some))?;
     documents.finish(Report::new("furnace", outcomes))
-}
-
-/// How often a cell of the furnace is asked at most.
-const ASKINGS: usize = 4;
-
-/// The answer of a cell, asked again while it is inconclusive, each time of other samples and four times as
-/// many.
-fn settle(cell: &furnace::Cell, effort: &Effort, number: u64, askings: usize) -> Result<Outcome, String> {
-    let mut outcome = cell.run(effort, number)?;
-    for asking in 1..askings {
-        if outcome.verdict != Verdict::Inconclusive {
-            break;
-        }
-        let effort = Effort { samples: effort.samples << (2 * asking), ..*effort };
-        outcome = cell.run(&effort, number ^ ((asking as u64) << 32))?;
-    }
-    Ok(outcome)
 }
 
 fn judge(

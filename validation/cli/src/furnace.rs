@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn white_plastic_is_as_bright_as_the_fit_makes_it() {
-        let effort = Effort { albedo: 0.05, ..crate::trial::effort(1 << 12, 1000, true) };
+        let effort = Effort { albedo: 0.05, ..crate::trial::effort(1 << 12, 1000, false) };
         let cells: Vec<Cell> =
             cells(Some("plastic[")).into_iter().filter(|c| !c.name.contains("rough")).collect();
         assert_eq!(cells.len(), 3 * ANGLES.len());

@@ -9,29 +9,42 @@ use crate::{
 /// What the averages weigh a direction by: 1, whether it leaves upward, and its coordinates.
 const NAMES: [&str; 5] = ["albedo", "upward share", "x", "y", "z"];
 
-/// The flux moments weight · (η(ωi)/η(ωo))² · ψ(ωi) of each of `count` draws.
-pub(super) fn fluxes(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, count: usize) -> Vec<[f64; 5]> {
+/// The flux moments weight · (η(ωi)/η(ωo))² · ψ(ωi) of endless draws.
+fn fluxes(scatterer: &dyn Scatterer, wo: DVec3, seed: u64) -> impl Iterator<Item = [f64; 5]> {
     let laws = scatterer.laws();
     let mut stream = Stream::new(seed);
-    let flux = |sample: Sample| {
+    let flux = move |sample: Sample| {
         let (flux, wi) = (sample.weight * laws.flux_factor(wo, sample.wi), sample.wi);
         [1.0, f64::from(wi.z > 0.0), wi.x, wi.y, wi.z].map(|ψ| flux * ψ)
     };
-    (0..count).map(|_| draw(scatterer, wo, &mut stream).map_or([0.0; 5], flux)).collect()
+    std::iter::repeat_with(move || draw(scatterer, wo, &mut stream).map_or([0.0; 5], flux))
 }
 
-/// Whether the means of all moments lie within `margin` of one another, with confidence, and a sentence about
-/// the worst.
+/// Whether the means of all moments of two models lie within `margin` of one another, with confidence, and a
+/// sentence about the worst.
 ///
 /// Draws of the same random numbers are compared pair by pair: models that are alike differ with little
 /// variance, and a model that ignores what changed does not differ at all.
-pub(super) fn compare(a: &[[f64; 5]], b: &[[f64; 5]], margin: f64, effort: &Effort) -> (Verdict, String) {
+pub(super) fn compare(
+    models: [&dyn Scatterer; 2],
+    wo: DVec3,
+    seed: u64,
+    margin: f64,
+    effort: &Effort,
+) -> (Verdict, String) {
     let level = crate::statistics::sidak(effort.level, NAMES.len());
+    let [a, b] = models.map(|model| fluxes(model, wo, seed));
+    let pairs = a.zip(b).take(effort.samples);
+    // Of each moment a, and b − a.
+    let moments =
+        Estimate::of_each(pairs.map(|(a, b)| {
+            std::array::from_fn::<_, 10, _>(|i| if i < 5 { a[i] } else { b[i - 5] - a[i - 5] })
+        }));
+    let (means, differences) = moments.split_at(NAMES.len());
     let nothing = Estimate { mean: 0.0, variance: 0.0, degrees: f64::INFINITY };
     let answer = |i: usize| {
-        let difference = Estimate::of(a.iter().zip(b).map(|(a, b)| b[i] - a[i]));
-        let half_width = Welch::new(nothing, difference).half_width(level) + effort.tolerance;
-        let interval = Interval::around(difference.mean, half_width);
+        let half_width = Welch::new(nothing, differences[i]).half_width(level) + effort.tolerance;
+        let interval = Interval::around(differences[i].mean, half_width);
         // What is within the margin is no difference: short of it there is no verdict, only too few samples.
         let verdict = match interval.verdict(0.0, margin) {
             Verdict::Different if interval.meets(0.0, margin) => Verdict::Inconclusive,
@@ -43,12 +56,11 @@ pub(super) fn compare(a: &[[f64; 5]], b: &[[f64; 5]], margin: f64, effort: &Effo
     let order =
         |&i: &usize, &j: &usize| answers[i].0.cmp(&answers[j].0).then(answers[i].1.total_cmp(&answers[j].1));
     let worst = (0..NAMES.len()).max_by(order).unwrap_or(0);
-    let mean = |moments: &[[f64; 5]]| moments.iter().map(|m| m[worst]).sum::<f64>() / moments.len() as f64;
     let message = format!(
         "{} is {:.6} against {:.6}: no more than {:.1e} apart, at a margin of {margin:.1e}",
         NAMES[worst],
-        mean(a),
-        mean(b),
+        means[worst].mean,
+        means[worst].mean + differences[worst].mean,
         answers[worst].1
     );
     (answers[worst].0, message)

@@ -37,18 +37,18 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
 
 fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integral: Integral) -> Outcome {
     let laws = scatterer.laws();
-    let mut stream = Stream::new(seed);
-    let weights: Vec<[f64; 2]> = (0..effort.samples)
-        .map(|_| match draw(scatterer, wo, &mut stream) {
+    // Outside delta lobes, and with them.
+    let weights = || {
+        let mut stream = Stream::new(seed);
+        (0..effort.samples).map(move |_| match draw(scatterer, wo, &mut stream) {
             None => [0.0, 0.0],
             Some(sample) => {
                 let weight = sample.weight * laws.flux_factor(wo, sample.wi);
-                if sample.delta { [0.0, weight] } else { [weight, 0.0] }
+                [if sample.delta { 0.0 } else { weight }, weight]
             }
         })
-        .collect();
-    let smooth = Estimate::of(weights.iter().map(|weight| weight[0]));
-    let total = Estimate::of(weights.iter().map(|weight| weight[0] + weight[1]));
+    };
+    let [smooth, total] = Estimate::of_each(weights());
     let exact = Estimate { mean: integral.value, variance: 0.0, degrees: f64::INFINITY };
     let welch = Welch::new(exact, smooth);
     // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own
@@ -81,13 +81,12 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
     // normal.
     let by_chance =
         integral.error + effort.tolerance * integral.value.abs() <= BLURRED * welch.standard_error;
-    let normal = nearly_normal(weights.iter().map(|weight| weight[0]), &smooth);
-    if by_chance && normal { outcome.p_value(welch.p_value()) } else { outcome }
+    let normal = || nearly_normal(weights().map(|[smooth, _]| smooth), &smooth, effort.samples as f64);
+    if by_chance && normal() { outcome.p_value(welch.p_value()) } else { outcome }
 }
 
 /// Whether the mean of these weights is.
-fn nearly_normal(weights: impl ExactSizeIterator<Item = f64>, mean: &Estimate) -> bool {
-    let count = weights.len() as f64;
+fn nearly_normal(weights: impl Iterator<Item = f64>, mean: &Estimate, count: f64) -> bool {
     let deviation = (mean.variance * count).sqrt();
     let [third, fourth] = weights
         .map(|weight| (weight - mean.mean) / deviation)

@@ -5,10 +5,7 @@
 //! so what is compared is where the flux goes: its total, the part that leaves upward, and its mean
 //! direction. Blind to shapes of lobes.
 
-use super::{
-    Check, Effort,
-    fluxes::{compare, fluxes},
-};
+use super::{Check, Effort, fluxes::compare};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer},
@@ -28,8 +25,6 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     let Some(limit) = scatterer.limit() else {
         return Outcome::new("limits", Verdict::Inconclusive, "it has no limit");
     };
-    let own = fluxes(scatterer, wo, seed, effort.samples);
-    let other = fluxes(limit.scatterer, wo, seed, effort.samples);
-    let (verdict, message) = compare(&own, &other, limit.within, effort);
+    let (verdict, message) = compare([scatterer, limit.scatterer], wo, seed, limit.within, effort);
     Outcome::new("limits", verdict, message).figure("margin", limit.within)
 }

@@ -23,7 +23,7 @@ mod weight;
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Sample, Scatterer},
-    statistics::{Stream, Verdict, seed_for},
+    statistics::{Stream, Verdict, seed_for, sidak},
 };
 
 /// How hard to look and how sure to be.
@@ -41,7 +41,8 @@ pub struct Effort {
     pub smallest: f64,
     /// The error of an albedo that must be detectable.
     pub albedo: f64,
-    /// Look at more states and more functions than a run of the tests has time for.
+    /// Look at more states and more functions than a run of the tests has time for, and ask again while the
+    /// answer is inconclusive.
     pub thorough: bool,
 }
 
@@ -62,11 +63,32 @@ pub struct Check {
     outcomes: fn(&dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome>,
 }
 
+/// How often a check is asked at most where the answer is inconclusive, thoroughly.
+const ASKINGS: usize = 4;
+
 impl Check {
-    /// Asks once.
+    /// Asks; thoroughly, again while the answer is inconclusive, each time of other samples and four times as
+    /// many. All askings share the level. The p-value is that of the first: which is the last depends on what
+    /// it says.
     pub fn run(&self, scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
-        let outcome = self.repeat(scatterer, wo, &[seed], effort).pop();
-        outcome.unwrap_or_else(|| Outcome::new(self.name, Verdict::Inconclusive, "nothing was asked"))
+        let ask = |seed: u64, effort: &Effort| {
+            let outcome = self.repeat(scatterer, wo, &[seed], effort).pop();
+            outcome.unwrap_or_else(|| Outcome::new(self.name, Verdict::Inconclusive, "nothing was asked"))
+        };
+        if !effort.thorough {
+            return ask(seed, effort);
+        }
+        let effort = Effort { level: sidak(effort.level, ASKINGS), ..*effort };
+        let mut outcome = ask(seed, &effort);
+        for asking in 1..ASKINGS {
+            if outcome.verdict != Verdict::Inconclusive {
+                break;
+            }
+            let more = Effort { samples: effort.samples << (2 * asking), ..effort };
+            let seed = seed_for(&format!("asking {asking}"), seed);
+            outcome = Outcome { p_value: outcome.p_value, ..ask(seed, &more) };
+        }
+        outcome
     }
 
     /// Asks once for each seed. What no seed decides, such as integrals, is computed once for all.

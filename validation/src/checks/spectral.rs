@@ -4,11 +4,7 @@
 //! values must be the same number, and so must the flux that samples carry in expectation, although lobes may
 //! be chosen with other probabilities. Blind to models that know one wavelength only.
 
-use super::{
-    Check, Effort, draw,
-    fluxes::{compare, fluxes},
-    relative_difference, show,
-};
+use super::{Check, Effort, draw, fluxes::compare, relative_difference, show};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Scatterer},
@@ -27,8 +23,8 @@ pub(super) const CHECK: Check = Check {
 /// The difference of a flux that is none.
 const MARGIN: f64 = 0.0025;
 
-/// Enough samples for the margin where they vary as much as dispersion makes them: a variance of 8 a lane.
-const LEAST: usize = 1 << 18;
+/// Thoroughly, this many times the samples of other checks: dispersion ends all wavelengths but one of eight.
+const LANES: usize = 8;
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
     let companions = scatterer.companions();
@@ -45,13 +41,12 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
             }
         }
     }
-    let samples = if effort.thorough { effort.samples.max(32 * LEAST) } else { effort.samples };
-    let own = fluxes(scatterer, wo, seed, samples);
+    let samples = if effort.thorough { LANES * effort.samples } else { effort.samples };
     let level = crate::statistics::sidak(effort.level, companions.len());
-    let effort = Effort { level, ..*effort };
+    let effort = Effort { samples, level, ..*effort };
     let answers = companions
         .iter()
-        .map(|companion| compare(&own, &fluxes(companion.as_ref(), wo, seed, samples), MARGIN, &effort));
+        .map(|companion| compare([scatterer, companion.as_ref()], wo, seed, MARGIN, &effort));
     let worst = answers.max_by_key(|(verdict, _)| *verdict);
     let (verdict, message) =
         worst.unwrap_or((Verdict::Inconclusive, "it knows of no other wavelength".into()));

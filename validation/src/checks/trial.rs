@@ -97,6 +97,19 @@ fn saboteurs_are_rejected() {
 }
 
 #[test]
+fn what_is_inconclusive_is_asked_again_of_more_samples() {
+    let conductor = Conductor { alpha: 1.0, r0: 0.9 };
+    let check = find("furnace").unwrap();
+    let hasty = Effort { samples: 1 << 12, albedo: 5e-3, ..Effort::default() };
+    let ask = |effort: &Effort| check.run(&conductor, direction(0.7, 0.4), seed_for("asked again", 0), effort);
+    let (once, again) = (ask(&hasty), ask(&Effort { thorough: true, ..hasty }));
+    assert_eq!([once.verdict, again.verdict], [Verdict::Inconclusive, Verdict::Equivalent]);
+    assert_ne!(once.figures["sampled"], again.figures["sampled"]);
+    // Whether to ask again depends on the answer, so the p-value of the last would not be uniform.
+    assert_eq!(once.p_value, again.p_value);
+}
+
+#[test]
 fn a_forgotten_lobe_is_missed_by_the_jacobian() {
     for alpha in [0.3, 0.01] {
         let outcome = run("jacobian", &mixture(alpha, true), direction(0.7, 0.4));

@@ -15,15 +15,23 @@ pub struct Estimate {
 impl Estimate {
     /// Mean, variance of the mean and n−1 degrees of freedom of independent `samples`.
     pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
-        let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
+        let [estimate] = Self::of_each(samples.into_iter().map(|sample| [sample]));
+        estimate
+    }
+
+    /// The same of several quantities in one pass.
+    pub fn of_each<const N: usize>(samples: impl IntoIterator<Item = [f64; N]>) -> [Self; N] {
+        let (mut count, mut mean, mut squares) = (0.0, [0.0; N], [0.0; N]);
         for sample in samples {
             count += 1.0;
-            let delta = sample - mean;
-            mean += delta / count;
-            squares += delta * (sample - mean);
+            for i in 0..N {
+                let delta = sample[i] - mean[i];
+                mean[i] += delta / count;
+                squares[i] += delta * (sample[i] - mean[i]);
+            }
         }
         let degrees = count - 1.0;
-        Self { mean, variance: squares / (degrees * count), degrees }
+        std::array::from_fn(|i| Self { mean: mean[i], variance: squares[i] / (degrees * count), degrees })
     }
 }
 

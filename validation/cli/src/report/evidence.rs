@@ -60,7 +60,7 @@ impl Evidence {
             let mut cells: Vec<furnace::Cell> =
                 CURVES.iter().flat_map(|name| furnace::cells(Some(name))).collect();
             cells.retain(|cell| cell.name.starts_with("roughconductor") || cell.name.contains("1.5000]"));
-            let each = checks::Effort { albedo: 1e-3, ..self::effort(effort.samples, cells.len(), true) };
+            let each = checks::Effort { albedo: 1e-3, ..self::effort(effort.samples, cells.len(), false) };
             evidence.furnace = judge(&cells, |cell| &cell.name, |cell| cell.run(&each, 0).map(Some))?;
             evidence.origin("furnace", cells.len(), &format!("{} samples each", effort.samples));
         }
