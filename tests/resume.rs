@@ -27,9 +27,14 @@ impl Folder {
     }
 
     fn start(&self, arguments: &[&str]) -> Child {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
-        command.current_dir(self.0.path()).args(["render", "scene.xml", "--threads", "1"]).args(arguments);
-        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        self.start_by(env!("CARGO_BIN_EXE_etalon"), &[], arguments)
+    }
+
+    /// Starts a program that is etalon, or with `before` starts it.
+    fn start_by(&self, program: &str, before: &[&str], arguments: &[&str]) -> Child {
+        let mut command = Command::new(program);
+        command.args(before).args(["render", "scene.xml", "--threads", "1"]).args(arguments);
+        command.current_dir(self.0.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
@@ -136,19 +141,30 @@ fn the_checkpoint_of_another_render_is_refused() {
     assert!(!folder.path("out.exr").exists());
 }
 
+const SAVED: [&str; 7] = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json"];
+
+/// Waits for the first checkpoint.
 #[cfg(unix)]
-#[test]
-fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
-    let folder = Folder::new();
-    let options = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json"];
-    let arguments = [&LONG[..], &options].concat();
-    let child = folder.start(&arguments);
+fn begun(folder: &Folder, child: Child) -> Child {
     while !folder.path("c").exists() {
         std::thread::sleep(Duration::from_millis(2));
     }
-    // At once and twice, as who stops a process and then its whole group does.
+    child
+}
+
+/// Sends a signal twice and at once, as who stops a process and then its whole group does.
+#[cfg(unix)]
+fn signal(child: &Child, name: &str) {
     let process = child.id().to_string();
-    Command::new("kill").args(["-INT", &process, &process]).status().unwrap();
+    Command::new("kill").args([name, &process, &process]).status().unwrap();
+}
+
+#[cfg(unix)]
+fn what_ends_a_render_loses_nothing(name: &str) {
+    let folder = Folder::new();
+    let arguments = [&LONG[..], &SAVED].concat();
+    let child = begun(&folder, folder.start(&arguments));
+    signal(&child, name);
     let output = child.wait_with_output().unwrap();
     let error = text(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{error}");
@@ -160,6 +176,29 @@ fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
     folder.done(&[&arguments[..], &["--resume"]].concat());
     folder.done(&[&LONG[..], &["-o", "whole.exr", "--quiet"]].concat());
     assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
+    what_ends_a_render_loses_nothing("-INT");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_end_of_the_terminal_writes_the_image_so_far() {
+    what_ends_a_render_loses_nothing("-HUP");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn nohup_lets_a_render_outlive_its_terminal() {
+    let folder = Folder::new();
+    let arguments = [&LONG[..], &SAVED].concat();
+    let child = begun(&folder, folder.start_by("nohup", &[env!("CARGO_BIN_EXE_etalon")], &arguments));
+    signal(&child, "-HUP");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
 
 #[test]

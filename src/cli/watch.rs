@@ -1,4 +1,4 @@
-//! Beside a render: the progress bar, the checkpoint, the preview, and Ctrl-C.
+//! Beside a render: the progress bar, the checkpoint, the preview, and Ctrl-C or the end of a terminal.
 
 use super::render::Arguments;
 use etalon::image::{Image, ImageError};
@@ -7,7 +7,7 @@ use etalon::render::preview::Preview;
 use etalon::render::{Progress, Report, Settings, checkpoint, render};
 use etalon::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::cell::RefCell;
 use std::error::Error;
@@ -30,6 +30,15 @@ const ECHO: Duration = Duration::from_millis(500);
 /// Bytes a second at which checkpoints are written, until it is known.
 const SPEED: f64 = 1e8;
 
+/// Whether `nohup` has told the process to outlive its terminal, which a handler would undo. Where the system
+/// does not say, that is assumed.
+fn hang_up_is_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok());
+    mask.is_none_or(|mask| mask >> (SIGHUP - 1) & 1 == 1)
+}
+
 /// Watches one render.
 pub struct Watch<'a> {
     arguments: &'a Arguments,
@@ -49,6 +58,9 @@ impl<'a> Watch<'a> {
     ) -> Result<Self, Box<dyn Error>> {
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut signals = Signals::new([SIGINT, SIGTERM])?;
+        if !hang_up_is_ignored() {
+            signals.handle().add_signal(SIGHUP)?;
+        }
         let flag = interrupted.clone();
         std::thread::spawn(move || {
             let mut first = None;

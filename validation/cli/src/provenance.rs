@@ -1,6 +1,7 @@
 //! When, where and from which sources a document of results was made.
 
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::process::Command;
 use std::sync::OnceLock;
 
@@ -28,6 +29,12 @@ impl<'a, T> Made<'a, T> {
     /// What was made here and today.
     pub fn here(what: &'a T) -> Result<Self, String> {
         Ok(Self { made: Provenance::here()?, what })
+    }
+}
+
+impl fmt::Display for Provenance {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}, commit {}, {}", self.date, self.commit, self.machine)
     }
 }
 

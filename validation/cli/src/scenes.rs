@@ -2,6 +2,7 @@
 
 use crate::console::{check_writable, percentage, print, write};
 use crate::documents::Documents;
+use crate::provenance::Provenance;
 use crate::{closed_forms, metamorphic, references};
 use std::error::Error;
 use std::path::PathBuf;
@@ -62,6 +63,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     if outcomes.is_empty() {
         return Err("there is no such scene".into());
     }
-    write(markdown.as_deref(), || Ok(closed_forms::markdown(&table, &related)))?;
+    write(markdown.as_deref(), || Ok(closed_forms::markdown(&Provenance::here()?, &table, &related)))?;
     documents.finish(Report::new("scenes", outcomes))
 }

@@ -1,20 +1,23 @@
 //! What was measured, as `docs/closed-forms.md` shows it.
 
 use super::ClosedForm;
+use crate::provenance::Provenance;
 use std::fmt::Write;
 use validation::Outcome;
 
-const HEAD: &str = "\
+const TITLE: &str = "\
 # Closed forms and relations
 
-Written by `target/release/validate scenes --markdown docs/closed-forms.md`.
+Written by `target/release/validate scenes --markdown docs/closed-forms.md`";
 
+const CASES: &str = "\
 ## Scenes with an analytic answer
 
-Every case is rendered twelve times, each with a seed of its own, and the 99 % interval (Student) of measured over expected
-must lie within the margin; an interval that is too wide is inconclusive, which is no pass. Expected values are computed in
-f64 by code that shares nothing with the renderer but the observer's tables, in `validation/cli/src/closed_forms`. An interval of no
-width means that the estimator has no variance. `--thorough` takes 64 times the samples.
+Every case is rendered twelve times, each with a seed of its own, and the 99 % interval (Student) of measured over
+expected must lie within the margin; an interval that is too wide is inconclusive, which is no pass. Expected values are
+computed in f64 by code that shares nothing with the renderer but the observer's tables, in
+`validation/cli/src/closed_forms`. An interval of no width means that the estimator has no variance. `--thorough` takes
+64 times the samples.
 
 | case | formula and source | expected | measured − expected (99 % interval) | margin | verdict |
 |---|---|--:|--:|--:|---|
@@ -23,17 +26,17 @@ width means that the estimator has no variance. `--thorough` takes 64 times the 
 const RELATIONS: &str = "
 ## Relations between renders
 
-Both sides of a relation are rendered with seeds of their own and compared by the harness's comparison of images: the 99 %
-interval of the ratio of means must lie within 1 %, and no tile may be beyond its noise; or, where it says so, every mean and variance must be
-equal to the bit. `--thorough` asks for 0.25 %.
+Both sides of a relation are rendered with seeds of their own and compared by the harness's comparison of images: the
+99 % interval of the ratio of means must lie within 1 %, and no tile may be beyond its noise; or, where it says so,
+every mean and variance must be equal to the bit. `--thorough` asks for 0.25 %.
 
 | relation | finding | verdict |
 |---|---|---|
 ";
 
 /// A Markdown document, a case or relation a row.
-pub fn markdown(cases: &[(ClosedForm, Outcome)], relations: &[Outcome]) -> String {
-    let mut text = String::from(HEAD);
+pub fn markdown(made: &Provenance, cases: &[(ClosedForm, Outcome)], relations: &[Outcome]) -> String {
+    let mut text = format!("{TITLE} ({made}).\n\n{CASES}");
     for (case, outcome) in cases {
         let figure = |name: &str| {
             let value = outcome.figures.get(name).copied().unwrap_or(f64::NAN);

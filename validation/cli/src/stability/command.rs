@@ -1,7 +1,9 @@
 //! The command line of `validate stability`.
 
-use super::{THOROUGH, cases, updated, verdict};
+use super::{Row, THOROUGH, cases, updated, verdict};
 use crate::console::{check_writable, say, write};
+use crate::provenance::{Made, Provenance};
+use serde::Serialize;
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
@@ -25,6 +27,12 @@ pub struct Arguments {
     markdown: Option<PathBuf>,
 }
 
+/// What `--json` writes, with its provenance.
+#[derive(Serialize)]
+struct Document<'a> {
+    cases: &'a [Row],
+}
+
 /// Holds if every case does, or misses by no more than its stated limit.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { name, thorough, number, json, markdown } = arguments;
@@ -43,8 +51,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
     if let Some(path) = markdown {
         let old = std::fs::read_to_string(&path).unwrap_or_default();
-        std::fs::write(path, updated(&old, &rows))?;
+        std::fs::write(path, updated(&old, &Provenance::here()?, &rows))?;
     }
-    write(json.as_deref(), || Ok(to_json(&rows)?))?;
+    write(json.as_deref(), || Ok(to_json(&Made::here(&Document { cases: &rows })?)?))?;
     Ok(verdict(&rows))
 }

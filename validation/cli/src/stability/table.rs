@@ -1,17 +1,20 @@
 //! What was measured, as `docs/stability.md` shows it.
 
 use super::{Row, Standing};
+use crate::provenance::Provenance;
 use std::fmt::Write;
 
-const HEAD: &str = "\
+const TITLE: &str = "\
 # Stiff and extreme scenes
 
-Written by `target/release/validate stability --markdown docs/stability.md`; the cases are in `validation/cli/src/stability`.
+Written by `target/release/validate stability --markdown docs/stability.md`";
 
-Every row states what is expected, what was found and whether it holds. A closed form holds if the 99 % interval of twelve
-renders over the formula lies within the margin. *The same numbers* means that both scenes are rendered with the same random numbers, so that
-the mean difference of pixels is rounding and the paths it sends elsewhere. A *limit* is an expectation that is missed
-for a known reason by no more than a stated amount: a farther miss differs.
+const ABOUT: &str = "\
+The cases are in `validation/cli/src/stability`. Every row states what is expected, what was found and whether it holds.
+A closed form holds if the 99 % interval of twelve renders over the formula lies within the margin. *The same numbers*
+means that both scenes are rendered with the same random numbers, so that the mean difference of pixels is rounding and
+the paths it sends elsewhere. A *limit* is an expectation that is missed for a known reason by no more than a stated
+amount: a farther miss differs.
 
 ";
 
@@ -19,16 +22,16 @@ for a known reason by no more than a stated amount: a farther miss differs.
 const BY_HAND: &str = "<!-- What follows is written by hand. -->";
 
 /// The document with another table.
-pub fn updated(document: &str, rows: &[Row]) -> String {
+pub fn updated(document: &str, made: &Provenance, rows: &[Row]) -> String {
     let kept = document.split_once(BY_HAND).map(|(_, kept)| format!("\n{BY_HAND}{kept}"));
-    markdown(rows) + &kept.unwrap_or_default()
+    markdown(made, rows) + &kept.unwrap_or_default()
 }
 
 /// A Markdown document, a case a row.
-fn markdown(rows: &[Row]) -> String {
+fn markdown(made: &Provenance, rows: &[Row]) -> String {
     let count = |verdict: Standing| rows.iter().filter(|row| row.verdict == verdict).count();
     let mut text = format!(
-        "{HEAD}{} cases: {} hold, {} are known limits, {} are inconclusive, {} differ.\n\n\
+        "{TITLE} ({made}).\n\n{ABOUT}{} cases: {} hold, {} are known limits, {} are inconclusive, {} differ.\n\n\
          | case | expectation | found | margin | verdict |\n|---|---|---|--:|---|\n",
         rows.len(),
         count(Standing::Holds),
@@ -71,8 +74,9 @@ mod tests {
     #[test]
     fn what_is_written_by_hand_survives() {
         let document = format!("old table\n{BY_HAND}\n\n## More\n");
-        let new = updated(&document, &[]);
+        let made = Provenance::here().unwrap();
+        let new = updated(&document, &made, &[]);
         assert!(new.starts_with("# Stiff") && new.ends_with("\n\n## More\n") && !new.contains("old table"));
-        assert_eq!(updated(&new, &[]), new);
+        assert_eq!(updated(&new, &made, &[]), new);
     }
 }
