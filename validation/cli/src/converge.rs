@@ -158,8 +158,8 @@ pub fn study(
     let out = folder.join("picture.exr");
     let render = |renderer: &Renderer, samples: u32, seed: u32| -> Result<(Picture, f64, f64), String> {
         let found = renderer.render(&Job { scene, samples, seed, threads: settings.threads }, &out)?;
-        let seconds = if settings.processor_time { found.cpu_seconds } else { found.seconds };
-        Ok((found.picture, seconds, found.startup))
+        let seconds = if settings.processor_time { found.took.cpu_seconds } else { found.took.seconds };
+        Ok((found.picture, seconds, found.took.startup))
     };
     let mut references: BTreeMap<&str, Result<Reference, String>> = BTreeMap::new();
     for name in names.iter().map(|name| mean_of(known, name)) {

@@ -8,9 +8,10 @@
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made;
 //! [`closed_forms`] are scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must
-//! be alike; [`stability`] asks the same of stiff and extreme scenes. [`converge`] measures the error of
-//! [`renderers`] against their time, on one scene, and [`table`] on all of the convergence table. [`museum`]
-//! asks whether all of this would notice a bug, and [`report`] puts all of it on one page.
+//! be alike; [`stability`] asks the same of stiff and extreme scenes. [`guest`] shows references and closed
+//! forms to any of the [`renderers`], and [`converge`] measures their error against their time, on one scene,
+//! [`table`] on all of the convergence table. [`museum`] asks whether all of this would notice a bug, and
+//! [`report`] puts all of it on one page.
 
 pub mod agreement;
 pub mod calibrate;
@@ -24,6 +25,7 @@ mod documents;
 pub mod drawn_light;
 pub mod drawn_places;
 pub mod furnace;
+pub mod guest;
 pub mod images;
 pub mod ledger;
 pub mod limits;

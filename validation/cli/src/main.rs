@@ -1,10 +1,10 @@
-//! The command line of the harness: `validate bsdf`, `images`, `scenes`, `museum`.
+//! The command line of the harness: `validate bsdf`, `images`, `scenes`, `renderer`, `museum`.
 
 use clap::Parser;
 use std::error::Error;
 use std::process::ExitCode;
 use validate::{
-    calibrate, converge, distributions, images, ledger, museum, report, scenes, stability, table,
+    calibrate, converge, distributions, guest, images, ledger, museum, report, scenes, stability, table,
 };
 use validation::Verdict;
 
@@ -37,6 +37,8 @@ enum Command {
     Stability(stability::command::Arguments),
     /// Etalon against the stored references, closed forms and metamorphic relations
     Scenes(scenes::Arguments),
+    /// Any renderer of renderers.toml against the stored references and closed forms
+    Renderer(guest::Arguments),
     /// Whether the tests notice bugs, those of `validation/museum` or mutants
     Museum(museum::command::Arguments),
 }
@@ -64,6 +66,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
         Command::Report(arguments) => report::command::run(arguments),
         Command::Stability(arguments) => stability::command::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),
+        Command::Renderer(arguments) => guest::run(arguments),
         Command::Museum(arguments) => Ok(museum::command::run(arguments)?),
     }
 }

@@ -30,6 +30,17 @@ pub struct Job<'a> {
     pub threads: usize,
 }
 
+/// How long it took.
+#[derive(Clone, Copy, Debug)]
+pub struct Took {
+    /// Without start-up.
+    pub seconds: f64,
+    /// The same in processor time of all threads; of the whole process where the renderer does not say.
+    pub cpu_seconds: f64,
+    /// What came before and after.
+    pub startup: f64,
+}
+
 /// What came of it.
 #[derive(Clone, Debug)]
 pub struct Rendered {
@@ -37,12 +48,7 @@ pub struct Rendered {
     pub picture: Picture,
     pub width: usize,
     pub height: usize,
-    /// Without start-up.
-    pub seconds: f64,
-    /// The same in processor time of all threads; of the whole process where the renderer does not say.
-    pub cpu_seconds: f64,
-    /// What came before and after.
-    pub startup: f64,
+    pub took: Took,
 }
 
 /// The committed file.
@@ -72,8 +78,15 @@ pub fn mean_of<'a>(all: &'a Renderers, name: &'a str) -> &'a str {
 }
 
 impl Renderer {
-    /// Renders to the file `out` and reads it.
+    /// Renders to the file `out` and reads its colours.
     pub fn render(&self, job: &Job, out: &Path) -> Result<Rendered, String> {
+        let took = self.run(job, out)?;
+        let (picture, width, height) = read(out)?;
+        Ok(Rendered { picture, width, height, took })
+    }
+
+    /// Renders to the file `out`.
+    pub fn run(&self, job: &Job, out: &Path) -> Result<Took, String> {
         let command = from_environment(&self.command)?;
         let words = validation::peer::words(&command).ok_or("a quote of the command is not closed")?;
         let words: Vec<String> = words.iter().map(|word| fill(word, job, out)).collect();
@@ -95,15 +108,8 @@ impl Renderer {
         }
         let said = Said::of(&String::from_utf8_lossy(&output.stdout));
         let seconds = said.seconds.unwrap_or(wall);
-        let (picture, width, height) = read(out)?;
-        Ok(Rendered {
-            picture,
-            width,
-            height,
-            seconds,
-            cpu_seconds: said.cpu_seconds.unwrap_or(cpu.max(1e-3)),
-            startup: (wall - seconds).max(0.0),
-        })
+        let cpu_seconds = said.cpu_seconds.unwrap_or(cpu.max(1e-3));
+        Ok(Took { seconds, cpu_seconds, startup: (wall - seconds).max(0.0) })
     }
 }
 

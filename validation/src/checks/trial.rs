@@ -101,7 +101,8 @@ fn what_is_inconclusive_is_asked_again_of_more_samples() {
     let conductor = Conductor { alpha: 1.0, r0: 0.9 };
     let check = find("furnace").unwrap();
     let hasty = Effort { samples: 1 << 12, albedo: 5e-3, ..Effort::default() };
-    let ask = |effort: &Effort| check.run(&conductor, direction(0.7, 0.4), seed_for("asked again", 0), effort);
+    let ask =
+        |effort: &Effort| check.run(&conductor, direction(0.7, 0.4), seed_for("asked again", 0), effort);
     let (once, again) = (ask(&hasty), ask(&Effort { thorough: true, ..hasty }));
     assert_eq!([once.verdict, again.verdict], [Verdict::Inconclusive, Verdict::Equivalent]);
     assert_ne!(once.figures["sampled"], again.figures["sampled"]);

@@ -26,6 +26,7 @@ mod maps;
 mod mean;
 mod pair;
 mod pixels;
+mod shared_noise;
 #[cfg(test)]
 mod synthetic;
 mod tiles;

@@ -40,7 +40,7 @@ use validation::statistics::power::detectable_difference;
 use validation::statistics::{Estimate, Interval, seed_for};
 
 /// Renders of a case.
-const REPLICATES: u64 = 12;
+pub const REPLICATES: u64 = 12;
 
 /// The share of intervals that miss the truth.
 const LEVEL: f64 = 0.01;
@@ -124,7 +124,7 @@ impl ClosedForm {
     /// Renders with `effort` times the samples; `number` draws other seeds.
     pub fn check(&self, effort: u64, number: u64) -> Result<Outcome, String> {
         let scene = load(&self.scene, self.mode).map_err(|e| format!("{}: {e}", self.name))?;
-        let mut values = vec![];
+        let mut images = vec![];
         for replicate in 0..REPLICATES {
             let seed = seed_for(&self.name, number * REPLICATES + replicate) as u32;
             let settings = Settings {
@@ -135,9 +135,21 @@ impl ClosedForm {
                 shard: false,
                 kernel: None,
             };
-            values.push((self.measure)(&measured(&expose(&scene, &settings)?)) / self.expected);
+            images.push(measured(&expose(&scene, &settings)?));
         }
-        Ok(self.judge(Estimate::of(values)))
+        Ok(self.judge_images(&images))
+    }
+
+    /// What renders with different seeds say.
+    pub fn judge_images(&self, images: &[Image]) -> Outcome {
+        self.judge(Estimate::of(images.iter().map(|image| (self.measure)(image) / self.expected)))
+    }
+
+    /// The scene as a file that may lie anywhere: what it refers to is sought beside the reference scenes.
+    pub fn standing_alone(&self) -> String {
+        let place = crate::references::folder().join("scenes");
+        let path = format!("><path value=\"{}\"/>", place.display());
+        self.scene.replacen('>', &path, 1)
     }
 
     /// What an estimate of measured / expected says.

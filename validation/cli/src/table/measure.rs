@@ -129,9 +129,9 @@ impl Bench<'_> {
                         seed: k,
                         rung,
                         samples: counts[rung],
-                        seconds: found.seconds,
-                        cpu_seconds: found.cpu_seconds,
-                        startup: found.startup,
+                        seconds: found.took.seconds,
+                        cpu_seconds: found.took.cpu_seconds,
+                        startup: found.took.startup,
                         errors: errors(&found.picture, reference),
                     })?;
                 }
@@ -227,7 +227,7 @@ impl Bench<'_> {
 
     /// The seconds that count.
     pub fn time(&self, found: &Rendered) -> f64 {
-        if self.settings.processor_time { found.cpu_seconds } else { found.seconds }
+        if self.settings.processor_time { found.took.cpu_seconds } else { found.took.seconds }
     }
 
     fn keep(&self, name: &str, schedule: &Schedule) -> Result<(), String> {

@@ -1,0 +1,187 @@
+//! `validate renderer`: any renderer of `renderers.toml` on the reference scenes and the closed forms.
+//!
+//! A stranger's image has no variances, so every scene is rendered with several seeds. What a renderer cannot
+//! do is told with its reason, and is inconclusive: it is no fault, and no pass.
+
+use crate::closed_forms::{self, ClosedForm};
+use crate::console::{percentage, print};
+use crate::documents::Documents;
+use crate::references::{self, Reference};
+use crate::renderers::{self, Job, Renderer};
+use etalon::spectrum::ColorMode;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use validation::image::{Image, compare, load};
+use validation::statistics::seed_for;
+use validation::{Outcome, Report, Verdict};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Its name in the file of renderers
+    renderer: String,
+    /// Only scenes whose name contains this
+    name: Option<String>,
+    /// Another file of renderers
+    #[arg(long, value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Which references it is held against: those that are spectral, or those of three channels
+    #[arg(long, default_value = "rgb", value_parser = ["rgb", "spectral"])]
+    color: String,
+    /// Samples a pixel of each picture of a reference scene
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// Pictures of each reference scene, of which variances are made
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..))]
+    seeds: u32,
+    /// Largest relative difference of a channel's mean that is none
+    #[arg(long, default_value = "0.5%", value_parser = percentage)]
+    margin: f64,
+    /// Another number, other seeds
+    #[arg(long, default_value_t = 0)]
+    number: u64,
+    #[command(flatten)]
+    documents: Documents,
+}
+
+/// The references, and the closed forms of the same kind of colours.
+pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
+    let Arguments { renderer, name, file, color, spp, seeds, margin, number, documents } = arguments;
+    let file = file.unwrap_or_else(renderers::file);
+    let known = renderers::load(&file)?;
+    let template = known.get(&renderer).ok_or_else(|| {
+        let names: Vec<&str> = known.keys().map(String::as_str).collect();
+        format!("{} has no renderer {renderer:?}; known are {}", file.display(), names.join(", "))
+    })?;
+    documents.check_writable()?;
+    let folder = std::env::temp_dir().join(format!("etalon-guest-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    let guest = Guest { renderer: template, folder: &folder, number };
+    let chosen = |mode: ColorMode, other: &str| {
+        mode.name() == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))
+    };
+    let mut outcomes = vec![];
+    let mut tell = |outcome: Outcome| {
+        print(&outcome);
+        outcomes.push(outcome);
+    };
+    for reference in references::references(&references::folder())? {
+        if chosen(reference.mode, &reference.name) {
+            tell(guest.meets(&reference, spp, seeds, margin));
+        }
+    }
+    for case in closed_forms::cases() {
+        if chosen(case.mode, &case.name) {
+            tell(guest.knows(&case));
+        }
+    }
+    std::fs::remove_dir_all(&folder)?;
+    if outcomes.is_empty() {
+        return Err("there is no such scene".into());
+    }
+    documents.finish(Report::new(renderer, outcomes))
+}
+
+/// A renderer under judgement.
+struct Guest<'a> {
+    renderer: &'a Renderer,
+    /// For its pictures, and for scenes that are in no file.
+    folder: &'a Path,
+    number: u64,
+}
+
+impl Guest<'_> {
+    /// A reference scene, against the stored picture.
+    fn meets(&self, reference: &Reference, samples: u32, seeds: u32, margin: f64) -> Outcome {
+        let judged = || {
+            let pictures = self.pictures(&reference.name, &reference.scene, samples, seeds)?;
+            let theirs = load(&reference.image).map_err(|e| e.to_string())?;
+            let shared = Image::shared_noise(&pictures);
+            let mut ours = Image::from_replicates(&pictures).map_err(|e| e.to_string())?;
+            ours.channels.retain(|own| theirs.channels.iter().any(|other| other.name == own.name));
+            // The reference's pixels share samples as well, if these do.
+            let [theirs, ours] = [theirs, ours].map(|image| image.with_variances_times(&shared));
+            let comparison =
+                compare(&theirs, &ours, &references::settings(margin)).map_err(|e| e.to_string())?;
+            match comparison.uncompared.first() {
+                Some(lost) => Err(format!("there is no channel {lost}")),
+                None => Ok(comparison.outcome()),
+            }
+        };
+        judged().unwrap_or_else(|why| unable("images", &why)).of(&reference.name)
+    }
+
+    /// A scene whose answer is known.
+    fn knows(&self, case: &ClosedForm) -> Outcome {
+        let judged = || {
+            let scene = self.folder.join("scene.xml");
+            std::fs::write(&scene, case.standing_alone()).map_err(|e| e.to_string())?;
+            let samples = u32::try_from(case.samples).map_err(|e| e.to_string())?;
+            let pictures = self.pictures(&case.name, &scene, samples, closed_forms::REPLICATES as u32)?;
+            Ok(case.judge_images(&pictures))
+        };
+        judged().unwrap_or_else(|why: String| unable("closed form", &why)).of(&case.name)
+    }
+
+    /// Pictures with seeds of their own.
+    fn pictures(&self, name: &str, scene: &Path, samples: u32, count: u32) -> Result<Vec<Image>, String> {
+        let out = self.folder.join("picture.exr");
+        let picture = |index: u32| {
+            let number = self.number * u64::from(count) + u64::from(index);
+            // Many programs take no more than 31 bits.
+            let seed = seed_for(name, number) as u32 >> 1;
+            self.renderer.run(&Job { scene, samples, seed, threads: 0 }, &out)?;
+            load(&out).map_err(|e| e.to_string())
+        };
+        (0..count).map(picture).collect()
+    }
+}
+
+fn unable(check: &str, why: &str) -> Outcome {
+    Outcome::new(check, Verdict::Inconclusive, format!("not rendered: {why}"))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// What is said of a renderer that has this command.
+    fn verdict_on(command: String, ask: impl Fn(&Guest) -> Outcome) -> Outcome {
+        static FOLDERS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+        let number = FOLDERS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("etalon-guest-test-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let renderer = Renderer { command, mean_of: None };
+        let outcome = ask(&Guest { renderer: &renderer, folder: &folder, number: 0 });
+        std::fs::remove_dir_all(&folder).unwrap();
+        outcome
+    }
+
+    fn reference(name: &str) -> Reference {
+        let all = references::references(&references::folder()).unwrap();
+        all.into_iter().find(|reference| reference.name == name).unwrap()
+    }
+
+    #[test]
+    fn the_right_picture_holds_another_differs_and_none_is_no_answer() {
+        let asked = reference("camera-x::rgb");
+        let copying = |name: &str| {
+            let command = format!("cp {:?} {{out}}", reference(name).image);
+            verdict_on(command, |guest| guest.meets(&asked, 1, 4, 0.005))
+        };
+        assert_eq!(copying("camera-x::rgb").verdict, Verdict::Equivalent);
+        assert_eq!(copying("camera-y::rgb").verdict, Verdict::Different);
+        let failing = verdict_on("false".into(), |guest| guest.meets(&asked, 1, 4, 0.005));
+        assert_eq!(failing.verdict, Verdict::Inconclusive);
+        assert!(failing.message.starts_with("not rendered: \"false\" failed"), "{}", failing.message);
+    }
+
+    #[test]
+    fn a_closed_form_finds_its_files_and_judges_what_it_is_shown() {
+        let sky = closed_forms::cases().into_iter().find(|case| case.name == "envmap::turned").unwrap();
+        let place = format!("<path value=\"{}\"/>", references::folder().join("scenes").display());
+        assert!(sky.standing_alone().starts_with(&format!("<scene version=\"3.0.0\">{place}")));
+        // Any picture is a wrong one.
+        let command = format!("cp {:?} {{out}}", reference("camera-x::rgb").image);
+        assert_eq!(verdict_on(command, |guest| guest.knows(&sky)).verdict, Verdict::Different);
+    }
+}
