@@ -1,8 +1,10 @@
 //! Many questions asked by as many threads as there are cores, answered in their order.
 
+use crate::console::print;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
+use validation::Outcome;
 
 /// Asks all questions and tells their answers in the order of the questions, each as soon as those before it
 /// are known. The first error of `tell` ends it; so does, when all others have answered, a question that
@@ -55,6 +57,19 @@ pub fn ask_all<T: Sync, A: Send>(questions: &[T], ask: impl Fn(&T) -> A + Sync) 
         Ok(())
     })?;
     Ok(answers)
+}
+
+/// The outcomes of all questions, printed as they come.
+pub fn ask_and_print<T: Sync>(
+    questions: &[T],
+    ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
+) -> Result<Vec<Outcome>, String> {
+    let mut outcomes = vec![];
+    ask_in_turn(questions, ask, |outcome| {
+        outcomes.extend(outcome?.inspect(print));
+        Ok(())
+    })?;
+    Ok(outcomes)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
 
 use crate::console::print;
-use crate::crew::ask_in_turn;
+use crate::crew::ask_and_print;
 use crate::documents::Documents;
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{furnace, ledger, limits, materials, peers, sampling};
@@ -9,7 +9,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Duration;
 use validation::checks::Effort;
-use validation::{Outcome, Report, Verdict};
+use validation::{Report, Verdict};
 
 /// How closely the checks look, and what is written down of them.
 #[derive(clap::Args)]
@@ -118,7 +118,7 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     }
     documents.check_writable()?;
     let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), thorough) };
-    let outcomes = ask(&cells, |cell| cell.run(&effort, number).map(Some))?;
+    let outcomes = ask_and_print(&cells, |cell| cell.run(&effort, number).map(Some))?;
     documents.finish(Report::new("furnace", outcomes))
 }
 
@@ -129,22 +129,9 @@ fn judge(
     Settings { number, documents, ledger, .. }: Settings,
 ) -> Result<Verdict, Box<dyn Error>> {
     documents.check_writable()?;
-    let outcomes = ask(&trials, |trial| trial.run(effort, number))?;
+    let outcomes = ask_and_print(&trials, |trial| trial.run(effort, number))?;
     if let Some(path) = ledger {
         ledger::append(&path, &outcomes, number)?;
     }
     documents.finish(Report::new(title, outcomes))
-}
-
-/// The answers to all questions, printed as they come.
-fn ask<T: Sync>(
-    questions: &[T],
-    answer: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
-) -> Result<Vec<Outcome>, String> {
-    let mut outcomes = vec![];
-    ask_in_turn(questions, answer, |outcome| {
-        outcomes.extend(outcome?.inspect(print));
-        Ok(())
-    })?;
-    Ok(outcomes)
 }

@@ -1,6 +1,7 @@
 //! The command that judges whole renders: `validate scenes`.
 
 use crate::console::{check_writable, percentage, print, write};
+use crate::crew::ask_and_print;
 use crate::documents::Documents;
 use crate::provenance::Provenance;
 use crate::{closed_forms, metamorphic, references};
@@ -46,23 +47,18 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
     let chosen = |other: &str| name.as_ref().is_none_or(|n| other.contains(n));
     let effort = if thorough { 64 } else { 1 };
-    let (mut table, mut related) = (vec![], vec![]);
-    for case in closed_forms::cases().into_iter().filter(|c| chosen(&c.name)) {
-        let outcome = case.check(effort, number)?;
-        print(&outcome);
-        outcomes.push(outcome.clone());
-        table.push((case, outcome));
-    }
-    for relation in metamorphic::relations().into_iter().filter(|r| chosen(&r.name)) {
-        let relation = if thorough { relation.thorough() } else { relation };
-        let outcome = relation.check(1, number)?;
-        print(&outcome);
-        outcomes.push(outcome.clone());
-        related.push(outcome);
-    }
+    let cases: Vec<_> = closed_forms::cases().into_iter().filter(|case| chosen(&case.name)).collect();
+    let known = ask_and_print(&cases, |case| case.check(effort, number).map(Some))?;
+    let relations: Vec<_> = metamorphic::relations().into_iter().filter(|r| chosen(&r.name)).collect();
+    let related = ask_and_print(&relations, |relation| {
+        let relation = if thorough { relation.clone().thorough() } else { relation.clone() };
+        relation.check(1, number).map(Some)
+    })?;
+    outcomes.extend(known.iter().chain(&related).cloned());
     if outcomes.is_empty() {
         return Err("there is no such scene".into());
     }
+    let table: Vec<_> = cases.into_iter().zip(known).collect();
     write(markdown.as_deref(), || Ok(closed_forms::markdown(&Provenance::here()?, &table, &related)))?;
     documents.finish(Report::new("scenes", outcomes))
 }
