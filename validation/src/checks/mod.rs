@@ -32,7 +32,7 @@ pub struct Effort {
     /// Directions drawn for statistical checks; deterministic ones use a sixteenth.
     pub samples: usize,
     /// Probability with which one check may reject an honest model. A caller that runs many divides it with
-    /// [`sidak`](crate::statistics::sidak).
+    /// [`sidak`].
     pub level: f64,
     /// Relative difference that deterministic checks take for rounding.
     pub tolerance: f64,
