@@ -160,10 +160,10 @@ fn signal(child: &Child, name: &str) {
 }
 
 #[cfg(unix)]
-fn what_ends_a_render_loses_nothing(name: &str) {
+fn what_ends_a_render_loses_nothing(name: &str, start: impl FnOnce(&Folder, &[&str]) -> Child) {
     let folder = Folder::new();
     let arguments = [&LONG[..], &SAVED].concat();
-    let child = begun(&folder, folder.start(&arguments));
+    let child = begun(&folder, start(&folder, &arguments));
     signal(&child, name);
     let output = child.wait_with_output().unwrap();
     let error = text(&output.stderr);
@@ -181,13 +181,15 @@ fn what_ends_a_render_loses_nothing(name: &str) {
 #[cfg(unix)]
 #[test]
 fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
-    what_ends_a_render_loses_nothing("-INT");
+    what_ends_a_render_loses_nothing("-INT", Folder::start);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn the_end_of_the_terminal_writes_the_image_so_far() {
-    what_ends_a_render_loses_nothing("-HUP");
+    // Tests that were themselves started by `nohup` would hand on what it asks for, which `env` undoes.
+    let undo = ["--default-signal=HUP", env!("CARGO_BIN_EXE_etalon")];
+    what_ends_a_render_loses_nothing("-HUP", |folder, arguments| folder.start_by("env", &undo, arguments));
 }
 
 #[cfg(target_os = "linux")]

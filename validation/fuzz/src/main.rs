@@ -40,7 +40,7 @@ enum Command {
         #[arg(long, default_value_t = 1 << 14)]
         samples: u32,
         /// Where scenes that differ are left, and the record
-        #[arg(long, default_value = "fuzzed-scenes")]
+        #[arg(long, default_value = "target/fuzzed-scenes")]
         folder: PathBuf,
     },
     /// Paths through random scenes, by Etalon alone: 0 values that are not finite
