@@ -37,19 +37,20 @@ pub fn relations() -> Vec<Relation> {
             room(&(point_light(0.5, 2.0) + &point_light(0.5, 3.0))),
         ),
         Relation::expectation("linear", vec![Term::new(with("")).times(0.3)], room(&lamp(2.4))),
-        Relation::expectation("smooth_lamp", room(&vase_lamp(false)), room(&vase_lamp(true))),
+        Relation::expectation("smooth_lamp", room(&faceted_lamp(false)), room(&faceted_lamp(true))),
         Relation::expectation("unlit_lamp", whole(), room(&(lamp(8.0) + &point_light(1.0, 0.0)))),
     ]
 }
 
-/// A vase that shines, smooth or of flat faces: which side of a face shines is no matter of its shading normal.
-fn vase_lamp(flat: bool) -> String {
+/// An octahedron that shines, smooth or of flat faces: which side of a face shines is no matter of its shading
+/// normal, which looks away from most of what sees the face at a slant.
+fn faceted_lamp(flat: bool) -> String {
     let mesh = format!(
-        "<string name=\"filename\" value=\"meshes/vase.obj\"/><boolean name=\"face_normals\" value=\"{flat}\"/>"
+        "<string name=\"filename\" value=\"meshes/octahedron.ply\"/><boolean name=\"face_normals\" value=\"{flat}\"/>"
     );
     shape(
-        "obj",
-        &[rotate('x', 90.0), scale([0.6; 3]), translate([0.9, -0.9, 1.0])],
+        "ply",
+        &[scale([0.6; 3]), rotate('y', 20.0), rotate('x', 50.0), translate([0.9, -0.5, 1.0])],
         &(mesh + &diffuse(0.0) + &area(4.0)),
     )
 }
