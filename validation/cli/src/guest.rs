@@ -3,7 +3,7 @@
 //! A stranger's image has no variances, so every scene is rendered with several seeds. What a renderer cannot
 //! do is told with its reason, and is inconclusive: it is no fault, and no pass.
 
-use crate::closed_forms::{self, ClosedForm};
+use crate::closed_forms::{self, ClosedForm, LEVEL};
 use crate::console::{percentage, print};
 use crate::documents::Documents;
 use crate::references::{self, Reference};
@@ -11,8 +11,8 @@ use crate::renderers::{self, Job, Renderer};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use validation::image::{Image, compare, load};
-use validation::statistics::seed_for;
+use validation::image::{Image, Settings, compare, load};
+use validation::statistics::{seed_for, sidak};
 use validation::{Outcome, Report, Verdict};
 
 #[derive(clap::Args)]
@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Samples a pixel of each picture of a reference scene
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
-    /// Pictures of each reference scene, of which variances are made
+    /// Pictures of each scene, of which variances are made
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..))]
     seeds: u32,
     /// Largest relative difference of a channel's mean that is none
@@ -55,29 +55,30 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     documents.check_writable()?;
     let folder = std::env::temp_dir().join(format!("etalon-guest-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
-    let guest = Guest { renderer: template, folder: &folder, number };
     let chosen = |mode: ColorMode, other: &str| {
         mode.name() == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))
     };
+    let mut references = references::references(&references::folder())?;
+    references.retain(|reference| chosen(reference.mode, &reference.name));
+    let mut cases = closed_forms::cases();
+    cases.retain(|case| chosen(case.mode, &case.name));
+    let questions = references.len() + cases.len();
+    if questions == 0 {
+        return Err("there is no such scene".into());
+    }
+    let guest = Guest { renderer: template, folder: &folder, number, level: sidak(LEVEL, questions) };
     let mut outcomes = vec![];
     let mut tell = |outcome: Outcome| {
         print(&outcome);
         outcomes.push(outcome);
     };
-    for reference in references::references(&references::folder())? {
-        if chosen(reference.mode, &reference.name) {
-            tell(guest.meets(&reference, spp, seeds, margin));
-        }
+    for reference in &references {
+        tell(guest.meets(reference, spp, seeds, margin));
     }
-    for case in closed_forms::cases() {
-        if chosen(case.mode, &case.name) {
-            tell(guest.knows(&case));
-        }
+    for case in &cases {
+        tell(guest.knows(case, seeds));
     }
     std::fs::remove_dir_all(&folder)?;
-    if outcomes.is_empty() {
-        return Err("there is no such scene".into());
-    }
     documents.finish(Report::new(renderer, outcomes))
 }
 
@@ -87,6 +88,8 @@ struct Guest<'a> {
     /// For its pictures, and for scenes that are in no file.
     folder: &'a Path,
     number: u64,
+    /// Of each question, so that one right renderer in a hundred is told that any of them differs.
+    level: f64,
 }
 
 impl Guest<'_> {
@@ -100,8 +103,8 @@ impl Guest<'_> {
             ours.channels.retain(|own| theirs.channels.iter().any(|other| other.name == own.name));
             // The reference's pixels share samples as well, if these do.
             let [theirs, ours] = [theirs, ours].map(|image| image.with_variances_times(&shared));
-            let comparison =
-                compare(&theirs, &ours, &references::settings(margin)).map_err(|e| e.to_string())?;
+            let settings = Settings { level: self.level, ..references::settings(margin) };
+            let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
             match comparison.uncompared.first() {
                 Some(lost) => Err(format!("there is no channel {lost}")),
                 None => Ok(comparison.outcome()),
@@ -111,13 +114,13 @@ impl Guest<'_> {
     }
 
     /// A scene whose answer is known.
-    fn knows(&self, case: &ClosedForm) -> Outcome {
+    fn knows(&self, case: &ClosedForm, seeds: u32) -> Outcome {
         let judged = || {
             let scene = self.folder.join("scene.xml");
             std::fs::write(&scene, case.standing_alone()).map_err(|e| e.to_string())?;
             let samples = u32::try_from(case.samples).map_err(|e| e.to_string())?;
-            let pictures = self.pictures(&case.name, &scene, samples, closed_forms::REPLICATES as u32)?;
-            Ok(case.judge_images(&pictures))
+            let pictures = self.pictures(&case.name, &scene, samples, seeds)?;
+            Ok(case.judge_images(&pictures, self.level))
         };
         judged().unwrap_or_else(|why: String| unable("closed form", &why)).of(&case.name)
     }
@@ -151,7 +154,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("etalon-guest-test-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let renderer = Renderer { command, mean_of: None };
-        let outcome = ask(&Guest { renderer: &renderer, folder: &folder, number: 0 });
+        let outcome = ask(&Guest { renderer: &renderer, folder: &folder, number: 0, level: LEVEL });
         std::fs::remove_dir_all(&folder).unwrap();
         outcome
     }
@@ -182,6 +185,6 @@ mod tests {
         assert!(sky.standing_alone().starts_with(&format!("<scene version=\"3.0.0\">{place}")));
         // Any picture is a wrong one.
         let command = format!("cp {:?} {{out}}", reference("camera-x::rgb").image);
-        assert_eq!(verdict_on(command, |guest| guest.knows(&sky)).verdict, Verdict::Different);
+        assert_eq!(verdict_on(command, |guest| guest.knows(&sky, 4)).verdict, Verdict::Different);
     }
 }

@@ -43,7 +43,7 @@ use validation::statistics::{Estimate, Interval, seed_for};
 pub const REPLICATES: u64 = 12;
 
 /// The share of intervals that miss the truth.
-const LEVEL: f64 = 0.01;
+pub const LEVEL: f64 = 0.01;
 
 /// A scene and what is true of it.
 #[derive(Clone, Debug)]
@@ -137,12 +137,12 @@ impl ClosedForm {
             };
             images.push(measured(&expose(&scene, &settings)?));
         }
-        Ok(self.judge_images(&images))
+        Ok(self.judge_images(&images, LEVEL))
     }
 
-    /// What renders with different seeds say.
-    pub fn judge_images(&self, images: &[Image]) -> Outcome {
-        self.judge(Estimate::of(images.iter().map(|image| (self.measure)(image) / self.expected)))
+    /// What renders with different seeds say, at this level.
+    pub fn judge_images(&self, images: &[Image], level: f64) -> Outcome {
+        self.judge(Estimate::of(images.iter().map(|image| (self.measure)(image) / self.expected)), level)
     }
 
     /// The scene as a file that may lie anywhere: what it refers to is sought beside the reference scenes.
@@ -153,9 +153,9 @@ impl ClosedForm {
     }
 
     /// What an estimate of measured / expected says.
-    fn judge(&self, ratio: Estimate) -> Outcome {
+    fn judge(&self, ratio: Estimate, level: f64) -> Outcome {
         let error = ratio.variance.sqrt();
-        let interval = Interval::around(ratio.mean, student_quantile(LEVEL, ratio.degrees) * error);
+        let interval = Interval::around(ratio.mean, student_quantile(level, ratio.degrees) * error);
         let verdict = interval.verdict(1.0, self.margin);
         let [deviation, low, high] = [ratio.mean, interval.low, interval.high].map(|v| 100.0 * (v - 1.0));
         let margin = 100.0 * self.margin;
@@ -168,7 +168,7 @@ impl ClosedForm {
             ("margin".to_string(), self.margin),
         ]);
         let outcome = Outcome::new("closed form", verdict, message).of(&self.name);
-        Outcome { figures, ..outcome.detectable(detectable_difference(error, LEVEL, ratio.degrees)) }
+        Outcome { figures, ..outcome.detectable(detectable_difference(error, level, ratio.degrees)) }
     }
 
     /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm
@@ -198,8 +198,9 @@ mod tests {
     #[test]
     fn undecided_is_no_pass_and_a_shift_is_seen() {
         let case = ClosedForm::new("x", "", String::new(), 1.0);
-        let verdict =
-            |mean, error: f64| case.judge(Estimate { mean, variance: error * error, degrees: 11.0 }).verdict;
+        let verdict = |mean, error: f64| {
+            case.judge(Estimate { mean, variance: error * error, degrees: 11.0 }, LEVEL).verdict
+        };
         assert_eq!(verdict(1.0002, 1e-4), Verdict::Equivalent);
         assert_eq!(verdict(1.0002, 1e-3), Verdict::Inconclusive);
         assert_eq!(verdict(1.002, 1e-4), Verdict::Different);
