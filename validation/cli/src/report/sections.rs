@@ -45,7 +45,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
     };
     let rows: String = outcomes.iter().map(row).collect();
     format!(
-        "<div class=\"wide\"><table><thead><tr><th>what</th><th>verdict</th><th>found</th></tr></thead><tbody>{rows}</tbody></table></div>"
+        "<div class=\"wide\"><table class=\"answers\"><thead><tr><th>what</th><th>verdict</th><th>found</th></tr></thead><tbody>{rows}</tbody></table></div>"
     )
 }
 
