@@ -1,6 +1,7 @@
 //! Light that goes to and fro.
 
 use super::ClosedForm;
+use super::irradiance::{BSDF_ONLY, EMITTER_ONLY};
 use crate::stage::*;
 use std::f64::consts::PI;
 
@@ -18,6 +19,15 @@ pub fn cases() -> Vec<ClosedForm> {
             .margin(0.0025)
             .samples(1 << 16),
     ];
+    let once = "L = Lₑ(1 + ρ) in a closed room that glows all over, after one reflection";
+    for (name, by) in [
+        ("glow_once", path(2)),
+        ("glow_once_bsdf_sampling", BSDF_ONLY.into()),
+        ("glow_once_emitter_sampling", EMITTER_ONLY.into()),
+    ] {
+        let scene = room("sphere", 2.0, 0.6, 2).replace(&path(2), &by);
+        cases.push(ClosedForm::new(name, once, scene, 3.2).margin(0.0025).samples(1 << 14));
+    }
     for depth in [2, 3, 6, 40] {
         let sum: f64 = (0..depth - 1).map(|n| libm::pow(0.8, f64::from(n))).sum();
         let scene = lit_sphere(0.8, i64::from(depth));

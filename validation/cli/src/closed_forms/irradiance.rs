@@ -41,9 +41,9 @@ pub fn cases() -> Vec<ClosedForm> {
     ]
 }
 
-const BSDF_ONLY: &str = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"0\"/>\
+pub(super) const BSDF_ONLY: &str = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"0\"/>\
      <integer name=\"bsdf_samples\" value=\"1\"/></integrator>";
-const EMITTER_ONLY: &str = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"1\"/>\
+pub(super) const EMITTER_ONLY: &str = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"1\"/>\
      <integer name=\"bsdf_samples\" value=\"0\"/></integrator>";
 
 /// 1 × 0.6 at a height of 0.8, one corner over the point.
