@@ -53,8 +53,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         format!("{} has no renderer {renderer:?}; known are {}", file.display(), names.join(", "))
     })?;
     documents.check_writable()?;
-    let folder = std::env::temp_dir().join(format!("etalon-guest-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
     let chosen = |mode: ColorMode, other: &str| {
         mode.name() == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))
     };
@@ -66,6 +64,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     if questions == 0 {
         return Err("there is no such scene".into());
     }
+    let folder = std::env::temp_dir().join(format!("etalon-guest-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
     let guest = Guest { renderer: template, folder: &folder, number, level: sidak(LEVEL, questions) };
     let mut outcomes = vec![];
     let mut tell = |outcome: Outcome| {
