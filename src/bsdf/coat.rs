@@ -1,7 +1,7 @@
 //! A diffuse base under a dielectric coat: what `plastic` and `roughplastic` share.
 
-use super::dielectric::tint;
 use super::ior;
+use super::tints::tint;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::shape::SurfacePoint;

@@ -5,13 +5,13 @@
 
 use super::fresnel::{self, Interface};
 use super::ior::{self, Index};
+use super::tints::Tints;
 use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, mirror};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
-use crate::scene::params::{Params, Usage};
+use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
-use crate::texture::AnyTexture;
 
 /// The line of helium at which glasses are quoted: what RGB mode takes for all colours.
 const HELIUM_D_NM: f32 = 587.56;
@@ -20,8 +20,7 @@ const HELIUM_D_NM: f32 = 587.56;
 pub struct Dielectric {
     index: Index,
     schlick: bool,
-    reflectance: AnyTexture,
-    transmittance: AnyTexture,
+    tints: Tints,
 }
 
 /// An interface at a point.
@@ -64,12 +63,7 @@ impl Material for Dielectric {
         Ok(Self {
             index,
             schlick: params.choice("fresnel", &["exact", "schlick"], about)? == "schlick",
-            reflectance: tint(params, "specular_reflectance", "factor upon the reflection; physically 1")?,
-            transmittance: tint(
-                params,
-                "specular_transmittance",
-                "factor upon the transmission; physically 1",
-            )?,
+            tints: Tints::parse(params)?,
         })
     }
 
@@ -83,19 +77,14 @@ impl Material for Dielectric {
                 (lanes[0], Some(lanes))
             }
         };
-        Pane {
-            eta,
-            lanes,
-            schlick: self.schlick,
-            reflectance: self.reflectance.eval(point.uv, λ),
-            transmittance: self.transmittance.eval(point.uv, λ),
-        }
+        let [reflectance, transmittance] = self.tints.at(point, λ);
+        Pane { eta, lanes, schlick: self.schlick, reflectance, transmittance }
     }
 
     fn traits(&self) -> Traits {
         let dispersive = matches!(self.index, Index::Dispersive(..));
         Traits {
-            textured: self.reflectance.varies() || self.transmittance.varies(),
+            textured: self.tints.varies(),
             dispersive,
             refracts: !dispersive,
             // From which end a path loses its other wavelengths changes the chance of its turns.
@@ -104,15 +93,6 @@ impl Material for Dielectric {
             ..Traits::default()
         }
     }
-}
-
-/// Reads a factor of 1 that physics has no place for but scene files have.
-pub(super) fn tint(
-    params: &mut Params,
-    name: &'static str,
-    about: &'static str,
-) -> Result<AnyTexture, SceneError> {
-    params.texture(name, 1.0, Usage::Reflectance, about)
 }
 
 impl Pane {
@@ -187,12 +167,15 @@ impl Bsdf for Pane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::params::Usage;
     use crate::spectrum::materials::Dispersion;
+    use crate::texture::AnyTexture;
 
     fn pane(λ: &Wavelengths) -> Pane {
         let index = Index::Dispersive(Dispersion::named("sf11").unwrap(), 1.0);
         let one = || AnyTexture::default_value(1.0, Usage::Reflectance, ColorMode::Spectral);
-        let glass = Dielectric { index, schlick: false, reflectance: one(), transmittance: one() };
+        let glass =
+            Dielectric { index, schlick: false, tints: Tints { reflectance: one(), transmittance: one() } };
         glass.at(&SurfacePoint::flat(), λ)
     }
 

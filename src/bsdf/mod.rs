@@ -12,6 +12,7 @@ mod metal;
 pub mod microfacet;
 mod shading_normal;
 mod slope;
+mod tints;
 mod transmittance;
 
 #[cfg(test)]

@@ -3,8 +3,9 @@
 //! Reflection at facets half-way between the directions, refraction at facets along the generalised half
 //! vector h = ωo + ηωi, whose Jacobian is η²|ωi·m|/|h|² because ωo·m + ηωi·m = ±|h|.
 
-use super::dielectric::{seen, tint};
+use super::dielectric::seen;
 use super::microfacet::{Distribution, Roughness, reflect};
+use super::tints::Tints;
 use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3};
@@ -12,15 +13,13 @@ use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
-use crate::texture::AnyTexture;
 
 /// An interface of ground glass.
 pub struct RoughDielectric {
     /// η inside / η outside.
     eta: f64,
     roughness: Roughness,
-    reflectance: AnyTexture,
-    transmittance: AnyTexture,
+    tints: Tints,
 }
 
 /// Ground glass at a point.
@@ -64,26 +63,13 @@ impl Material for RoughDielectric {
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let eta = ior::relative(params, "bk7")?;
         ior::refuse_equal(params, eta)?;
-        Ok(Self {
-            eta,
-            roughness: Roughness::parse(params)?,
-            reflectance: tint(params, "specular_reflectance", "factor upon the reflection; physically 1")?,
-            transmittance: tint(
-                params,
-                "specular_transmittance",
-                "factor upon the transmission; physically 1",
-            )?,
-        })
+        Ok(Self { eta, roughness: Roughness::parse(params)?, tints: Tints::parse(params)? })
     }
 
     #[inline]
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Frosted {
-        Frosted {
-            eta: self.eta,
-            facets: self.roughness.at(point.uv),
-            reflectance: self.reflectance.eval(point.uv, λ),
-            transmittance: self.transmittance.eval(point.uv, λ),
-        }
+        let [reflectance, transmittance] = self.tints.at(point, λ);
+        Frosted { eta: self.eta, facets: self.roughness.at(point.uv), reflectance, transmittance }
     }
 
     fn traits(&self) -> Traits {
@@ -91,7 +77,7 @@ impl Material for RoughDielectric {
             smooth: true,
             glossy: self.roughness.narrow(),
             anisotropic: self.roughness.anisotropic(),
-            textured: self.roughness.varies() || self.reflectance.varies() || self.transmittance.varies(),
+            textured: self.roughness.varies() || self.tints.varies(),
             transmits: true,
             ..Traits::default()
         }

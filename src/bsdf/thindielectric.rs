@@ -1,20 +1,19 @@
 //! A pane too thin to bend light: reflection at both of its faces, summed to all orders, and straight
 //! transmission.
 
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, dielectric::tint, fresnel, ior, mirror};
+use super::tints::Tints;
+use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, ior, mirror};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
-use crate::texture::AnyTexture;
 
 /// A window pane modelled as a single sheet.
 pub struct ThinDielectric {
     /// η inside / η outside.
     eta: f64,
-    reflectance: AnyTexture,
-    transmittance: AnyTexture,
+    tints: Tints,
 }
 
 /// A window pane at a point.
@@ -39,26 +38,17 @@ impl Material for ThinDielectric {
     type Bsdf<'a> = Window;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
-        Ok(Self {
-            eta: ior::relative(params, "bk7")?,
-            reflectance: tint(params, "specular_reflectance", "factor upon the reflection; physically 1")?,
-            transmittance: tint(
-                params,
-                "specular_transmittance",
-                "factor upon the transmission; physically 1",
-            )?,
-        })
+        Ok(Self { eta: ior::relative(params, "bk7")?, tints: Tints::parse(params)? })
     }
 
     #[inline]
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Window {
-        let (reflectance, transmittance) =
-            (self.reflectance.eval(point.uv, λ), self.transmittance.eval(point.uv, λ));
+        let [reflectance, transmittance] = self.tints.at(point, λ);
         Window { eta: self.eta, reflectance, transmittance }
     }
 
     fn traits(&self) -> Traits {
-        let textured = self.reflectance.varies() || self.transmittance.varies();
+        let textured = self.tints.varies();
         Traits { textured, transmits: true, refracts: true, mirrors: true, ..Traits::default() }
     }
 }
