@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::pair::Pair;
+use super::similarity::similarity;
 
 /// Share of the largest squared errors that the trimmed mean leaves out, as is common to keep fireflies from
 /// deciding.
@@ -27,6 +28,8 @@ pub struct Errors {
     pub relative_mse_trimmed: f64,
     /// |b − a| / (|a| + 0.01 mean |a|).
     pub mape: f64,
+    /// Structural similarity, 1 for equal images: see [`similarity`].
+    pub ssim: f64,
 }
 
 pub(super) fn errors(pair: &Pair) -> Errors {
@@ -50,6 +53,7 @@ pub(super) fn errors(pair: &Pair) -> Errors {
         relative_mse: mean(&relative),
         relative_mse_trimmed: sorted[..kept].iter().sum::<f64>() / kept as f64,
         mape: mean(&|pixel| quotient(pixel.difference().abs(), pixel.a.abs() + soft)),
+        ssim: similarity(pair),
     }
 }
 

@@ -27,6 +27,7 @@ mod mean;
 mod pair;
 mod pixels;
 mod shared_noise;
+mod similarity;
 #[cfg(test)]
 mod synthetic;
 mod tiles;

@@ -5,7 +5,7 @@ use crate::console::{check_writable, percentage, say, write};
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
-use validation::image::{self, Settings};
+use validation::image::{self, ChannelComparison, Errors, Settings};
 use validation::report::to_json;
 
 /// Whether two images have the same expectation.
@@ -17,7 +17,7 @@ pub struct Arguments {
     #[arg(required_unless_present = "calibrate")]
     b: Option<PathBuf>,
     /// Instead, ask the comparison itself: false alarms and power on renders of the reference scenes
-    #[arg(long, conflicts_with_all = ["a", "b", "map", "margin"])]
+    #[arg(long, conflicts_with_all = ["a", "b", "map", "tile_map", "margin"])]
     calibrate: bool,
     /// Largest relative difference of a channel's mean that is none, such as 0.25%
     #[arg(long, default_value = "0.25%", value_parser = percentage)]
@@ -25,15 +25,18 @@ pub struct Arguments {
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write a picture of signed z-scores
+    /// Write a picture of signed z-scores, pixel by pixel
     #[arg(long, value_name = "PNG")]
     map: Option<PathBuf>,
+    /// The same of tiles of 16 × 16 pixels, which see differences that pixels hide in their noise
+    #[arg(long, value_name = "PNG")]
+    tile_map: Option<PathBuf>,
 }
 
 /// Compares, or calibrates the comparison.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
-    let Arguments { a, b, calibrate, margin, json, map } = arguments;
-    check_writable(&[&json, &map])?;
+    let Arguments { a, b, calibrate, margin, json, map, tile_map } = arguments;
+    check_writable(&[&json, &map, &tile_map])?;
     match (a, b) {
         (Some(a), Some(b)) if !calibrate => {
             let settings = Settings::with_margin(margin);
@@ -42,12 +45,25 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
             if let Some(path) = map {
                 image::write_difference_map(&first, &second, &settings, &path)?;
             }
+            if let Some(path) = tile_map {
+                image::write_tile_map(&first, &second, &settings, &path)?;
+            }
             write(json.as_deref(), || Ok(to_json(&comparison)?))?;
             say(format_args!("{}: {}", comparison.verdict, comparison.message));
+            comparison.channels.iter().for_each(tell_errors);
             Ok(comparison.verdict)
         }
         _ => calibration(json),
     }
+}
+
+fn tell_errors(channel: &ChannelComparison) {
+    let Errors { bias, mse, expected_mse, relative_mse, relative_mse_trimmed, mape, ssim } = &channel.errors;
+    say(format_args!(
+        "  {}: bias {bias:+.3e}, MSE {mse:.3e} (noise alone {expected_mse:.3e}), relMSE {relative_mse:.3e} (trimmed {relative_mse_trimmed:.3e}), MAPE {:.2} %, SSIM {ssim:.4}",
+        channel.name,
+        100.0 * mape
+    ));
 }
 
 fn calibration(json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {
