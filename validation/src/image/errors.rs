@@ -28,7 +28,7 @@ pub struct Errors {
     pub relative_mse_trimmed: f64,
     /// |b − a| / (|a| + 0.01 mean |a|).
     pub mape: f64,
-    /// Structural similarity, 1 for equal images: see [`similarity`].
+    /// The mean structural similarity (Wang et al. 2004) of v/(|v| + mean |a|); 1 for equal images.
     pub ssim: f64,
 }
 
