@@ -16,10 +16,12 @@ type Sums = [f64; 6];
 /// Assessment", eq. 13) under a Gaussian window; 1 for equal images.
 ///
 /// It is defined for values within a range, which radiance has not. Values v are taken as v/(|v| + m), with
-/// the mean m of the reference a: so the figure does not depend on the unit. Pixels that are not finite are left out.
+/// the mean m of the reference a: so the figure does not depend on the unit. Pixels that are not finite are
+/// left out.
 pub(super) fn similarity(pair: &Pair) -> f64 {
     let finite = || pair.pixels().map(|(_, _, pixel)| pixel).filter(|pixel| pixel.difference().is_finite());
-    let mean = finite().map(|pixel| pixel.a.abs()).sum::<f64>() / finite().count() as f64;
+    let count = finite().count() as f64;
+    let mean = finite().map(|pixel| pixel.a.abs()).sum::<f64>() / count;
     let within = |v: f64| if v == 0.0 { 0.0 } else { v / (v.abs() + mean) };
     let sums: Vec<Sums> = pair
         .pixels()
@@ -30,7 +32,7 @@ pub(super) fn similarity(pair: &Pair) -> f64 {
         .collect();
     let windows = blurred(&blurred(&sums, pair.width, pair.height, [1, 0]), pair.width, pair.height, [0, 1]);
     let each = windows.iter().zip(&sums).filter(|(_, own)| own[0] > 0.0).map(|(window, _)| of_window(window));
-    each.sum::<f64>() / finite().count() as f64
+    each.sum::<f64>() / count
 }
 
 fn of_window(&[weight, a, b, aa, bb, ab]: &Sums) -> f64 {

@@ -42,8 +42,8 @@ pub fn relations() -> Vec<Relation> {
     ]
 }
 
-/// An octahedron that shines, smooth or of flat faces: which side of a face shines is no matter of its shading
-/// normal, which looks away from most of what sees the face at a slant.
+/// An octahedron that shines, smooth or of flat faces: which side of a face shines is no matter of its
+/// shading normal, which looks away from most of what sees the face at a slant.
 fn faceted_lamp(flat: bool) -> String {
     let mesh = format!(
         "<string name=\"filename\" value=\"meshes/octahedron.ply\"/><boolean name=\"face_normals\" value=\"{flat}\"/>"
