@@ -229,11 +229,17 @@ impl Mask {
 }
 
 impl F64x4 {
+    /// One lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> f64 {
+        let lanes: &[f64; 4] = unsafe { &*std::ptr::from_ref(self).cast() };
+        lanes[lane]
+    }
+
     /// One lane in all of them.
     #[inline(always)]
     pub fn spread(&self, lane: usize) -> Self {
-        let lanes: &[f64; 4] = unsafe { &*std::ptr::from_ref(self).cast() };
-        Self::splat(lanes[lane])
+        Self::splat(self.lane(lane))
     }
 }
 

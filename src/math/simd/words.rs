@@ -45,6 +45,39 @@ impl U32x8 {
         Self(unsafe { _mm256_srli_epi32::<N>(self.0) })
     }
 
+    /// The words whose bits are set, the last first, and after them anything.
+    #[inline(always)]
+    pub fn backwards(self, which: u8) -> Self {
+        unsafe {
+            let order = _mm_loadl_epi64(ORDERS[usize::from(which)].as_ptr().cast());
+            Self(_mm256_permutevar8x32_epi32(self.0, _mm256_cvtepu8_epi32(order)))
+        }
+    }
+
+    /// Word j of vector i becomes word i of vector j: first within pairs of words, then of pairs, then of
+    /// halves.
+    #[inline(always)]
+    pub fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        unsafe {
+            let words = |i: usize, j: usize| {
+                let (a, b) = (rows[i].0, rows[j].0);
+                [_mm256_unpacklo_epi32(a, b), _mm256_unpackhi_epi32(a, b)]
+            };
+            let [low, high] = [0, 4].map(|i| [words(i, i + 1), words(i + 2, i + 3)]);
+            let pairs = |[a, b]: [[__m256i; 2]; 2], i: usize| {
+                [_mm256_unpacklo_epi64(a[i], b[i]), _mm256_unpackhi_epi64(a[i], b[i])]
+            };
+            std::array::from_fn(|j| {
+                let (a, b) = (pairs(low, j / 2 % 2)[j % 2], pairs(high, j / 2 % 2)[j % 2]);
+                Self(if j < 4 {
+                    _mm256_permute2x128_si256::<0x20>(a, b)
+                } else {
+                    _mm256_permute2x128_si256::<0x31>(a, b)
+                })
+            })
+        }
+    }
+
     /// Each word with its 32 bits in opposite order: nibbles by two tables, then the bytes of each word.
     #[inline(always)]
     pub fn reverse_bits(self) -> Self {
@@ -91,12 +124,42 @@ impl U32x8 {
         Self(self.0.map(|v| v >> N))
     }
 
+    /// The words whose bits are set, the last first, and after them anything.
+    #[inline(always)]
+    pub fn backwards(self, which: u8) -> Self {
+        Self(ORDERS[usize::from(which)].map(|word| self.0[usize::from(word)]))
+    }
+
+    /// Word j of vector i becomes word i of vector j.
+    #[inline(always)]
+    pub fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        std::array::from_fn(|j| Self(rows.map(|row| row.0[j])))
+    }
+
     /// Each word with its 32 bits in opposite order.
     #[inline(always)]
     pub fn reverse_bits(self) -> Self {
         Self(self.0.map(u32::reverse_bits))
     }
 }
+
+/// For each set of bits their numbers, the last first.
+static ORDERS: [[u8; 8]; 256] = {
+    let mut orders = [[0; 8]; 256];
+    let mut which = 0;
+    while which < 256 {
+        let (mut bit, mut at) = (8, 0);
+        while bit > 0 {
+            bit -= 1;
+            if which >> bit & 1 == 1 {
+                orders[which][at] = bit as u8;
+                at += 1;
+            }
+        }
+        which += 1;
+    }
+    orders
+};
 
 lanewise! { U32x8, "avx2":
     Add add _mm256_add_epi32 u32::wrapping_add;
@@ -127,6 +190,17 @@ mod tests {
             assert_eq!(y.right::<16>().to_array(), other.map(|v| v >> 16));
             assert_eq!(y.reverse_bits().to_array(), other.map(u32::reverse_bits));
             assert_eq!(U32x8::splat(other[0]).to_array(), [other[0]; 8]);
+        }
+        for which in 0..=u8::MAX {
+            let picked = U32x8::new(samples).backwards(which).to_array();
+            let expected: Vec<u32> =
+                (0..8).rev().filter(|bit| which >> bit & 1 == 1).map(|bit| samples[bit]).collect();
+            assert_eq!(picked[..expected.len()], expected);
+        }
+        let rows: [[u32; 8]; 8] = std::array::from_fn(|i| std::array::from_fn(|j| (8 * i + j) as u32));
+        let columns = U32x8::transpose(rows.map(U32x8::new)).map(U32x8::to_array);
+        for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
+            assert_eq!(columns[j][i], rows[i][j]);
         }
     }
 }

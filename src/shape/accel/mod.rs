@@ -18,6 +18,7 @@ mod node;
 mod packet;
 mod pages;
 mod patches;
+mod pile;
 mod shaft;
 mod space;
 mod spheres;
@@ -25,6 +26,7 @@ mod splits;
 mod stack;
 mod triangles;
 mod turns;
+mod waiting;
 mod walk;
 
 use super::{Cylinder, Hit};
@@ -36,11 +38,13 @@ use node::Node;
 use packet::Packet;
 use pages::Pages;
 use patches::Patches;
+use pile::Pile;
 pub use shaft::Shaft;
 use space::Space;
 use spheres::Spheres;
 use stack::Stack;
 use triangles::{Sheared, Triangles};
+use waiting::Waiting;
 use walk::{View, Walk};
 
 /// The leaf of a tree whose primitives are not all triangles.
@@ -160,7 +164,11 @@ impl Accel {
     fn search_all<const ANY: bool>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
         let in_packets = self.nodes.is_empty() && !(self.patches.is_empty() && self.spheres.is_empty());
         if self.take_turns(rays) {
-            return self.traverse_in_turns::<ANY>(rays, report);
+            return if ANY {
+                self.traverse_in_turns::<Pile>(rays, report)
+            } else {
+                self.traverse_in_turns::<Stack>(rays, report)
+            };
         }
         if !in_packets {
             for (i, ray) in rays.iter().enumerate() {
@@ -168,6 +176,7 @@ impl Accel {
             }
             return;
         }
+        let rest = !(self.cylinders.is_empty() && self.triangles.is_empty());
         for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
             let last = rays.len() - 1;
             let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
@@ -180,9 +189,11 @@ impl Accel {
                     block.intersect_packet(&mut packet);
                 }
             }
-            for (i, (ray, best)) in rays.iter().zip(packet.hits()).enumerate() {
-                let mut search = Search { ray, best };
-                self.try_rest::<ANY>(&mut search);
+            for (i, ray) in rays.iter().enumerate() {
+                let mut search = Search { ray, best: packet.hit(i) };
+                if rest {
+                    self.try_rest::<ANY>(&mut search);
+                }
                 report(group * Packet::WIDTH + i, search.found().then_some(search.best));
             }
         }
@@ -222,8 +233,10 @@ impl Accel {
     fn search<const ANY: bool>(&self, search: &mut Search) {
         if self.nodes.is_empty() {
             self.try_all::<ANY>(search);
+        } else if ANY {
+            self.traverse::<Pile>(search);
         } else {
-            self.traverse::<ANY>(search);
+            self.traverse::<Stack>(search);
         }
     }
 
@@ -270,11 +283,11 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn traverse<const ANY: bool>(&self, search: &mut Search) {
+    fn traverse<W: Waiting>(&self, search: &mut Search) {
         let view = View::new(self);
         let Some(mut walk) = Walk::new(self, *search) else { return };
-        let mut stack = Stack::new();
-        while walk.step::<ANY>(&view, &mut stack) {}
+        let mut waiting = W::new();
+        while walk.step(&view, &mut waiting) {}
         *search = walk.search;
     }
 

@@ -101,7 +101,7 @@ impl Node {
 
     /// Which boxes the ray enters (a bit each) and where.
     #[inline(always)]
-    pub fn intersect(&self, ray: &LocalRay) -> (u32, [f32; 8]) {
+    pub fn intersect(&self, ray: &LocalRay) -> (u32, F32x8) {
         let mut entry = F32x8::splat(0.0);
         let mut exit = F32x8::splat(ray.limit);
         for axis in 0..3 {
@@ -112,6 +112,6 @@ impl Node {
             entry = ((near - origin) * F32x8::splat(ray.inverse[axis])).max(entry);
             exit = ((far - origin) * F32x8::splat(ray.far_inverse[axis])).min(exit);
         }
-        (entry.at_most(exit), entry.to_array())
+        (entry.at_most(exit), entry)
     }
 }

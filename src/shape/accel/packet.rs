@@ -14,12 +14,15 @@ pub struct Packet {
     t: F64x4,
     u: F64x4,
     v: F64x4,
-    /// The primitive of the best hit; [`NOTHING`] where there is none.
+    /// The [`lane`](Packet::lane) of the best hit's primitive; [`NOTHING`] where there is none.
     primitive: F64x4,
 }
 
+/// Primitive n is lane 2⁵² + 1 + n: one more than its number is in the low bits.
+const NUMBERS: f64 = (1u64 << 52) as f64;
+
 /// Comes before every primitive: a hit at the very end of a ray does not win the tie against it.
-const NOTHING: f64 = -1.0;
+const NOTHING: f64 = NUMBERS;
 
 impl Packet {
     pub const WIDTH: usize = 4;
@@ -32,12 +35,18 @@ impl Packet {
             origin: [lanes(&|r| r.origin.x), lanes(&|r| r.origin.y), lanes(&|r| r.origin.z)],
             direction: [lanes(&|r| r.direction.x), lanes(&|r| r.direction.y), lanes(&|r| r.direction.z)],
             start: lanes(&|r| r.start),
-            from: lanes(&|r| f64::from(r.from)),
+            from: lanes(&|r| Self::lane(r.from)),
             t: lanes(&|r| r.end),
             u: zero,
             v: zero,
             primitive: F64x4::splat(NOTHING),
         }
+    }
+
+    /// A primitive's number as something to be compared.
+    #[inline(always)]
+    pub fn lane(primitive: u32) -> f64 {
+        NUMBERS + 1.0 + f64::from(primitive)
     }
 
     /// Which rays would look as far as `t`.
@@ -63,14 +72,12 @@ impl Packet {
         F64x4::splat(NOTHING).below(self.primitive).bits() == 0b1111
     }
 
-    /// The best hit of each ray; where there is none it lies at the ray's end.
+    /// The best hit of a ray; where there is none it lies at the ray's end.
     #[inline(always)]
-    pub fn hits(&self) -> [Hit; Self::WIDTH] {
-        let (t, u, v) = (self.t.to_array(), self.u.to_array(), self.v.to_array());
-        let primitive = self.primitive.to_array();
-        std::array::from_fn(|i| {
-            let primitive = if primitive[i] == NOTHING { Search::NONE } else { primitive[i] as u32 };
-            Hit { t: t[i], u: u[i], v: v[i], primitive }
-        })
+    pub fn hit(&self, ray: usize) -> Hit {
+        // One less than nothing is no primitive at all.
+        const { assert!(Search::NONE == 0u32.wrapping_sub(1)) };
+        let primitive = (self.primitive.lane(ray).to_bits() as u32).wrapping_sub(1);
+        Hit { t: self.t.lane(ray), u: self.u.lane(ray), v: self.v.lane(ray), primitive }
     }
 }

@@ -113,7 +113,7 @@ impl Patches {
             if packet.ahead(t).bits() == 0 {
                 continue;
             }
-            let primitive = F64x4::splat(f64::from(self.primitives[lane]));
+            let primitive = F64x4::splat(Packet::lane(self.primitives[lane]));
             let elsewhere = within.without(packet.from.equals(primitive));
             packet.offer(t, x, y, primitive, elsewhere);
         }

@@ -99,7 +99,7 @@ impl Spheres {
             }
             let centre = [0, 1, 2].map(|axis| self.centre[axis].spread(lane));
             let sphere = (centre, self.radius.spread(lane), self.radius2.spread(lane));
-            let primitive = F64x4::splat(f64::from(self.primitives[lane]));
+            let primitive = F64x4::splat(Packet::lane(self.primitives[lane]));
             let from = packet.from.equals(primitive);
             let crossing = cross(sphere, &packet.origin, &packet.direction, packet.start, from);
             let Some((t, met)) = crossing else { continue };

@@ -215,6 +215,33 @@ fn rays_together_meet_what_they_meet_alone() {
     }
 }
 
+/// Wherever a ray starts along its line, it meets what the line meets from there on.
+#[test]
+fn nothing_is_met_before_the_start() {
+    let mut rng = Pcg32::new(8, 8);
+    for shapes in [zoo(), room()] {
+        let accel = Accel::new(&shapes.iter().collect::<Vec<_>>());
+        let mut met = 0;
+        for _ in 0..2000 {
+            let line = Ray::free(direction(&mut rng) * 4.0, direction(&mut rng));
+            let mut hits = vec![];
+            let mut start = 0.0;
+            while let Some(hit) = accel.closest(&Ray { start, ..line }) {
+                assert!(hit.t > start, "{hit:?} from {start}");
+                hits.push(hit);
+                start = hit.t * (1.0 + 1e-9);
+            }
+            met += hits.len();
+            for (i, after) in hits.iter().enumerate().skip(1) {
+                let start = hits[i - 1].t + 0.5 * (after.t - hits[i - 1].t);
+                assert_eq!(accel.closest(&Ray { start, ..line }), Some(*after));
+                assert!(!accel.occluded(&Ray { start, end: start + 0.5 * (after.t - start), ..line }));
+            }
+        }
+        assert!(met > 100, "{met}");
+    }
+}
+
 #[test]
 fn rays_take_turns_where_most_is_far() {
     let scattered = |shapes: &[Geometry]| Accel::new(&shapes.iter().collect::<Vec<_>>()).scattered;

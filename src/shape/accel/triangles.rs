@@ -10,8 +10,8 @@ use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3Swizzles;
 
-/// A hit nearer than this part of what all triangles measure is looked at again: see [`Triangles::near`]. It
-/// leaves room for needles as long as that and as 2²⁶ widths.
+/// A hit no farther from the ray's start than this part of what all triangles measure is looked at again: see
+/// [`Triangles::near`]. It leaves room for needles as long as that and as 2²⁶ widths.
 pub const NEAR: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
@@ -19,8 +19,10 @@ pub struct Sheared {
     axes: [usize; 3],
     origin: [f64; 3],
     shear: [f64; 3],
+    /// What is nearer is before the ray's start.
+    least: f64,
     /// What is nearer is looked at again.
-    near: f64,
+    sure: f64,
 }
 
 impl Sheared {
@@ -42,7 +44,8 @@ impl Sheared {
             axes,
             origin: axes.map(|a| o[a]),
             shear: [d[axes[0]] * inverse, d[axes[1]] * inverse, inverse],
-            near,
+            least: ray.start - near,
+            sure: ray.start + near,
         }
     }
 }
@@ -90,7 +93,7 @@ impl Triangles {
         self.primitives.contains(&primitive)
     }
 
-    /// The distance of a triangle that is met next to the ray's origin, if rounding leaves no doubt that it
+    /// The distance of a triangle that is met next to the ray's start, if rounding leaves no doubt that it
     /// is beyond the ray's start.
     ///
     /// [`Self::intersect`]'s distance is a mean of those of the corners. If it is small beside them, its
@@ -133,7 +136,7 @@ impl Triangles {
         let determinant = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear[2] / determinant;
         // No area makes a NaN or an infinity, and neither comes before the best.
-        let ahead = F64x4::splat(-ray.near).below(t) & t.at_most(F64x4::splat(search.best.t));
+        let ahead = F64x4::splat(ray.least).below(t) & t.at_most(F64x4::splat(search.best.t));
         inside &= ahead.bits();
         if inside == 0 {
             return;
@@ -145,7 +148,7 @@ impl Triangles {
             if self.primitives[i] == search.ray.from || determinant[i] == 0.0 {
                 continue;
             }
-            let t = if t[i] < ray.near { self.near(i, search.ray) } else { Some(t[i]) };
+            let t = if t[i] < ray.sure { self.near(i, search.ray) } else { Some(t[i]) };
             if let Some(t) = t {
                 search.offer(t, v[i] / determinant[i], w[i] / determinant[i], self.primitives[i]);
             }

@@ -7,7 +7,7 @@
 //! by side and find what their neighbours have fetched.
 
 use super::node::Node;
-use super::stack::Stack;
+use super::waiting::Waiting;
 use super::walk::{View, Walk};
 use super::{Accel, Search};
 use crate::math::Ray;
@@ -44,7 +44,7 @@ impl Accel {
     }
 
     /// What each ray meets, in any order; bit for bit what it meets alone.
-    pub(super) fn traverse_in_turns<const ANY: bool>(
+    pub(super) fn traverse_in_turns<W: Waiting>(
         &self,
         rays: &[Ray],
         mut report: impl FnMut(usize, Option<Hit>),
@@ -60,17 +60,17 @@ impl Accel {
                 Some((number, walk?))
             })
         };
-        let mut stacks: [Stack; TURNS] = std::array::from_fn(|_| Stack::new());
+        let mut waiting: [W; TURNS] = std::array::from_fn(|_| W::new());
         let mut walks: [Option<(usize, Walk)>; TURNS] = std::array::from_fn(|_| begin(&mut report));
         let mut walking = walks.iter().flatten().count();
         while walking > 0 {
-            for (slot, stack) in walks.iter_mut().zip(&mut stacks) {
+            for (slot, waiting) in walks.iter_mut().zip(&mut waiting) {
                 let Some((number, walk)) = slot else { continue };
-                if walk.step::<ANY>(&view, stack) {
+                if walk.step(&view, waiting) {
                     walk.prefetch(&view);
                 } else {
                     report(*number, walk.search.found().then_some(walk.search.best));
-                    stack.clear();
+                    waiting.clear();
                     *slot = begin(&mut report);
                     walking -= usize::from(slot.is_none());
                 }

@@ -2,8 +2,8 @@
 
 use super::node::{Node, NodeRef, Target};
 use super::space::LocalRay;
-use super::stack::Stack;
 use super::triangles::{Sheared, Triangles};
+use super::waiting::Waiting;
 use super::{Accel, Search};
 
 /// What a walk looks at.
@@ -20,14 +20,14 @@ impl<'a> View<'a> {
     }
 }
 
-/// A ray in the middle of the tree, without the stack: what is indexed cannot be held in registers, nor what
+/// A ray in the middle of the tree, without what waits: what is indexed cannot be held in registers, nor what
 /// is in one structure with it.
 pub struct Walk<'a> {
     pub search: Search<'a>,
     local: LocalRay,
     sheared: Sheared,
     next: NodeRef,
-    /// How many nodes wait on the stack.
+    /// How many nodes wait at hand.
     waiting: usize,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Walk<'a> {
 
     /// Looks at one node or leaf; false where there is no more to see.
     #[inline(always)]
-    pub fn step<const ANY: bool>(&mut self, view: &View, stack: &mut Stack) -> bool {
+    pub fn step<W: Waiting>(&mut self, view: &View, waiting: &mut W) -> bool {
         let best = self.search.best.t;
         match self.next.target() {
             Target::Node(index) => {
@@ -56,23 +56,27 @@ impl<'a> Walk<'a> {
                 let (hits, entries) = node.intersect(&self.local);
                 if hits != 0 {
                     let coming = |child: NodeRef| child.prefetch(view);
-                    self.next = stack.enter::<ANY>(&mut self.waiting, hits, &entries, &node.children, coming);
+                    self.next = waiting.enter(&mut self.waiting, hits, entries, &node.children, coming);
                     return true;
                 }
             }
             Target::Triangles(index) => view.triangles[index].intersect(&self.sheared, &mut self.search),
             Target::Mixed(index) => {
                 let mixed = &view.accel.mixed[index];
-                view.accel.intersect_mixed::<ANY>(mixed, &self.sheared, &mut self.search);
+                if W::ANY {
+                    view.accel.intersect_mixed::<true>(mixed, &self.sheared, &mut self.search);
+                } else {
+                    view.accel.intersect_mixed::<false>(mixed, &self.sheared, &mut self.search);
+                }
             }
         }
-        if ANY && self.search.found() {
+        if W::ANY && self.search.found() {
             return false;
         }
         if self.search.best.t < best {
             self.local.shorten(&view.accel.space, self.search.best.t);
         }
-        match stack.pop(&mut self.waiting, self.local.limit) {
+        match waiting.pop(&mut self.waiting, self.local.limit) {
             Some(node) => {
                 self.next = node;
                 true
