@@ -43,7 +43,7 @@ impl Material for Conductor {
     }
 
     fn traits(&self) -> Traits {
-        Traits { textured: self.metal.varies(), mirrors: true, ..Traits::default() }
+        Traits { one_lobe: true, textured: self.metal.varies(), mirrors: true, ..Traits::default() }
     }
 }
 

@@ -94,6 +94,40 @@ fn opaque_materials_gather_light_from_one_side() {
     });
 }
 
+#[test]
+fn materials_of_one_lobe_do_not_choose() {
+    let mut count = 0;
+    each(|name, bsdf, material, _| {
+        if !material.traits().one_lobe {
+            return;
+        }
+        count += 1;
+        let sample = |wo, lobe, u| bsdf.sample(wo, lobe, u).map(|s| (s.wi, s.weight.0, s.pdf));
+        for wo in views() {
+            for (lobe, u) in grid(6, 8) {
+                assert_eq!(sample(wo, lobe, u), sample(wo, 0.0, u), "{name}");
+            }
+        }
+    });
+    assert!(count > 0);
+}
+
+/// What has no density anywhere is given the number of the lobe in place of the direction's.
+#[test]
+fn materials_without_density_draw_no_direction() {
+    each(|name, bsdf, material, _| {
+        if material.traits().smooth {
+            return;
+        }
+        let sample = |wo, lobe, u| bsdf.sample(wo, lobe, u).map(|s| (s.wi, s.weight.0, s.pdf));
+        for wo in views() {
+            for (lobe, u) in grid(6, 8) {
+                assert_eq!(sample(wo, lobe, u), sample(wo, lobe, DVec2::ZERO), "{name}");
+            }
+        }
+    });
+}
+
 /// The density has the mass and the first moments of the samples.
 #[test]
 fn densities_are_those_of_the_samples() {

@@ -49,7 +49,7 @@ impl Material for Diffuse {
     }
 
     fn traits(&self) -> Traits {
-        Traits { smooth: true, textured: self.reflectance.varies(), ..Traits::default() }
+        Traits { smooth: true, one_lobe: true, textured: self.reflectance.varies(), ..Traits::default() }
     }
 }
 

@@ -81,6 +81,8 @@ pub struct Traits {
     pub textured: bool,
     /// Refraction may separate the wavelengths.
     pub dispersive: bool,
+    /// Samples do not depend on the number that chooses between lobes.
+    pub one_lobe: bool,
     /// All that it does is to reflect, in the frame that it is given and with a density.
     pub rough: bool,
     /// Lets light through.
@@ -114,6 +116,7 @@ impl Traits {
             anisotropic: self.anisotropic || other.anisotropic,
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
+            one_lobe: self.one_lobe && other.one_lobe,
             rough: self.rough && other.rough,
             transmits: self.transmits || other.transmits,
             glossy: self.glossy || other.glossy,

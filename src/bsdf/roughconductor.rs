@@ -63,6 +63,7 @@ impl Material for RoughConductor {
     fn traits(&self) -> Traits {
         Traits {
             smooth: true,
+            one_lobe: true,
             rough: true,
             glossy: self.roughness.narrow(),
             anisotropic: self.roughness.anisotropic(),

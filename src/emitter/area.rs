@@ -64,7 +64,7 @@ impl Area {
             return None;
         }
         let distance = free_way(d, position_error(p) + chosen.error);
-        let radiance = self.radiance.eval(chosen.uv, λ);
+        let radiance = self.radiance.eval_light(chosen.uv, λ);
         Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false, n: chosen.n })
     }
 

@@ -168,8 +168,10 @@ impl<'a> Camera<'a> {
         let (mut paths, mut weights) = (Vec::with_capacity(which.len()), Vec::with_capacity(which.len()));
         let groups = self.groups(which);
         let mut numbers = ManyNumbers::<8>::default();
+        // Places, wavelengths, lens.
+        let pairs = if self.scene.sensor.camera.has_lens() { 3 } else { 2 };
         for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
-            numbers.fill(which.len(), |i| (&samplers[i], CAMERA));
+            numbers.fill(which.len(), pairs, |i| (&samplers[i], CAMERA));
             for (i, (&(pixel, _), sampler)) in which.iter().zip(samplers).enumerate() {
                 let (path, weight) = self.path(pixel, *sampler, numbers.of(i), groups.get(first + i));
                 paths.push(path);
@@ -198,7 +200,7 @@ impl<'a> Camera<'a> {
                 _ => {
                     let sampler = Sampler::new(kind, self.seed, group.corner(), sample as u32);
                     let number = last.map_or(0, |(_, number, _)| number + 1);
-                    (number, self.wavelengths(sampler.block(CAMERA).one(4)))
+                    (number, self.wavelengths(sampler.block(CAMERA).one(2)))
                 }
             };
             last = Some((group, number, λ));
@@ -227,8 +229,8 @@ impl<'a> Camera<'a> {
         let film = &self.scene.sensor.film;
         let (place, weight) = film.place(pixel, u.pair(0));
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
-        let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.one(4))));
-        let ray = self.scene.sensor.camera.ray(place, u.pair(1));
+        let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.one(2))));
+        let ray = self.scene.sensor.camera.ray(place, u.pair(2));
         (CameraPath { ray, λ, sampler, group, radiance: Spectrum::ZERO, covered: false }, weight)
     }
 }

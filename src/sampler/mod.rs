@@ -87,6 +87,9 @@ const EMITTER_SAMPLES: u32 = 1 << 30;
 /// The blocks of light paths for groups of pixels begin here.
 pub const LIGHT_SOURCES: u32 = 1 << 28;
 
+/// How many pairs of numbers a block has.
+pub const PAIRS: usize = 4;
+
 /// The blocks of guided emitter samples begin here.
 pub const GUIDED: u32 = 1 << 29;
 
@@ -141,26 +144,27 @@ impl Sampler {
     #[inline]
     pub fn block(&self, block: u32) -> Numbers {
         let mut many = ManyNumbers::<8>::default();
-        many.fill(1, |_| (self, block));
+        many.fill(1, PAIRS, |_| (self, block));
         many.of(0)
     }
 }
 
 /// The numbers of a block for each of up to `N` samples, `N` a multiple of eight.
 #[derive(Clone, Debug)]
-pub struct ManyNumbers<const N: usize>([[u32; N]; 8]);
+pub struct ManyNumbers<const N: usize>([Numbers; N]);
 
 impl<const N: usize> Default for ManyNumbers<N> {
     fn default() -> Self {
-        Self([[0; N]; 8])
+        Self([Numbers::default(); N])
     }
 }
 
 impl<const N: usize> ManyNumbers<N> {
     /// Fills the first `count` from the sampler and the block that `of` names for each, all samplers of one
-    /// kind: eight at a time cost little more than one.
+    /// kind: eight at a time cost little more than one. Only the first so many pairs of each are made, for
+    /// making them takes longer than anything that is done with them; the others are zero.
     #[inline]
-    pub fn fill<'a>(&mut self, count: usize, of: impl Fn(usize) -> (&'a Sampler, u32)) {
+    pub fn fill<'a>(&mut self, count: usize, pairs: usize, of: impl Fn(usize) -> (&'a Sampler, u32)) {
         for first in (0..count).step_by(8) {
             let (mut keys, mut samples, mut blocks) = ([0; 8], [0; 8], [0; 8]);
             let mut kind = Kind::Sobol;
@@ -171,19 +175,18 @@ impl<const N: usize> ManyNumbers<N> {
             }
             let words = [keys, samples, blocks].map(U32x8::new);
             let dimensions = match kind {
-                Kind::Independent => independent::blocks(words[0], words[1], words[2]),
-                Kind::Sobol => sobol::blocks(words[0], words[1], words[2]),
+                Kind::Independent => independent::blocks(words[0], words[1], words[2], pairs),
+                Kind::Sobol => sobol::blocks(words[0], words[1], words[2], pairs),
             };
-            for (row, words) in self.0.iter_mut().zip(dimensions) {
-                row[first..first + 8].copy_from_slice(&words.to_array());
-            }
+            let samples = U32x8::transpose(dimensions).map(|words| Numbers(words.to_array()));
+            self.0[first..first + 8].copy_from_slice(&samples);
         }
     }
 
     /// The numbers of sample `i`.
     #[inline(always)]
     pub fn of(&self, i: usize) -> Numbers {
-        Numbers(std::array::from_fn(|dimension| self.0[dimension][i]))
+        self.0[i]
     }
 }
 

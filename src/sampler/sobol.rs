@@ -7,14 +7,17 @@
 use super::mix;
 use crate::math::simd::U32x8;
 
-/// Eight numbers of 32 bits, four pairs, for each of eight samples.
+/// The first so many pairs of numbers of 32 bits, for each of eight samples; of the others nothing.
 #[inline]
-pub fn blocks(keys: U32x8, samples: U32x8, blocks: U32x8) -> [U32x8; 8] {
+pub fn blocks(keys: U32x8, samples: U32x8, blocks: U32x8, pairs: usize) -> [U32x8; 8] {
     let key = mix(keys ^ (blocks * U32x8::splat(0x9e37_79b9)));
     let seed = |i: u32| mix(key + U32x8::splat(i.wrapping_mul(0x85eb_ca6b)));
     let reversed_index = samples.reverse_bits();
-    let mut numbers = [key; 8];
+    let mut numbers = [U32x8::splat(0); 8];
     for pair in 0..4 {
+        if pair as usize >= pairs {
+            break;
+        }
         // The index with its order shuffled, bits reversed: already the first Sobol coordinate.
         let x = scramble(reversed_index, seed(pair));
         let (first, second) = (x.reverse_bits(), second_dimension(x).reverse_bits());
@@ -58,7 +61,7 @@ mod tests {
                 for (start, log) in [(0u32, 4), (16, 4), (64, 6), (1 << 20, 8)] {
                     let points: Vec<(u32, u32)> = (start..start + (1 << log))
                         .map(|s| {
-                            let b = blocks(U32x8::splat(key), U32x8::splat(s), U32x8::splat(3));
+                            let b = blocks(U32x8::splat(key), U32x8::splat(s), U32x8::splat(3), 4);
                             (b[2 * pair].to_array()[0], b[2 * pair + 1].to_array()[0])
                         })
                         .collect();
@@ -78,7 +81,7 @@ mod tests {
 
     /// Numbers of dimension `d`, of 2³² parts, of samples 0 to `count`.
     fn numbers(key: u32, d: usize, count: u32) -> Vec<u32> {
-        let number = |s| blocks(U32x8::splat(key), U32x8::splat(s), U32x8::splat(3))[d].to_array()[0];
+        let number = |s| blocks(U32x8::splat(key), U32x8::splat(s), U32x8::splat(3), 4)[d].to_array()[0];
         (0..count).map(number).collect()
     }
 

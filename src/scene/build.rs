@@ -9,6 +9,7 @@ use super::params::Usage;
 use super::registry::construct;
 use super::xml::{self, Document};
 use super::{Features, Overrides, Scene, overrides};
+use crate::bsdf::Traits;
 use crate::emitter::Emitters;
 use crate::film::FILMS;
 use crate::film::filter::FILTERS;
@@ -120,6 +121,8 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     };
     let hash = hash(document, &loader, mode)?;
     let features = features(&objects, &integrator);
+    let choosing = |traits: Traits| traits.smooth && !traits.one_lobe;
+    let several_lobes = objects.materials.iter().any(|material| choosing(material.traits()));
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
     let accel = Accel::with_instances(&geometries, objects.instances.trees());
     let (lo, hi) = accel.bounds();
@@ -149,6 +152,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         guide: None,
         mode,
         features,
+        several_lobes,
         hash,
         files: [&document.files[..], &loader.files()].concat(),
     };

@@ -125,6 +125,8 @@ pub struct Scene {
     pub mode: ColorMode,
     /// What the scene uses; decides which kernel runs.
     pub features: Features,
+    /// Some material that emitters are sampled for has several lobes.
+    pub several_lobes: bool,
     /// A hash of the scene file with all it refers to, as 32 hexadecimal digits.
     pub hash: String,
 }

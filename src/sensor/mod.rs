@@ -82,6 +82,14 @@ impl AnySensor {
         }
     }
 
+    /// Whether the place on the lens matters.
+    pub fn has_lens(&self) -> bool {
+        match self {
+            Self::ThinLens(_) => true,
+            Self::Perspective(_) | Self::Orthographic(_) => false,
+        }
+    }
+
     /// How a point in the world is seen through a place on the unit square of the lens, if nothing is in the
     /// way. `None` for what lies behind the camera or beyond its clipping distances.
     pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {

@@ -39,6 +39,15 @@ impl SpectralFunction {
         }
     }
 
+    /// [`SpectralFunction::eval`] of light, which is usually made from RGB.
+    #[inline]
+    pub fn eval_light(&self, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Illuminant { scale, color } => illuminant(*scale, color, λ),
+            _ => self.eval_others(λ),
+        }
+    }
+
     /// [`SpectralFunction::eval`] of what is no common reflectance, out of its way.
     #[inline(never)]
     fn eval_others(&self, λ: &Wavelengths) -> Spectrum {
@@ -48,10 +57,7 @@ impl SpectralFunction {
                 let color = color.eval_lanes(&λ.nm);
                 Spectrum::from_fn(|i| scale * color[i])
             }
-            Self::Illuminant { scale, color } => {
-                let color = color.eval_lanes(&λ.nm);
-                Spectrum::from_fn(|i| scale * color[i] * λ.d65[i])
-            }
+            Self::Illuminant { scale, color } => illuminant(*scale, color, λ),
             Self::Table(table) => Spectrum::from_fn(|i| table.eval(λ.nm[i])),
             Self::TableUnderD65 { scale, table } => {
                 Spectrum::from_fn(|i| scale * table.eval(λ.nm[i]) * λ.d65[i])
@@ -89,6 +95,12 @@ impl SpectralFunction {
             }
         }
     }
+}
+
+#[inline(always)]
+fn illuminant(scale: f32, color: &Sigmoid, λ: &Wavelengths) -> Spectrum {
+    let color = color.eval_lanes(&λ.nm);
+    Spectrum::from_fn(|i| scale * color[i] * λ.d65[i])
 }
 
 /// The mean of an estimate over 128 wavelengths, evenly spaced in the visible range.

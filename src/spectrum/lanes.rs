@@ -57,7 +57,8 @@ impl Spectrum {
 
     #[inline(always)]
     pub fn is_zero(self) -> bool {
-        self.0.iter().all(|&v| v == 0.0)
+        // Without the sign, one test of all bits.
+        self.0.iter().fold(0, |bits, v| bits | v.to_bits() << 1) == 0
     }
 
     #[inline(always)]

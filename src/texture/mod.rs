@@ -75,6 +75,15 @@ impl AnyTexture {
         }
     }
 
+    /// [`AnyTexture::eval`] of light.
+    #[inline]
+    pub fn eval_light(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Constant(function) => function.eval_light(λ),
+            _ => self.eval_at(uv, λ),
+        }
+    }
+
     /// [`AnyTexture::eval`] of what varies, out of the way of scenes where nothing does.
     #[inline(never)]
     fn eval_at(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {

@@ -5,7 +5,7 @@ use super::light_path::{LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::path::MAX_VERTICES;
 use crate::math::Ray;
-use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, ManyNumbers, Sampler};
+use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, ManyNumbers, PAIRS, Sampler};
 use crate::scene::Scene;
 use crate::shape::Hit;
 use crate::spectrum::Wavelengths;
@@ -64,7 +64,7 @@ impl Caustics {
         counters: &mut Counters,
     ) {
         let count = samplers.len();
-        numbers.fill(count, |i| (&samplers[i], CAMERA));
+        numbers.fill(count, PAIRS, |i| (&samplers[i], CAMERA));
         let begin = |i: usize| {
             let u = numbers.of(i);
             Some((i, LightPath::begin(self, scene, u, wavelengths(u.one(4)))?))
@@ -82,7 +82,7 @@ impl Caustics {
             }
             counters.rays += rays.len() as u64;
             scene.accel.closest_all(rays, hits);
-            numbers.fill(alive.len(), |i| (&samplers[paths[alive[i]].0], FIRST_VERTEX - 1 + edges));
+            numbers.fill(alive.len(), PAIRS, |i| (&samplers[paths[alive[i]].0], FIRST_VERTEX - 1 + edges));
             let mut kept = 0;
             for i in 0..alive.len() {
                 let Some(hit) = hits[i] else { continue };

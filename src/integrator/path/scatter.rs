@@ -148,7 +148,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             let sum = if casts_to_all { &mut shared.radiance } else { &mut path.radiance };
             *sum += throughput * found;
         }
-        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1));
+        // Where no direction has a density none is drawn.
+        let lobe = if side.traits.smooth { u.one(5) } else { u.one(2) };
+        let sample = bsdf.sample(vertex.wo, lobe, u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
         if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.light_ratio > 0.0 {

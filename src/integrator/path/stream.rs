@@ -7,7 +7,7 @@ use super::vertex::Arrival;
 use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
-use crate::sampler::{FIRST_VERTEX, ManyNumbers};
+use crate::sampler::{FIRST_VERTEX, ManyNumbers, PAIRS};
 use crate::scene::{Features, Scene};
 use crate::shape::Hit;
 use crate::spectrum::Spectrum;
@@ -112,6 +112,19 @@ impl Path {
         }
     }
 
+    /// How many pairs of numbers [`Scatter`](super::scatter::Scatter) needs at vertices with at most so many
+    /// edges behind them: for a place on an emitter and a direction; for a choice between emitters and one
+    /// between lobes; for roulette and a choice between ways through glass.
+    fn pairs(&self, scene: &Scene, edges: u32) -> usize {
+        if edges >= self.rr_depth || scene.links.is_some() {
+            PAIRS
+        } else if scene.emitters.list.len() > 1 || scene.several_lobes {
+            3
+        } else {
+            2
+        }
+    }
+
     fn trace_stream<const F: u32>(
         &self,
         scene: &Scene,
@@ -137,12 +150,16 @@ impl Path {
         let surrounded = !self.hide_emitters && scene.emitters.environment.is_some();
         paths.iter_mut().for_each(|path| path.covered = surrounded);
         hits.resize(paths.len(), None);
-        while !alive.is_empty() {
+        for edges in 1.. {
             let count = alive.len();
+            if count == 0 {
+                break;
+            }
             counters.rays += count as u64;
             scene.accel.closest_all(rays, hits);
             scene.prefetch_surfaces(&hits[..count]);
-            numbers.fill(count, |i| (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth));
+            let sampler = |i: usize| (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth);
+            numbers.fill(count, self.pairs(scene, edges), sampler);
             let mut kept = 0;
             for i in 0..count {
                 let index = alive[i];

@@ -12,7 +12,7 @@ use crate::emitter::{EmitterPoint, Emitters};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::math::DVec3;
-use crate::sampler::{ManyNumbers, Sampler};
+use crate::sampler::{ManyNumbers, PAIRS, Sampler};
 use crate::scene::{Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -79,7 +79,7 @@ impl LightSources {
                 rays.extend(paths.iter().map(|path| path.ray));
                 counters.rays += rays.len() as u64;
                 scene.accel.closest_all(&rays, &mut hits);
-                numbers.fill(alive, |i| paths[i].numbers(edges));
+                numbers.fill(alive, PAIRS, |i| paths[i].numbers(edges));
                 alive = 0;
                 for i in 0..paths.len() {
                     let Some(hit) = hits[i] else { continue };
