@@ -1,9 +1,11 @@
-"""Paths per second of Etalon and Mitsuba 3 side by side: A B A B on one scene, median of pairs.
+"""Paths per second of Etalon and Mitsuba 3 side by side: A B A B on each scene, median of pairs.
 
-    python3 benches/peers.py [SCENE.xml] [--spp N] [--pairs K] [--size WxH]
+    python3 benches/peers.py [SCENE.xml]... [--spp N] [--pairs K] [--size WxH]
 
 Needs `pip install mitsuba` and, for the llvm variants, a libLLVM; a variant that cannot run is reported as missing.
-Start-up and scene loading are left out on both sides. Writes a Markdown table to standard output.
+Start-up and scene loading are left out on both sides. Writes a Markdown table to standard output. Without scenes: mirror
+and glass, a textured interior, glass, rough metals, and, once `cargo run --release --example convergence_scenes` has made
+them, two million triangles.
 """
 
 import argparse
@@ -52,29 +54,42 @@ class Mitsuba:
         return time.perf_counter() - start
 
 
+VARIANTS = ["scalar_spectral", "llvm_ad_spectral", "scalar_rgb", "llvm_ad_rgb"]
+SCENES = ["cornell-spheres", "convergence/interior", "convergence/inside-glass", "cornell-glossy", "convergence/sunny-urchins"]
+
+
+def measure(scene, variant, spp, size, pairs):
+    """Million paths a second of both, and the median of their ratios; or what is missing."""
+    color = "spectral" if variant.endswith("spectral") else "rgb"
+    try:
+        peer = Mitsuba(variant, scene, spp, size)
+    except Exception as error:
+        return str(error).splitlines()[0]
+    seconds = [(peer.render(), etalon(scene, spp, color, size)) for _ in range(pairs)]
+    theirs, ours = (statistics.median(column) for column in zip(*seconds))
+    samples = size[0] * size[1] * spp / 1e6
+    return samples / theirs, samples / ours, statistics.median(a / b for a, b in seconds)
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scene", nargs="?", default=os.path.join(HERE, "..", "scenes", "cornell-spheres.xml"))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", default=[os.path.join(HERE, "..", "scenes", f"{name}.xml") for name in SCENES])
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--pairs", type=int, default=5)
     parser.add_argument("--size", default="480x360")
     arguments = parser.parse_args()
     size = tuple(map(int, arguments.size.split("x")))
-    samples = size[0] * size[1] * arguments.spp / 1e6
-    print(f"{os.path.basename(arguments.scene)}, {arguments.size}, {arguments.spp} spp, {arguments.pairs} pairs\n")
-    print("| | million paths/s | Etalon, same colour mode | ratio |\n|---|--:|--:|--:|")
-    for variant in ["scalar_spectral", "llvm_ad_spectral", "scalar_rgb", "llvm_ad_rgb"]:
-        color = "spectral" if variant.endswith("spectral") else "rgb"
-        try:
-            peer = Mitsuba(variant, arguments.scene, arguments.spp, size)
-        except Exception as error:
-            print(f"| Mitsuba {variant} | missing: {str(error).splitlines()[0]} | | |")
-            continue
-        pairs = [(peer.render(), etalon(arguments.scene, arguments.spp, color, size)) for _ in range(arguments.pairs)]
-        theirs, ours = (statistics.median(column) for column in zip(*pairs))
-        ratio = statistics.median(a / b for a, b in pairs)
-        print(f"| Mitsuba {variant} | {samples / theirs:.2f} | {samples / ours:.2f} | {ratio:.2f} |")
-        sys.stdout.flush()
+    print(f"{arguments.size}, {arguments.spp} spp, {arguments.pairs} pairs\n")
+    print("| scene | Mitsuba | million paths/s | Etalon, same colour mode | ratio |\n|---|---|--:|--:|--:|")
+    for scene in arguments.scenes:
+        name = os.path.splitext(os.path.basename(scene))[0]
+        for variant in VARIANTS:
+            found = measure(scene, variant, arguments.spp, size, arguments.pairs)
+            if isinstance(found, str):
+                print(f"| {name} | {variant} | missing: {found} | | |")
+            else:
+                print(f"| {name} | {variant} | {found[0]:.2f} | {found[1]:.2f} | {found[2]:.2f} |")
+            sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -36,7 +36,11 @@ impl Arguments {
             "shapes": scene.shapes.len(),
             "instances": scene.instances.len(),
             "primitives": scene.accel.primitives(),
-            "search": if scene.accel.node_count() == 0 { "none: every block is tried" } else { "tree of eight-wide nodes" },
+            "search": match (scene.accel.node_count(), scene.accel.tries_beside_tree()) {
+                (0, _) => "none: every block is tried",
+                (_, true) => "tree of eight-wide nodes; patches and spheres are tried",
+                (_, false) => "tree of eight-wide nodes",
+            },
             "nodes": scene.accel.node_count(),
             "geometry_bytes": scene.geometry_bytes(),
             "materials": materials,

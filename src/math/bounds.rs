@@ -1,6 +1,7 @@
 //! Boxes along the axes, by their corners.
 
 use super::DVec3;
+use glam::BVec3;
 
 /// The corner with the least and that with the greatest coordinates.
 pub type Bounds = (DVec3, DVec3);
@@ -20,6 +21,12 @@ pub fn union(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
+/// All eight corners.
+pub fn corners((lo, hi): Bounds) -> [DVec3; 8] {
+    [0, 1, 2, 3, 4, 5, 6, 7]
+        .map(|i: u32| DVec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), hi, lo))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -32,5 +39,7 @@ mod tests {
         assert_eq!(around(points), (DVec3::new(-1.0, -2.0, 0.0), DVec3::new(1.0, 5.0, 3.0)));
         assert_eq!(union(first, rest), around(points));
         assert_eq!(union(NOTHING, rest), rest);
+        assert_eq!(around(corners(rest)), rest);
+        assert!((0..8).all(|i| (0..i).all(|j| corners(rest)[i] != corners(rest)[j])));
     }
 }

@@ -20,13 +20,13 @@ mod serialized;
 mod shapegroup;
 mod sphere;
 
+use crate::math::bounds::corners;
 use crate::math::cone::Cone;
 use crate::math::{Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
 pub use cylinder::Cylinder;
-use glam::BVec3;
 pub use mesh::Mesh;
 pub use patch::Patch;
 pub use sphere::Sphere;
@@ -220,11 +220,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
             Self::Patch(patch) => patch.corners().to_vec(),
-            Self::Sphere(_) | Self::Cylinder(_) => {
-                let (lo, hi) = self.bounds();
-                let corner = |i: u32| DVec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), hi, lo);
-                (0..8).map(corner).collect()
-            }
+            Self::Sphere(_) | Self::Cylinder(_) => corners(self.bounds()).to_vec(),
         }
     }
 

@@ -15,8 +15,8 @@ use super::spheres::Spheres;
 use super::splits::pieces;
 use super::triangles::{NEAR, Triangles};
 use super::turns::is_scattered;
-use super::{Accel, Instance, Mixed};
-use crate::math::bounds::{NOTHING, union};
+use super::{Accel, Instance, Mixed, Tried};
+use crate::math::bounds::{NOTHING, corners, union};
 use crate::math::ray::position_error;
 use crate::math::{DVec3, length};
 use crate::shape::{Geometry, Patch};
@@ -26,8 +26,18 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Up to this many blocks are faster tried than searched.
-const FEW: usize = 10;
+/// What is faster tried than searched.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    /// Blocks in a scene that has no tree,
+    pub all: usize,
+    /// of which so many of triangles.
+    pub triangles: usize,
+    /// Blocks of patches and spheres beside a tree.
+    pub beside: usize,
+}
+
+const FEW: Limits = Limits { all: 10, triangles: 6, beside: 4 };
 
 /// With more items leaves are filled while the tree grows: half the memory, and no ray notices. Fewer are
 /// left to the plan, which is better where kinds of shapes meet.
@@ -54,24 +64,33 @@ impl Accel {
 
     /// The same, with instances of other trees; their primitives come after those of the shapes. All together
     /// must be fewer than [`Ray::FREE`](crate::math::Ray::FREE).
-    pub fn with_instances(shapes: &[&Geometry], mut instances: Vec<Instance>) -> Self {
-        let count =
-            shapes.iter().map(|geometry| geometry.primitives() as usize).sum::<usize>() + instances.len();
-        let mut items = Vec::with_capacity(count);
+    pub fn with_instances(shapes: &[&Geometry], instances: Vec<Instance>) -> Self {
+        Self::limited(shapes, instances, FEW)
+    }
+
+    pub(super) fn limited(shapes: &[&Geometry], mut instances: Vec<Instance>, limits: Limits) -> Self {
+        let plan = Trying::decide(shapes, &instances, limits);
+        let (mut items, mut tried): (Vec<Item>, [Vec<Item>; 5]) = Default::default();
+        items.reserve_exact(shapes.iter().map(|shape| shape.primitives() as usize).sum::<usize>());
         let mut bounds = NOTHING;
+        let mut primitives = 0;
         for (shape, geometry) in shapes.iter().enumerate() {
             bounds = union(bounds, geometry.bounds());
+            let list = match plan.kind(shapes, shape) {
+                Some(kind) => &mut tried[kind as usize],
+                None => &mut items,
+            };
             for local in 0..geometry.primitives() {
-                items.push(Item { shape: shape as u32, local, primitive: items.len() as u32 });
+                list.push(Item { shape: shape as u32, local, primitive: primitives });
+                primitives += 1;
             }
         }
-        let mut primitives = items.len() as u32;
         for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
             bounds = union(bounds, instance.bounds());
             items.push(Item { shape: (shapes.len() + i) as u32, local: 0, primitive: primitives });
             primitives = instance.number(primitives);
         }
-        let space = if items.is_empty() {
+        let space = if primitives == 0 {
             Space::new(DVec3::ZERO, DVec3::ZERO)
         } else {
             Space::new(bounds.0, bounds.1)
@@ -82,42 +101,18 @@ impl Accel {
             scattered: false,
             triangles: Pages::zeroed(0),
             patches: vec![],
-            inner_patches: 0,
             spheres: vec![],
             cylinders: vec![],
             mixed: vec![],
-            few: Few::default(),
+            tried: Tried::default(),
             instances,
             primitives,
             bounds,
             near: NEAR * (bounds.1 - bounds.0).max_element(),
         };
-        // Sorted by kind, so that blocks are full.
-        let kind = |item: &Item| match shapes[item.shape as usize] {
-            Geometry::Mesh(_) => 0,
-            Geometry::Patch(_) => 1,
-            Geometry::Sphere(_) => 2,
-            Geometry::Cylinder(_) => 3,
-        };
-        let of_kind = |k: i32| items.iter().filter(|i| kind(i) == k).copied().collect::<Vec<Item>>();
-        if accel.instances.is_empty() && items.len() <= 4 * FEW {
-            let [triangles, patches, spheres, cylinders] = [0, 1, 2, 3].map(of_kind);
-            let (outer, inner) = patches.iter().partition(|patch| is_outer(shapes, patch.shape as usize));
-            let kinds: [Vec<Item>; 5] = [inner, outer, triangles, spheres, cylinders];
-            if kinds.iter().map(|items| items.len().div_ceil(4)).sum::<usize>() <= FEW {
-                accel.triangles = Pages::zeroed(kinds[2].len().div_ceil(4));
-                for (block, items) in accel.triangles.iter_mut().zip(kinds[2].chunks(4)) {
-                    *block = triangles_of(shapes, items.iter().copied());
-                }
-                for (i, kind) in kinds.iter().enumerate() {
-                    kind.chunks(4).filter(|_| i != 2).for_each(|block| {
-                        accel.add(shapes, block.iter().copied(), None);
-                    });
-                }
-                accel.inner_patches = kinds[0].len().div_ceil(4);
-                accel.few = accel.few(shapes, &items);
-                return accel;
-            }
+        accel.keep(shapes, &tried);
+        if items.is_empty() {
+            return accel;
         }
         let mut boxes: Vec<Aabb> = items.par_iter().map(|item| accel.box_of(shapes, item)).collect();
         let whose = accel.split(shapes, &items, &mut boxes);
@@ -142,6 +137,29 @@ impl Accel {
         });
         accel.arrange(shapes, &items, &plan);
         accel
+    }
+
+    /// Stores what is simply tried, by kind, so that blocks are full.
+    fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; 5]) {
+        for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Sphere, Kind::Cylinder] {
+            for block in tried[kind as usize].chunks(4) {
+                self.add(shapes, block.iter().copied(), None);
+            }
+        }
+        let triangles = &tried[Kind::Triangle as usize];
+        self.triangles = Pages::zeroed(triangles.len().div_ceil(4));
+        for (block, items) in self.triangles.iter_mut().zip(triangles.chunks(4)) {
+            *block = triangles_of(shapes, items.iter().copied());
+        }
+        self.tried = Tried {
+            inner_patches: tried[Kind::InnerPatch as usize].len().div_ceil(4),
+            patches: self.patches.len(),
+            spheres: self.spheres.len(),
+            cylinders: self.cylinders.len(),
+            triangles: self.triangles.len(),
+            few: self.few(shapes, &tried.concat()),
+        };
+        self.mixed.clear();
     }
 
     /// Boxes and planes of primitives that are simply tried.
@@ -269,11 +287,84 @@ fn triangles_of(shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> 
     block
 }
 
+/// What is tried together.
+#[derive(Clone, Copy)]
+enum Kind {
+    InnerPatch,
+    /// Everything lies on one side of it.
+    OuterPatch,
+    Sphere,
+    Cylinder,
+    Triangle,
+}
+
+/// Which shapes are tried for every ray, and not searched.
+enum Trying {
+    Nothing,
+    /// Patches and spheres; of the patches these are outer ones.
+    FlatAndRound(BTreeSet<usize>),
+    /// The same with all else.
+    Everything(BTreeSet<usize>),
+}
+
+impl Trying {
+    fn decide(shapes: &[&Geometry], instances: &[Instance], limits: Limits) -> Self {
+        let is_patch = |shape: &usize| matches!(shapes[*shape], Geometry::Patch(_));
+        let patches: Vec<usize> = (0..shapes.len()).filter(is_patch).collect();
+        let blocks = |primitives: usize| primitives.div_ceil(4);
+        if blocks(patches.len()) > limits.all.max(limits.beside) {
+            return Self::Nothing;
+        }
+        let outer: BTreeSet<usize> =
+            patches.iter().copied().filter(|&p| instances.is_empty() && is_outer(shapes, p)).collect();
+        let (mut spheres, mut cylinders, mut triangles) = (0, 0, 0);
+        for shape in shapes {
+            match shape {
+                Geometry::Mesh(mesh) => triangles += mesh.triangles.len(),
+                Geometry::Sphere(_) => spheres += 1,
+                Geometry::Cylinder(_) => cylinders += 1,
+                Geometry::Patch(_) => {}
+            }
+        }
+        let beside = blocks(outer.len()) + blocks(patches.len() - outer.len()) + blocks(spheres);
+        let all = beside + blocks(cylinders) + blocks(triangles);
+        if instances.is_empty() && all <= limits.all && blocks(triangles) <= limits.triangles {
+            Self::Everything(outer)
+        } else if beside <= limits.beside {
+            Self::FlatAndRound(outer)
+        } else {
+            Self::Nothing
+        }
+    }
+
+    /// With what a shape is tried, if it is.
+    fn kind(&self, shapes: &[&Geometry], shape: usize) -> Option<Kind> {
+        let (outer, all) = match self {
+            Self::Nothing => return None,
+            Self::FlatAndRound(outer) => (outer, false),
+            Self::Everything(outer) => (outer, true),
+        };
+        match shapes[shape] {
+            Geometry::Patch(_) if outer.contains(&shape) => Some(Kind::OuterPatch),
+            Geometry::Patch(_) => Some(Kind::InnerPatch),
+            Geometry::Sphere(_) => Some(Kind::Sphere),
+            Geometry::Cylinder(_) => all.then_some(Kind::Cylinder),
+            Geometry::Mesh(_) => all.then_some(Kind::Triangle),
+        }
+    }
+}
+
 /// Whether everything lies on one side of the plane of a patch, as all that is in a room does of its walls.
 fn is_outer(shapes: &[&Geometry], patch: usize) -> bool {
+    /// Of a mesh with more vertices only the box around it is looked at.
+    const MANY: usize = 1000;
     let Geometry::Patch(Patch { centre, n, .. }) = shapes[patch] else { return false };
     let (mut before, mut behind) = (false, false);
-    for corner in shapes.iter().flat_map(|shape| shape.hull()) {
+    let hull = |shape: &&Geometry| match shape {
+        Geometry::Mesh(mesh) if mesh.positions.len() > MANY => corners(mesh.bounds()).to_vec(),
+        shape => shape.hull(),
+    };
+    for corner in shapes.iter().flat_map(hull) {
         let height = n.dot(corner - *centre);
         // What lies nearer than rounding errors lies on the plane.
         let error = 4.0 * (position_error(corner) + position_error(*centre));

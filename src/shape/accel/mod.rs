@@ -6,7 +6,8 @@
 //! number): neither the shape of the tree, nor who built it, nor the order of traversal can change what is
 //! found.
 //!
-//! A handful of primitives needs no tree at all.
+//! A handful of primitives needs no tree at all, and a handful of patches and spheres beside many triangles
+//! stays out of theirs.
 
 mod bins;
 mod build;
@@ -25,17 +26,16 @@ mod spheres;
 mod splits;
 mod stack;
 mod triangles;
+mod tried;
 mod turns;
 mod waiting;
 mod walk;
 
 use super::{Cylinder, Hit};
-use crate::math::ray::Ends;
 use crate::math::simd::F64x4;
 use crate::math::{Bounds, Ray};
 pub use instances::Instance;
 use node::Node;
-use packet::Packet;
 use pages::Pages;
 use patches::Patches;
 use pile::Pile;
@@ -44,6 +44,7 @@ use space::Space;
 use spheres::Spheres;
 use stack::Stack;
 use triangles::{Sheared, Triangles};
+use tried::Tried;
 use waiting::Waiting;
 use walk::{View, Walk};
 
@@ -60,18 +61,16 @@ struct Mixed {
 /// All primitives of a scene, ready to be met by rays.
 pub struct Accel {
     space: Space,
-    /// Empty where all blocks are simply tried.
+    /// Empty where all primitives are simply tried.
     nodes: Pages<Node>,
     /// Whether rays had better take turns.
     scattered: bool,
     triangles: Pages<Triangles>,
     patches: Vec<Patches>,
-    /// The first so many blocks of patches have the scene on both sides. Known only where there is no tree.
-    inner_patches: usize,
     spheres: Vec<Spheres>,
     cylinders: Vec<(Cylinder, u32)>,
     mixed: Vec<Mixed>,
-    few: shaft::Few,
+    tried: Tried,
     /// Where there are any, there is a tree.
     instances: Vec<Instance>,
     primitives: u32,
@@ -108,6 +107,11 @@ impl Search<'_> {
     fn found(&self) -> bool {
         self.best.primitive != Self::NONE
     }
+
+    #[inline(always)]
+    fn hit(&self) -> Option<Hit> {
+        self.found().then_some(self.best)
+    }
 }
 
 /// A ray in every lane.
@@ -134,7 +138,7 @@ impl Accel {
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::new(ray);
         self.search::<false>(&mut search);
-        search.found().then_some(search.best)
+        search.hit()
     }
 
     /// Whether anything lies between the ray's start and end.
@@ -147,7 +151,7 @@ impl Accel {
     fn any(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::new(ray);
         self.search::<true>(&mut search);
-        search.found().then_some(search.best)
+        search.hit()
     }
 
     /// The first primitive along each ray; bit for bit what [`Accel::closest`] finds.
@@ -162,41 +166,23 @@ impl Accel {
 
     #[inline(always)]
     fn search_all<const ANY: bool>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
-        let in_packets = self.nodes.is_empty() && !(self.patches.is_empty() && self.spheres.is_empty());
+        if self.nodes.is_empty() {
+            // Apart: a loop with a walk in it leaves no ray in registers.
+            return self.try_together::<ANY>(rays, |i, search| report(i, search.hit()));
+        }
         if self.take_turns(rays) {
+            let mut searches = Vec::with_capacity(rays.len());
+            self.try_together::<ANY>(rays, |_, search| searches.push(search));
             return if ANY {
-                self.traverse_in_turns::<Pile>(rays, report)
+                self.traverse_in_turns::<Pile>(&searches, report)
             } else {
-                self.traverse_in_turns::<Stack>(rays, report)
+                self.traverse_in_turns::<Stack>(&searches, report)
             };
         }
-        if !in_packets {
-            for (i, ray) in rays.iter().enumerate() {
-                report(i, if ANY { self.any(ray) } else { self.closest(ray) });
-            }
-            return;
-        }
-        let rest = !(self.cylinders.is_empty() && self.triangles.is_empty());
-        for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
-            let last = rays.len() - 1;
-            let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
-            let inner = ANY && rays.iter().all(|ray| ray.ends == Ends::OnSurfaces);
-            for block in if inner { &self.patches[..self.inner_patches] } else { &self.patches } {
-                block.intersect_packet(&mut packet);
-            }
-            if !(ANY && packet.all_found()) {
-                for block in &self.spheres {
-                    block.intersect_packet(&mut packet);
-                }
-            }
-            for (i, ray) in rays.iter().enumerate() {
-                let mut search = Search { ray, best: packet.hit(i) };
-                if rest {
-                    self.try_rest::<ANY>(&mut search);
-                }
-                report(group * Packet::WIDTH + i, search.found().then_some(search.best));
-            }
-        }
+        self.try_together::<ANY>(rays, |i, mut search| {
+            self.search_tree::<ANY>(&mut search);
+            report(i, search.hit());
+        });
     }
 
     /// Whether much of what rays visit lies far away in memory.
@@ -229,56 +215,27 @@ impl Accel {
         self.nodes.len()
     }
 
+    /// Whether patches and spheres are in no tree, though there is one.
+    pub fn tries_beside_tree(&self) -> bool {
+        !self.nodes.is_empty() && self.tried.patches + self.tried.spheres > 0
+    }
+
     #[inline(always)]
     fn search<const ANY: bool>(&self, search: &mut Search) {
-        if self.nodes.is_empty() {
-            self.try_all::<ANY>(search);
-        } else if ANY {
+        self.try_all::<ANY>(search);
+        self.search_tree::<ANY>(search);
+    }
+
+    /// Goes on where something has been found already, or nothing.
+    #[inline]
+    fn search_tree<const ANY: bool>(&self, search: &mut Search) {
+        if self.nodes.is_empty() || ANY && search.found() {
+            return;
+        }
+        if ANY {
             self.traverse::<Pile>(search);
         } else {
             self.traverse::<Stack>(search);
-        }
-    }
-
-    #[inline(always)]
-    fn try_all<const ANY: bool>(&self, search: &mut Search) {
-        let rays = Rays::new(search.ray);
-        let inner = ANY && search.ray.ends == Ends::OnSurfaces;
-        for block in if inner { &self.patches[..self.inner_patches] } else { &self.patches } {
-            block.intersect(&rays, search);
-            if ANY && search.found() {
-                return;
-            }
-        }
-        for block in &self.spheres {
-            block.intersect(&rays, search);
-            if ANY && search.found() {
-                return;
-            }
-        }
-        self.try_rest::<ANY>(search);
-    }
-
-    /// Tries what is not tried in packets.
-    #[inline(always)]
-    fn try_rest<const ANY: bool>(&self, search: &mut Search) {
-        if ANY && search.found() {
-            return;
-        }
-        for cylinder in &self.cylinders {
-            intersect_cylinder(cylinder, search);
-            if ANY && search.found() {
-                return;
-            }
-        }
-        if !self.triangles.is_empty() {
-            let sheared = Sheared::new(search.ray, self.near);
-            for block in self.triangles.iter() {
-                block.intersect(&sheared, search);
-                if ANY && search.found() {
-                    return;
-                }
-            }
         }
     }
 

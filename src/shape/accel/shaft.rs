@@ -83,7 +83,7 @@ impl Shaft {
     }
 }
 
-/// All primitives of a scene that has no tree, for shafts.
+/// Primitives that are in no tree, for shafts.
 #[derive(Default)]
 pub struct Few {
     pub boxes: Vec<Node>,
@@ -114,11 +114,8 @@ impl Accel {
         let hull = Hull::new(&self.space, shaft.bounds, to);
         let mut waiting = std::mem::take(&mut shaft.waiting);
         let mut question = Question { shaft, hull, to, on };
-        let clear = if self.nodes.is_empty() {
-            self.few.is_clear(&mut question)
-        } else {
-            self.tree_is_clear(&mut question, &mut waiting)
-        };
+        let clear = self.tried.few.is_clear(&mut question)
+            && (self.nodes.is_empty() || self.tree_is_clear(&mut question, &mut waiting));
         shaft.waiting = waiting;
         clear
     }

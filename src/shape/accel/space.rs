@@ -61,7 +61,7 @@ impl Space {
         (lo.to_array().map(down), hi.to_array().map(up))
     }
 
-    /// Clips the ray to the cube; `None` if it passes by.
+    /// Clips the ray to the cube, without an end; `None` if it passes by.
     #[inline(always)]
     pub fn enter(&self, ray: &Ray) -> Option<LocalRay> {
         /// A direction this close to a plane of boxes does not cross the scene in that axis.
@@ -77,16 +77,14 @@ impl Space {
             return None;
         }
         let moved = if entry > 0.0 { origin + direction * entry } else { origin };
-        let mut local = LocalRay {
+        Some(LocalRay {
             origin: moved.to_array().map(|v| v as f32),
             inverse: inverse.to_array().map(|v| v as f32),
             far_inverse: inverse.to_array().map(|v| v as f32 * SLACK),
             negative: direction.to_array().map(|d| usize::from(d.is_sign_negative())),
             limit: f32::INFINITY,
             moved: entry,
-        };
-        local.shorten(self, ray.end);
-        Some(local)
+        })
     }
 }
 

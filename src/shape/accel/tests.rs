@@ -1,8 +1,10 @@
 //! The tree against trying everything, and rays aimed where trees leak.
 
+use super::build::Limits;
 use super::*;
 use crate::math::frame::unit;
 use crate::math::random::{direction, uniform};
+use crate::math::ray::Ends;
 use crate::math::{DVec3, Transform, length};
 use crate::shape::mesh_data::MeshData;
 use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
@@ -51,27 +53,37 @@ fn zoo() -> Vec<Geometry> {
     shapes
 }
 
+const NONE_TRIED: Limits = Limits { all: 0, triangles: 0, beside: 0 };
+const ALL_TRIED: Limits = Limits { all: usize::MAX, triangles: usize::MAX, beside: 0 };
+/// Patches and spheres are tried, and triangles searched.
+const BOTH: Limits = Limits { all: 0, triangles: 0, beside: usize::MAX };
+
 #[test]
 fn the_tree_finds_what_trying_everything_finds() {
     let shapes = zoo();
     let refs: Vec<&Geometry> = shapes.iter().collect();
-    let tree = Accel::new(&refs);
-    assert!(tree.node_count() > 1);
-    let mut flat = Accel::new(&refs);
-    flat.nodes = Pages::zeroed(0);
+    let [tree, flat, both] = [NONE_TRIED, ALL_TRIED, BOTH].map(|few| Accel::limited(&refs, vec![], few));
+    assert!(tree.node_count() > 1 && flat.node_count() == 0 && both.node_count() > 1);
+    assert!(tree.tried.patches == 0 && flat.tried.triangles > 0 && both.tried.triangles == 0);
+    assert!(both.tried.patches > 0 && both.tried.spheres > 0);
     let mut rng = Pcg32::new(2, 2);
     let mut hits = 0;
     for _ in 0..100_000 {
         let mut ray = Ray::free(direction(&mut rng) * 4.0 * uniform(&mut rng), direction(&mut rng));
         let found = tree.closest(&ray);
-        assert_eq!(found, flat.closest(&ray), "{ray:?}");
+        for other in [&flat, &both] {
+            assert_eq!(found, other.closest(&ray), "{ray:?}");
+            assert_eq!(found.is_some(), other.occluded(&ray));
+        }
         assert_eq!(found.is_some(), tree.occluded(&ray));
         if let Some(hit) = found {
             hits += 1;
             ray.end = hit.t;
-            assert!(!tree.occluded(&ray) && !flat.occluded(&ray));
             let onward = Ray::leaving(ray.at(hit.t), direction(&mut rng), f64::INFINITY, hit.primitive);
-            assert_eq!(tree.closest(&onward), flat.closest(&onward), "{onward:?}");
+            for accel in [&tree, &flat, &both] {
+                assert!(!accel.occluded(&ray));
+                assert_eq!(tree.closest(&onward), accel.closest(&onward), "{onward:?}");
+            }
         }
     }
     assert!(hits > 30_000, "{hits}");
@@ -95,8 +107,7 @@ fn twigs() -> Geometry {
 fn pieces_lead_to_whole_triangles() {
     let shape = twigs();
     let tree = Accel::new(&[&shape]);
-    let mut flat = Accel::new(&[&shape]);
-    flat.nodes = Pages::zeroed(0);
+    let flat = Accel::limited(&[&shape], vec![], ALL_TRIED);
     let stored: usize = tree.triangles.iter().map(Triangles::count).sum();
     assert!(stored > 650, "{stored}: nothing was cut");
     let mut rng = Pcg32::new(8, 8);
@@ -191,9 +202,17 @@ fn room() -> Vec<Geometry> {
 fn rays_together_meet_what_they_meet_alone() {
     let mut rng = Pcg32::new(5, 5);
     let (room, zoo) = (room(), zoo());
-    for (shapes, in_turns) in [(&room[..], false), (&room[..9], false), (&zoo[..], false), (&zoo[..], true)] {
+    let (small, large) = (&room[..], &zoo[..]);
+    for (shapes, few, in_turns) in [
+        (small, ALL_TRIED, false),
+        (&room[..9], ALL_TRIED, false),
+        (large, NONE_TRIED, false),
+        (large, NONE_TRIED, true),
+        (large, BOTH, false),
+        (large, BOTH, true),
+    ] {
         let shapes: Vec<&Geometry> = shapes.iter().collect();
-        let mut accel = Accel::new(&shapes);
+        let mut accel = Accel::limited(&shapes, vec![], few);
         accel.scattered = in_turns;
         let mut ray = || {
             let origin = direction(&mut rng) * 0.9;
@@ -256,7 +275,7 @@ fn walls_stand_in_nobodys_way_inside() {
     let room = room();
     let shapes: Vec<&Geometry> = room.iter().collect();
     let accel = Accel::new(&shapes);
-    assert_eq!((accel.inner_patches, accel.patches.len()), (1, 3), "one table top, six walls");
+    assert_eq!((accel.tried.inner_patches, accel.patches.len()), (1, 3), "one table top, six walls");
     let mut rng = Pcg32::new(6, 6);
     let mut seen = [0; 2];
     for _ in 0..20_000 {

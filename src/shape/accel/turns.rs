@@ -43,19 +43,20 @@ impl Accel {
         self.scattered && rays.first().is_some_and(|ray| ray.from != Search::NONE)
     }
 
-    /// What each ray meets, in any order; bit for bit what it meets alone.
+    /// What each ray meets that has looked elsewhere already, in any order; bit for bit what it meets alone.
     pub(super) fn traverse_in_turns<W: Waiting>(
         &self,
-        rays: &[Ray],
+        searches: &[Search],
         mut report: impl FnMut(usize, Option<Hit>),
     ) {
         let view = View::new(self);
-        let mut coming = rays.iter().enumerate();
+        let mut coming = searches.iter().enumerate();
         let mut begin = |report: &mut dyn FnMut(usize, Option<Hit>)| {
-            coming.by_ref().find_map(|(number, ray)| {
-                let walk = Walk::new(self, Search::new(ray));
+            coming.by_ref().find_map(|(number, search)| {
+                let done = W::ANY && search.found();
+                let walk = if done { None } else { Walk::new(self, *search) };
                 if walk.is_none() {
-                    report(number, None);
+                    report(number, search.hit());
                 }
                 Some((number, walk?))
             })
@@ -69,7 +70,7 @@ impl Accel {
                 if walk.step(&view, waiting) {
                     walk.prefetch(&view);
                 } else {
-                    report(*number, walk.search.found().then_some(walk.search.best));
+                    report(*number, walk.search.hit());
                     waiting.clear();
                     *slot = begin(&mut report);
                     walking -= usize::from(slot.is_none());

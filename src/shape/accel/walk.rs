@@ -35,7 +35,8 @@ impl<'a> Walk<'a> {
     /// `None` where the ray passes by everything.
     #[inline(always)]
     pub fn new(accel: &Accel, search: Search<'a>) -> Option<Self> {
-        let local = accel.space.enter(search.ray)?;
+        let mut local = accel.space.enter(search.ray)?;
+        local.shorten(&accel.space, search.best.t);
         let sheared = Sheared::new(search.ray, accel.near);
         Some(Self { search, local, sheared, next: NodeRef::ROOT, waiting: 0 })
     }

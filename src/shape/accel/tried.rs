@@ -1,0 +1,119 @@
+//! What every ray tries, without a tree: all of a scene of few primitives, or the few patches and spheres
+//! that stand beside triangles.
+
+use super::packet::Packet;
+use super::triangles::Sheared;
+use super::{Accel, Rays, Search, intersect_cylinder, shaft};
+use crate::math::Ray;
+use crate::math::ray::Ends;
+
+/// The first so many blocks of each kind are tried; the others are leaves of the tree.
+#[derive(Default)]
+pub struct Tried {
+    /// Of these patches the first have the scene on both sides.
+    pub inner_patches: usize,
+    pub patches: usize,
+    pub spheres: usize,
+    pub cylinders: usize,
+    /// All, or none.
+    pub triangles: usize,
+    /// The same primitives, for shafts.
+    pub few: shaft::Few,
+}
+
+impl Tried {
+    /// Whether there is something that several rays can try together.
+    #[inline(always)]
+    fn in_packets(&self) -> bool {
+        self.patches + self.spheres > 0
+    }
+
+    /// The blocks of patches that can come between the ends of a ray.
+    #[inline(always)]
+    fn patches(&self, on_surfaces: bool) -> usize {
+        if on_surfaces { self.inner_patches } else { self.patches }
+    }
+}
+
+impl Accel {
+    /// Tries for one ray all that is tried.
+    #[inline(always)]
+    pub(super) fn try_all<const ANY: bool>(&self, search: &mut Search) {
+        let on_surfaces = ANY && search.ray.ends == Ends::OnSurfaces;
+        let rays = Rays::new(search.ray);
+        for block in &self.patches[..self.tried.patches(on_surfaces)] {
+            block.intersect(&rays, search);
+            if ANY && search.found() {
+                return;
+            }
+        }
+        for block in &self.spheres[..self.tried.spheres] {
+            block.intersect(&rays, search);
+            if ANY && search.found() {
+                return;
+            }
+        }
+        self.try_rest::<ANY>(search);
+    }
+
+    /// The same for many rays, which are handed on in order with what they have found.
+    #[inline(always)]
+    pub(super) fn try_together<'a, const ANY: bool>(
+        &self,
+        rays: &'a [Ray],
+        mut hand_on: impl FnMut(usize, Search<'a>),
+    ) {
+        if !self.tried.in_packets() {
+            for (i, ray) in rays.iter().enumerate() {
+                let mut search = Search::new(ray);
+                self.try_rest::<ANY>(&mut search);
+                hand_on(i, search);
+            }
+            return;
+        }
+        let rest = self.tried.cylinders + self.tried.triangles > 0;
+        for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
+            let last = rays.len() - 1;
+            let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
+            let on_surfaces = ANY && rays.iter().all(|ray| ray.ends == Ends::OnSurfaces);
+            for block in &self.patches[..self.tried.patches(on_surfaces)] {
+                block.intersect_packet(&mut packet);
+            }
+            if !(ANY && packet.all_found()) {
+                for block in &self.spheres[..self.tried.spheres] {
+                    block.intersect_packet(&mut packet);
+                }
+            }
+            for (i, ray) in rays.iter().enumerate() {
+                let mut search = Search { ray, best: packet.hit(i) };
+                if rest {
+                    self.try_rest::<ANY>(&mut search);
+                }
+                hand_on(group * Packet::WIDTH + i, search);
+            }
+        }
+    }
+
+    /// Tries what is not tried in packets.
+    #[inline(always)]
+    fn try_rest<const ANY: bool>(&self, search: &mut Search) {
+        if ANY && search.found() {
+            return;
+        }
+        for cylinder in &self.cylinders[..self.tried.cylinders] {
+            intersect_cylinder(cylinder, search);
+            if ANY && search.found() {
+                return;
+            }
+        }
+        if self.tried.triangles > 0 {
+            let sheared = Sheared::new(search.ray, self.near);
+            for block in self.triangles.iter() {
+                block.intersect(&sheared, search);
+                if ANY && search.found() {
+                    return;
+                }
+            }
+        }
+    }
+}
