@@ -44,7 +44,7 @@ impl SpectralFunction {
     pub fn eval_light(&self, λ: &Wavelengths) -> Spectrum {
         match self {
             Self::Illuminant { scale, color } => illuminant(*scale, color, λ),
-            _ => self.eval_others(λ),
+            _ => self.eval(λ),
         }
     }
 

@@ -69,14 +69,14 @@ impl Accel {
     }
 
     pub(super) fn limited(shapes: &[&Geometry], mut instances: Vec<Instance>, limits: Limits) -> Self {
-        let plan = Trying::decide(shapes, &instances, limits);
+        let trying = Trying::decide(shapes, &instances, limits);
         let (mut items, mut tried): (Vec<Item>, [Vec<Item>; 5]) = Default::default();
         items.reserve_exact(shapes.iter().map(|shape| shape.primitives() as usize).sum::<usize>());
         let mut bounds = NOTHING;
         let mut primitives = 0;
         for (shape, geometry) in shapes.iter().enumerate() {
             bounds = union(bounds, geometry.bounds());
-            let list = match plan.kind(shapes, shape) {
+            let list = match trying.as_ref().and_then(|trying| trying.kind(shapes, shape)) {
                 Some(kind) => &mut tried[kind as usize],
                 None => &mut items,
             };
@@ -143,7 +143,7 @@ impl Accel {
     fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; 5]) {
         for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Sphere, Kind::Cylinder] {
             for block in tried[kind as usize].chunks(4) {
-                self.add(shapes, block.iter().copied(), None);
+                self.store(shapes, block.iter().copied());
             }
         }
         let triangles = &tried[Kind::Triangle as usize];
@@ -159,7 +159,6 @@ impl Accel {
             triangles: self.triangles.len(),
             few: self.few(shapes, &tried.concat()),
         };
-        self.mixed.clear();
     }
 
     /// Boxes and planes of primitives that are simply tried.
@@ -226,7 +225,11 @@ impl Accel {
             next_block += u32::from(triangles.is_some());
             match triangles {
                 Some(block) if plan.only_triangles(leaf) => NodeRef::triangles(block as usize),
-                _ => self.add(shapes, items_of(leaf), triangles),
+                _ => {
+                    let mixed = Mixed { triangles, ..self.store(shapes, items_of(leaf)) };
+                    self.mixed.push(mixed);
+                    NodeRef::mixed(self.mixed.len() - 1)
+                }
             }
         };
         let leaves: Vec<NodeRef> = leaves.iter().map(leaf).collect();
@@ -236,13 +239,8 @@ impl Accel {
         self.scattered = is_scattered(&self.nodes);
     }
 
-    /// Stores up to four items, of which the triangles are stored already.
-    fn add(
-        &mut self,
-        shapes: &[&Geometry],
-        items: impl IntoIterator<Item = Item>,
-        triangles: Option<u32>,
-    ) -> NodeRef {
+    /// Stores up to four items, but for triangles, and says where they are.
+    fn store(&mut self, shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> Mixed {
         let (mut patches, mut spheres) = (vec![], vec![]);
         let mut instances = vec![];
         let first_cylinder = self.cylinders.len() as u32;
@@ -256,7 +254,7 @@ impl Accel {
             }
         }
         let cylinders = first_cylinder..self.cylinders.len() as u32;
-        let mut mixed = Mixed { triangles, cylinders, instances, ..Mixed::default() };
+        let mut mixed = Mixed { cylinders, instances, ..Mixed::default() };
         if !patches.is_empty() {
             mixed.patches = Some(self.patches.len() as u32);
             self.patches.push(Patches::new(&patches));
@@ -265,8 +263,7 @@ impl Accel {
             mixed.spheres = Some(self.spheres.len() as u32);
             self.spheres.push(Spheres::new(&spheres));
         }
-        self.mixed.push(mixed);
-        NodeRef::mixed(self.mixed.len() - 1)
+        mixed
     }
 }
 
@@ -298,22 +295,22 @@ enum Kind {
     Triangle,
 }
 
-/// Which shapes are tried for every ray, and not searched.
-enum Trying {
-    Nothing,
-    /// Patches and spheres; of the patches these are outer ones.
-    FlatAndRound(BTreeSet<usize>),
-    /// The same with all else.
-    Everything(BTreeSet<usize>),
+/// Which shapes are tried for every ray, and not searched: patches and spheres.
+struct Trying {
+    /// Of the patches these.
+    outer: BTreeSet<usize>,
+    /// And everything else.
+    all: bool,
 }
 
 impl Trying {
-    fn decide(shapes: &[&Geometry], instances: &[Instance], limits: Limits) -> Self {
+    /// `None` where nothing is.
+    fn decide(shapes: &[&Geometry], instances: &[Instance], limits: Limits) -> Option<Self> {
         let is_patch = |shape: &usize| matches!(shapes[*shape], Geometry::Patch(_));
         let patches: Vec<usize> = (0..shapes.len()).filter(is_patch).collect();
         let blocks = |primitives: usize| primitives.div_ceil(4);
         if blocks(patches.len()) > limits.all.max(limits.beside) {
-            return Self::Nothing;
+            return None;
         }
         let outer: BTreeSet<usize> =
             patches.iter().copied().filter(|&p| instances.is_empty() && is_outer(shapes, p)).collect();
@@ -327,29 +324,20 @@ impl Trying {
             }
         }
         let beside = blocks(outer.len()) + blocks(patches.len() - outer.len()) + blocks(spheres);
-        let all = beside + blocks(cylinders) + blocks(triangles);
-        if instances.is_empty() && all <= limits.all && blocks(triangles) <= limits.triangles {
-            Self::Everything(outer)
-        } else if beside <= limits.beside {
-            Self::FlatAndRound(outer)
-        } else {
-            Self::Nothing
-        }
+        let blocks_of_all = beside + blocks(cylinders) + blocks(triangles);
+        let all =
+            instances.is_empty() && blocks_of_all <= limits.all && blocks(triangles) <= limits.triangles;
+        (all || beside <= limits.beside).then_some(Self { outer, all })
     }
 
     /// With what a shape is tried, if it is.
     fn kind(&self, shapes: &[&Geometry], shape: usize) -> Option<Kind> {
-        let (outer, all) = match self {
-            Self::Nothing => return None,
-            Self::FlatAndRound(outer) => (outer, false),
-            Self::Everything(outer) => (outer, true),
-        };
         match shapes[shape] {
-            Geometry::Patch(_) if outer.contains(&shape) => Some(Kind::OuterPatch),
+            Geometry::Patch(_) if self.outer.contains(&shape) => Some(Kind::OuterPatch),
             Geometry::Patch(_) => Some(Kind::InnerPatch),
             Geometry::Sphere(_) => Some(Kind::Sphere),
-            Geometry::Cylinder(_) => all.then_some(Kind::Cylinder),
-            Geometry::Mesh(_) => all.then_some(Kind::Triangle),
+            Geometry::Cylinder(_) => self.all.then_some(Kind::Cylinder),
+            Geometry::Mesh(_) => self.all.then_some(Kind::Triangle),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! own, and the group is searched as if it were the scene. Each instance offers its closest hit, so by
 //! (distance, primitive) nothing depends on the order in which instances are tried.
 
+use super::waiting::Order;
 use super::{Accel, Search};
 use crate::math::bounds::around;
 use crate::math::ray::{Ends, position_error};
@@ -80,9 +81,9 @@ impl Instance {
         position_error(terms.truncate() + m.w_axis.truncate().abs())
     }
 
-    /// Offers the first primitive along the ray, or (`ANY`) any one before its end.
+    /// Offers the first primitive along the ray, or any one before its end.
     #[inline(never)]
-    pub(super) fn intersect<const ANY: bool>(&self, search: &mut Search) {
+    pub(super) fn intersect<O: Order>(&self, search: &mut Search) {
         let (local, stretch) = self.enter(search.ray, search.best.t);
         let mut offer = |hit: Option<Hit>| {
             if let Some(hit) = hit {
@@ -91,7 +92,7 @@ impl Instance {
             search.found()
         };
         // What is met first may lie beyond the end by a rounding, and something before it may not.
-        if !(ANY && offer(self.group.any(&local))) {
+        if !(O::ANY && offer(self.group.any(&local))) {
             offer(self.group.closest(&local));
         }
     }
@@ -99,6 +100,7 @@ impl Instance {
 
 #[cfg(test)]
 mod tests {
+    use super::super::closest_hit::ClosestHit;
     use super::*;
     use crate::math::random::{direction, uniform};
     use crate::shape::mesh_data::MeshData;
@@ -206,7 +208,7 @@ mod tests {
         let exhaustive = |ray: &Ray| {
             let mut search = Search::new(ray);
             for instance in scene.instances.iter().rev() {
-                instance.intersect::<false>(&mut search);
+                instance.intersect::<ClosestHit>(&mut search);
             }
             if let Some(hit) = Accel::new(&own).closest(ray) {
                 search.offer(hit.t, hit.u, hit.v, hit.primitive);

@@ -9,8 +9,10 @@
 //! A handful of primitives needs no tree at all, and a handful of patches and spheres beside many triangles
 //! stays out of theirs.
 
+mod any_hit;
 mod bins;
 mod build;
+mod closest_hit;
 mod fold;
 mod grow;
 mod hull;
@@ -19,12 +21,10 @@ mod node;
 mod packet;
 mod pages;
 mod patches;
-mod pile;
 mod shaft;
 mod space;
 mod spheres;
 mod splits;
-mod stack;
 mod triangles;
 mod tried;
 mod turns;
@@ -34,18 +34,18 @@ mod walk;
 use super::{Cylinder, Hit};
 use crate::math::simd::F64x4;
 use crate::math::{Bounds, Ray};
+use any_hit::AnyHit;
+use closest_hit::ClosestHit;
 pub use instances::Instance;
 use node::Node;
 use pages::Pages;
 use patches::Patches;
-use pile::Pile;
 pub use shaft::Shaft;
 use space::Space;
 use spheres::Spheres;
-use stack::Stack;
 use triangles::{Sheared, Triangles};
 use tried::Tried;
-use waiting::Waiting;
+use waiting::{Order, Waiting};
 use walk::{View, Walk};
 
 /// The leaf of a tree whose primitives are not all triangles.
@@ -137,7 +137,7 @@ impl Accel {
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::new(ray);
-        self.search::<false>(&mut search);
+        self.search::<ClosestHit>(&mut search);
         search.hit()
     }
 
@@ -150,37 +150,33 @@ impl Accel {
     #[inline]
     fn any(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::new(ray);
-        self.search::<true>(&mut search);
+        self.search::<AnyHit>(&mut search);
         search.hit()
     }
 
     /// The first primitive along each ray; bit for bit what [`Accel::closest`] finds.
     pub fn closest_all(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        self.search_all::<false>(rays, |i, best| hits[i] = best);
+        self.search_all::<ClosestHit>(rays, |i, best| hits[i] = best);
     }
 
     /// Whether anything lies between the start and end of each ray.
     pub fn occluded_all(&self, rays: &[Ray], occluded: &mut [bool]) {
-        self.search_all::<true>(rays, |i, best| occluded[i] = best.is_some());
+        self.search_all::<AnyHit>(rays, |i, best| occluded[i] = best.is_some());
     }
 
     #[inline(always)]
-    fn search_all<const ANY: bool>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
+    fn search_all<O: Order>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
         if self.nodes.is_empty() {
             // Apart: a loop with a walk in it leaves no ray in registers.
-            return self.try_together::<ANY>(rays, |i, search| report(i, search.hit()));
+            return self.try_together::<O>(rays, |i, search| report(i, search.hit()));
         }
         if self.take_turns(rays) {
             let mut searches = Vec::with_capacity(rays.len());
-            self.try_together::<ANY>(rays, |_, search| searches.push(search));
-            return if ANY {
-                self.traverse_in_turns::<Pile>(&searches, report)
-            } else {
-                self.traverse_in_turns::<Stack>(&searches, report)
-            };
+            self.try_together::<O>(rays, |_, search| searches.push(search));
+            return self.traverse_in_turns::<O>(&searches, report);
         }
-        self.try_together::<ANY>(rays, |i, mut search| {
-            self.search_tree::<ANY>(&mut search);
+        self.try_together::<O>(rays, |i, mut search| {
+            self.search_tree::<O>(&mut search);
             report(i, search.hit());
         });
     }
@@ -221,35 +217,28 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn search<const ANY: bool>(&self, search: &mut Search) {
-        self.try_all::<ANY>(search);
-        self.search_tree::<ANY>(search);
+    fn search<O: Order>(&self, search: &mut Search) {
+        if !self.tried.is_empty() {
+            self.try_all::<O>(search);
+        }
+        self.search_tree::<O>(search);
     }
 
     /// Goes on where something has been found already, or nothing.
     #[inline]
-    fn search_tree<const ANY: bool>(&self, search: &mut Search) {
-        if self.nodes.is_empty() || ANY && search.found() {
+    fn search_tree<O: Order>(&self, search: &mut Search) {
+        if self.nodes.is_empty() || O::ANY && search.found() {
             return;
         }
-        if ANY {
-            self.traverse::<Pile>(search);
-        } else {
-            self.traverse::<Stack>(search);
-        }
-    }
-
-    #[inline(always)]
-    fn traverse<W: Waiting>(&self, search: &mut Search) {
         let view = View::new(self);
         let Some(mut walk) = Walk::new(self, *search) else { return };
-        let mut waiting = W::new();
+        let mut waiting = Waiting::<O>::new();
         while walk.step(&view, &mut waiting) {}
         *search = walk.search;
     }
 
     #[inline(never)]
-    fn intersect_mixed<const ANY: bool>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
+    fn intersect_mixed<O: Order>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
         }
@@ -263,7 +252,7 @@ impl Accel {
             intersect_cylinder(cylinder, search);
         }
         for &instance in &mixed.instances {
-            self.instances[instance as usize].intersect::<ANY>(search);
+            self.instances[instance as usize].intersect::<O>(search);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::packet::Packet;
 use super::triangles::Sheared;
+use super::waiting::Order;
 use super::{Accel, Rays, Search, intersect_cylinder, shaft};
 use crate::math::Ray;
 use crate::math::ray::Ends;
@@ -22,6 +23,11 @@ pub struct Tried {
 }
 
 impl Tried {
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.few.primitives.is_empty()
+    }
+
     /// Whether there is something that several rays can try together.
     #[inline(always)]
     fn in_packets(&self) -> bool {
@@ -36,29 +42,29 @@ impl Tried {
 }
 
 impl Accel {
-    /// Tries for one ray all that is tried.
-    #[inline(always)]
-    pub(super) fn try_all<const ANY: bool>(&self, search: &mut Search) {
-        let on_surfaces = ANY && search.ray.ends == Ends::OnSurfaces;
+    /// Tries for one ray all that is tried. Out of line: a walk must not share its registers.
+    #[inline(never)]
+    pub(super) fn try_all<O: Order>(&self, search: &mut Search) {
+        let on_surfaces = O::ANY && search.ray.ends == Ends::OnSurfaces;
         let rays = Rays::new(search.ray);
         for block in &self.patches[..self.tried.patches(on_surfaces)] {
             block.intersect(&rays, search);
-            if ANY && search.found() {
+            if O::ANY && search.found() {
                 return;
             }
         }
         for block in &self.spheres[..self.tried.spheres] {
             block.intersect(&rays, search);
-            if ANY && search.found() {
+            if O::ANY && search.found() {
                 return;
             }
         }
-        self.try_rest::<ANY>(search);
+        self.try_rest::<O>(search);
     }
 
     /// The same for many rays, which are handed on in order with what they have found.
     #[inline(always)]
-    pub(super) fn try_together<'a, const ANY: bool>(
+    pub(super) fn try_together<'a, O: Order>(
         &self,
         rays: &'a [Ray],
         mut hand_on: impl FnMut(usize, Search<'a>),
@@ -66,7 +72,7 @@ impl Accel {
         if !self.tried.in_packets() {
             for (i, ray) in rays.iter().enumerate() {
                 let mut search = Search::new(ray);
-                self.try_rest::<ANY>(&mut search);
+                self.try_rest::<O>(&mut search);
                 hand_on(i, search);
             }
             return;
@@ -75,11 +81,11 @@ impl Accel {
         for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
             let last = rays.len() - 1;
             let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
-            let on_surfaces = ANY && rays.iter().all(|ray| ray.ends == Ends::OnSurfaces);
+            let on_surfaces = O::ANY && rays.iter().all(|ray| ray.ends == Ends::OnSurfaces);
             for block in &self.patches[..self.tried.patches(on_surfaces)] {
                 block.intersect_packet(&mut packet);
             }
-            if !(ANY && packet.all_found()) {
+            if !(O::ANY && packet.all_found()) {
                 for block in &self.spheres[..self.tried.spheres] {
                     block.intersect_packet(&mut packet);
                 }
@@ -87,7 +93,7 @@ impl Accel {
             for (i, ray) in rays.iter().enumerate() {
                 let mut search = Search { ray, best: packet.hit(i) };
                 if rest {
-                    self.try_rest::<ANY>(&mut search);
+                    self.try_rest::<O>(&mut search);
                 }
                 hand_on(group * Packet::WIDTH + i, search);
             }
@@ -96,13 +102,13 @@ impl Accel {
 
     /// Tries what is not tried in packets.
     #[inline(always)]
-    fn try_rest<const ANY: bool>(&self, search: &mut Search) {
-        if ANY && search.found() {
+    fn try_rest<O: Order>(&self, search: &mut Search) {
+        if O::ANY && search.found() {
             return;
         }
         for cylinder in &self.cylinders[..self.tried.cylinders] {
             intersect_cylinder(cylinder, search);
-            if ANY && search.found() {
+            if O::ANY && search.found() {
                 return;
             }
         }
@@ -110,7 +116,7 @@ impl Accel {
             let sheared = Sheared::new(search.ray, self.near);
             for block in self.triangles.iter() {
                 block.intersect(&sheared, search);
-                if ANY && search.found() {
+                if O::ANY && search.found() {
                     return;
                 }
             }

@@ -7,7 +7,7 @@
 //! by side and find what their neighbours have fetched.
 
 use super::node::Node;
-use super::waiting::Waiting;
+use super::waiting::{Order, Waiting};
 use super::walk::{View, Walk};
 use super::{Accel, Search};
 use crate::math::Ray;
@@ -44,7 +44,7 @@ impl Accel {
     }
 
     /// What each ray meets that has looked elsewhere already, in any order; bit for bit what it meets alone.
-    pub(super) fn traverse_in_turns<W: Waiting>(
+    pub(super) fn traverse_in_turns<O: Order>(
         &self,
         searches: &[Search],
         mut report: impl FnMut(usize, Option<Hit>),
@@ -53,7 +53,7 @@ impl Accel {
         let mut coming = searches.iter().enumerate();
         let mut begin = |report: &mut dyn FnMut(usize, Option<Hit>)| {
             coming.by_ref().find_map(|(number, search)| {
-                let done = W::ANY && search.found();
+                let done = O::ANY && search.found();
                 let walk = if done { None } else { Walk::new(self, *search) };
                 if walk.is_none() {
                     report(number, search.hit());
@@ -61,7 +61,7 @@ impl Accel {
                 Some((number, walk?))
             })
         };
-        let mut waiting: [W; TURNS] = std::array::from_fn(|_| W::new());
+        let mut waiting: [Waiting<O>; TURNS] = std::array::from_fn(|_| Waiting::new());
         let mut walks: [Option<(usize, Walk)>; TURNS] = std::array::from_fn(|_| begin(&mut report));
         let mut walking = walks.iter().flatten().count();
         while walking > 0 {

@@ -3,7 +3,7 @@
 use super::node::{Node, NodeRef, Target};
 use super::space::LocalRay;
 use super::triangles::{Sheared, Triangles};
-use super::waiting::Waiting;
+use super::waiting::{Order, Waiting};
 use super::{Accel, Search};
 
 /// What a walk looks at.
@@ -49,7 +49,7 @@ impl<'a> Walk<'a> {
 
     /// Looks at one node or leaf; false where there is no more to see.
     #[inline(always)]
-    pub fn step<W: Waiting>(&mut self, view: &View, waiting: &mut W) -> bool {
+    pub fn step<O: Order>(&mut self, view: &View, waiting: &mut Waiting<O>) -> bool {
         let best = self.search.best.t;
         match self.next.target() {
             Target::Node(index) => {
@@ -57,21 +57,17 @@ impl<'a> Walk<'a> {
                 let (hits, entries) = node.intersect(&self.local);
                 if hits != 0 {
                     let coming = |child: NodeRef| child.prefetch(view);
-                    self.next = waiting.enter(&mut self.waiting, hits, entries, &node.children, coming);
+                    self.next = O::enter(waiting, &mut self.waiting, hits, entries, &node.children, coming);
                     return true;
                 }
             }
             Target::Triangles(index) => view.triangles[index].intersect(&self.sheared, &mut self.search),
             Target::Mixed(index) => {
                 let mixed = &view.accel.mixed[index];
-                if W::ANY {
-                    view.accel.intersect_mixed::<true>(mixed, &self.sheared, &mut self.search);
-                } else {
-                    view.accel.intersect_mixed::<false>(mixed, &self.sheared, &mut self.search);
-                }
+                view.accel.intersect_mixed::<O>(mixed, &self.sheared, &mut self.search);
             }
         }
-        if W::ANY && self.search.found() {
+        if O::ANY && self.search.found() {
             return false;
         }
         if self.search.best.t < best {

@@ -1,0 +1,38 @@
+//! Looking for anything at all.
+
+use super::node::NodeRef;
+use super::waiting::{Order, Waiting};
+use crate::math::simd::{F32x8, U32x8};
+
+/// Of a node's children the first comes first. Where a ray enters them does not matter, for it ends with the
+/// first hit. So all children are put down together, and how many there are is no branch for the processor to
+/// guess.
+pub struct AnyHit;
+
+impl Order for AnyHit {
+    const ANY: bool = true;
+    type Kept = NodeRef;
+    const NOTHING: NodeRef = NodeRef::EMPTY;
+
+    #[inline(always)]
+    fn enter(
+        waiting: &mut Waiting<Self>,
+        length: &mut usize,
+        hits: u32,
+        _entries: F32x8,
+        children: &[NodeRef; 8],
+        _coming: impl Fn(NodeRef),
+    ) -> NodeRef {
+        waiting.make_room(length);
+        let others = hits & (hits - 1);
+        let put = U32x8::new(*bytemuck::cast_ref(children)).backwards(others as u8).to_array();
+        waiting.few[*length..*length + 8].copy_from_slice(bytemuck::cast_ref::<_, [NodeRef; 8]>(&put));
+        *length += others.count_ones() as usize;
+        children[hits.trailing_zeros() as usize & 7]
+    }
+
+    #[inline(always)]
+    fn node(kept: NodeRef, _limit: f32) -> Option<NodeRef> {
+        Some(kept)
+    }
+}
