@@ -123,7 +123,10 @@ impl Aov {
                 Property::GeometricNormal => point.ng.to_array(),
                 Property::ShadingNormal => point.ns.to_array(),
                 Property::Tangent => point.dp_du.to_array(),
-                Property::PrimitiveIndex => [scene.shape_of(hit.primitive).1 as f64, 0.0, 0.0],
+                Property::PrimitiveIndex => {
+                    let (shape, local) = scene.shape_of(hit.primitive);
+                    [f64::from(shape.geometry.mitsuba_primitive(local, &point)), 0.0, 0.0]
+                }
                 Property::ShapeIndex => [scene.index_of(shape) as f64, 0.0, 0.0],
             };
             for (value, to) in v.iter().zip(values.by_ref().take(suffixes.len())) {

@@ -242,7 +242,8 @@ mod tests {
             r#"<shape type="rectangle"><transform name="to_world"><scale value="0.1"/><rotate y="1" angle="90"/><translate x="3.5" y="1"/></transform>{LAMP}</shape>"#
         );
         assert!(light_paths(&spot) > 0);
-        assert_eq!(light_paths(&ball(2.0, 0.7, LAMP)), 0);
+        // Far from the walls it lights all of them.
+        assert_eq!(light_paths(&ball(1.0, 0.7, LAMP)), 0);
     }
 
     #[test]

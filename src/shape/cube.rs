@@ -1,10 +1,12 @@
-//! A cube of twelve triangles.
+//! A cube, or what an affine map makes of one.
 
-use super::mesh::Mesh;
-use super::mesh_data::MeshData;
-use super::{Geometry, placement};
+use super::patch::{Outline, Patch};
+use super::{AreaSample, Geometry, SurfacePoint, placement};
+use crate::math::ray::position_error;
+use crate::math::{BELOW_ONE, Bounds, DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
+use glam::DMat4;
 
 pub const NAME: &str = "cube";
 pub const ABOUT: &str = "The cube from (−1, −1, −1) to (1, 1, 1); uv cover each face once.";
@@ -13,49 +15,241 @@ pub const EXAMPLES: &[&str] = &[
     r#"<shape type="cube"><transform name="to_world"><scale x="2" y="0.1" z="1"/></transform></shape>"#,
 ];
 
-/// Each side's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit k of a corner is
-/// the sign of axis k.
-const SIDES: [([f32; 3], [u8; 4]); 6] = [
-    ([0.0, -1.0, 0.0], [1, 5, 4, 0]),
-    ([0.0, 1.0, 0.0], [3, 2, 6, 7]),
-    ([1.0, 0.0, 0.0], [1, 3, 7, 5]),
-    ([0.0, 0.0, 1.0], [5, 7, 6, 4]),
-    ([-1.0, 0.0, 0.0], [4, 6, 2, 0]),
-    ([0.0, 0.0, -1.0], [3, 1, 0, 2]),
+/// The outward normal of each face and its directions of u and v, in Mitsuba's order.
+const FACES: [[DVec3; 3]; 6] = [
+    [DVec3::NEG_Y, DVec3::Z, DVec3::X],
+    [DVec3::Y, DVec3::NEG_X, DVec3::NEG_Z],
+    [DVec3::X, DVec3::Y, DVec3::NEG_Z],
+    [DVec3::Z, DVec3::Y, DVec3::X],
+    [DVec3::NEG_X, DVec3::Y, DVec3::Z],
+    [DVec3::NEG_Z, DVec3::NEG_Y, DVec3::X],
 ];
+
+/// Which of the faces lie across each axis: the one at −1 and the one at 1.
+pub const ACROSS: [[u32; 2]; 3] = [[4, 2], [0, 1], [5, 3]];
+
+/// A parallelepiped in world space. Each face is a primitive of its own, but rays try all six together.
+#[derive(Clone, Debug)]
+pub struct Cube {
+    pub centre: DVec3,
+    /// From the centre to the middles of the faces at 1.
+    axes: [DVec3; 3],
+    faces: Box<[Patch; 6]>,
+    area: f64,
+}
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
-    Ok(Geometry::Mesh(Mesh::new(cube(), &to_world, flip, false)))
+    Ok(Geometry::Cube(Cube::new(&to_world, flip)))
 }
 
-fn cube() -> MeshData {
-    let (mut positions, mut normals, mut uvs, mut triangles) = (vec![], vec![], vec![], vec![]);
-    for (normal, corners) in SIDES {
-        let first = positions.len() as u32;
-        for (corner, uv) in corners.into_iter().zip([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]) {
-            positions.push([0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 }));
-            normals.push(normal);
-            uvs.push(uv);
+impl Cube {
+    pub const FACES: u32 = FACES.len() as u32;
+
+    pub fn new(to_world: &Transform, flip: bool) -> Self {
+        let faces = FACES.map(|[n, u, v]| {
+            let matrix = DMat4::from_cols(u.extend(0.0), v.extend(0.0), n.extend(0.0), n.extend(1.0));
+            // A rotation or reflection, and a translation along an axis: the inverse has no rounding.
+            let side = Transform { matrix, inverse: matrix.inverse() };
+            Patch::new(&to_world.after(&side), flip, Outline::Square)
+        });
+        Self {
+            centre: to_world.point(DVec3::ZERO),
+            axes: DVec3::AXES.map(|axis| to_world.vector(axis)),
+            area: faces.iter().map(Patch::area).sum(),
+            faces: Box::new(faces),
         }
-        triangles.push([first, first + 1, first + 2]);
-        triangles.push([first + 3, first, first + 2]);
     }
-    MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles, surface_points: None }
+
+    pub fn faces(&self) -> &[Patch; 6] {
+        &self.faces
+    }
+
+    /// The vectors whose products with p − centre are the coordinates in the cube: the dual basis of the axes.
+    pub fn dual(&self) -> [DVec3; 3] {
+        let [a, b, c] = self.axes;
+        let volume = a.dot(b.cross(c));
+        [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume]
+    }
+
+    /// The point of a face nearest to `near`.
+    #[inline(always)]
+    pub fn point<const UV: bool>(&self, face: u32, near: DVec3) -> SurfacePoint {
+        let patch = &self.faces[face as usize];
+        let from_centre = near - patch.centre;
+        let in_plane = from_centre - patch.n * patch.n.dot(from_centre);
+        let p = patch.centre + in_plane;
+        if !UV {
+            return SurfacePoint::plain(p, patch.n, patch.n);
+        }
+        let (u, v) = patch.dual();
+        // Rounding leads beyond an edge, but not beyond the texture.
+        let (x, y) = (u.dot(in_plane).clamp(-1.0, 1.0), v.dot(in_plane).clamp(-1.0, 1.0));
+        SurfacePoint { p, ..patch.point::<true>(x, y) }
+    }
+
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// See [`Geometry::point_error`].
+    pub fn point_error(&self) -> f64 {
+        let [a, b, c] = self.axes.map(DVec3::abs);
+        position_error(self.centre.abs() + a + b + c)
+    }
+
+    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+        let mut rest = u.x * self.area;
+        let mut face = 0;
+        while face < 5 && rest >= self.faces[face].area() {
+            rest -= self.faces[face].area();
+            face += 1;
+        }
+        let x = (rest / self.faces[face].area()).clamp(0.0, BELOW_ONE);
+        let sample = self.faces[face].sample_area(DVec2::new(x, u.y));
+        AreaSample { pdf: 1.0 / self.area, primitive: face as u32, error: self.point_error(), ..sample }
+    }
+
+    pub fn corners(&self) -> Vec<DVec3> {
+        [3, 5].iter().flat_map(|&face| self.faces[face].corners()).collect()
+    }
+
+    pub fn bounds(&self) -> Bounds {
+        let [a, b, c] = self.axes.map(DVec3::abs);
+        (self.centre - a - b - c, self.centre + a + b + c)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Transform;
+    use crate::math::frame::{length, unit};
+    use crate::math::random::{direction, uniform};
+    use crate::math::{Ray, Transform};
+    use crate::shape::accel::Accel;
+    use crate::shape::mesh_data::MeshData;
+    use crate::shape::{Hit, Mesh};
+    use rand_pcg::Pcg32;
+
+    /// Mitsuba's cube: each face's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit k
+    /// of a corner is the sign of axis k.
+    const OF_TRIANGLES: [([f32; 3], [u8; 4]); 6] = [
+        ([0.0, -1.0, 0.0], [1, 5, 4, 0]),
+        ([0.0, 1.0, 0.0], [3, 2, 6, 7]),
+        ([1.0, 0.0, 0.0], [1, 3, 7, 5]),
+        ([0.0, 0.0, 1.0], [5, 7, 6, 4]),
+        ([-1.0, 0.0, 0.0], [4, 6, 2, 0]),
+        ([0.0, 0.0, -1.0], [3, 1, 0, 2]),
+    ];
+
+    fn as_mesh(to_world: &Transform, flip: bool) -> Geometry {
+        let (mut positions, mut normals, mut uvs, mut triangles) = (vec![], vec![], vec![], vec![]);
+        for (normal, corners) in OF_TRIANGLES {
+            let first = positions.len() as u32;
+            for (corner, uv) in corners.into_iter().zip([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]) {
+                positions.push([0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 }));
+                normals.push(normal);
+                uvs.push(uv);
+            }
+            triangles.extend([[first, first + 1, first + 2], [first + 3, first, first + 2]]);
+        }
+        let data =
+            MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles, surface_points: None };
+        Geometry::Mesh(Mesh::new(data, to_world, flip, false))
+    }
+
+    /// A place with a shear, with or without a reflection.
+    fn place(rng: &mut Pcg32, mirror: bool) -> Transform {
+        let scale = DVec3::new(0.2 + uniform(rng), 0.2 + uniform(rng), if mirror { -0.7 } else { 0.7 });
+        let turn = |rng: &mut Pcg32| Transform::rotate(direction(rng), 360.0 * uniform(rng)).unwrap();
+        let scale = turn(rng).after(&Transform::scale(scale).unwrap()).after(&turn(rng));
+        Transform::translate(direction(rng) * 2.0).after(&scale)
+    }
 
     #[test]
-    fn every_side_faces_outwards() {
-        let mesh = Mesh::new(cube(), &Transform::IDENTITY, false, false);
-        assert!((mesh.area() - 24.0).abs() < 1e-12);
-        for triangle in 0..12 {
-            let point = mesh.point::<true>(triangle, 0.3, 0.3);
-            assert!(point.ng.dot(point.p) > 0.9 && point.ns.dot(point.p) > 0.9, "{triangle}");
+    fn it_looks_like_its_triangles() {
+        let mut rng = Pcg32::new(0, 0);
+        for i in 0..40 {
+            let (mirror, flip) = (i % 2 == 1, i % 4 > 1);
+            let to_world = place(&mut rng, mirror);
+            let (cube, mesh) = (Geometry::Cube(Cube::new(&to_world, flip)), as_mesh(&to_world, flip));
+            assert!((cube.area() / mesh.area() - 1.0).abs() < 1e-6);
+            let [ours, theirs] = [&cube, &mesh].map(|shape| Accel::new(&[shape]));
+            let mut met = 0;
+            for _ in 0..500 {
+                let towards = to_world.point(direction(&mut rng) * 1.5 * uniform(&mut rng));
+                // From within too.
+                let origin = to_world.point(direction(&mut rng) * 4.0 * uniform(&mut rng));
+                let ray = Ray::free(origin, unit(towards - origin));
+                let [Some(hit), Some(expected)] = [&ours, &theirs].map(|accel| accel.closest(&ray)) else {
+                    continue;
+                };
+                let see = |shape: &Geometry, hit: &Hit| shape.point::<true>(&ray, hit, hit.primitive);
+                let (point, other) = (see(&cube, &hit), see(&mesh, &expected));
+                // Near an edge the two may meet different faces, and along a face they meet it far apart.
+                if hit.primitive != expected.primitive / 2 || ray.direction.dot(point.ng).abs() < 0.01 {
+                    continue;
+                }
+                met += 1;
+                assert!((hit.t - expected.t).abs() < 1e-4, "{hit:?} {expected:?}");
+                let pairs = [(point.p, other.p), (point.dp_du, other.dp_du), (point.dp_dv, other.dp_dv)];
+                assert!(pairs.iter().all(|(a, b)| length(*a - *b) < 1e-4), "{point:?} {other:?}");
+                assert!(length(point.ng - other.ng) < 1e-5 && length(point.ns - other.ns) < 1e-5);
+                assert!((point.uv - other.uv).length() < 1e-4, "{point:?} {other:?}");
+                let index = cube.mitsuba_primitive(hit.primitive, &point);
+                let diagonal = point.uv.x + point.uv.y - 1.0;
+                assert!(diagonal.abs() < 1e-3 || index == expected.primitive, "{index} {expected:?}");
+                let plain = cube.point::<false>(&ray, &hit, hit.primitive);
+                assert_eq!((plain.p, plain.ng, plain.ns), (point.p, point.ng, point.ns));
+            }
+            assert!(met > 100, "{met}");
+        }
+    }
+
+    #[test]
+    fn rays_from_a_face_leave_it_or_cross_the_cube() {
+        let mut rng = Pcg32::new(0, 1);
+        for i in 0..20 {
+            let to_world = place(&mut rng, i % 2 == 1);
+            let cube = Cube::new(&to_world, false);
+            let shape = Geometry::Cube(cube.clone());
+            let accel = Accel::new(&[&shape]);
+            for j in 0..5000 {
+                // Every other one next to an edge, and every other one along it or along the face.
+                let near_edge = |x: f64| if j % 2 == 0 { x } else { 1.0 - x * f64::EPSILON };
+                let face = (uniform(&mut rng) * 6.0) as u32;
+                let patch = &cube.faces()[face as usize];
+                let p = patch.centre + patch.e1 * near_edge(uniform(&mut rng)) + patch.e2 * uniform(&mut rng);
+                let flat = if j % 4 > 1 { 1e-12 * uniform(&mut rng) } else { 1.0 };
+                let d = direction(&mut rng);
+                let d = unit(d - patch.n * (d.dot(patch.n) * (1.0 - flat)));
+                let hit = accel.closest(&Ray::leaving(p, d, f64::INFINITY, face));
+                let slope = d.dot(patch.n);
+                if slope.abs() < 1e-14 {
+                    continue;
+                }
+                let outward = slope > 0.0;
+                assert!(!(outward && hit.is_some()), "{face} {p} {d} {hit:?}");
+                if !outward && j % 4 == 0 {
+                    assert!(hit.is_some_and(|hit| hit.primitive != face), "{face} {p} {d} {hit:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_are_chosen_by_area() {
+        let cube = Cube::new(&Transform::scale(DVec3::new(1.0, 2.0, 3.0)).unwrap(), false);
+        let mut chosen = [0.0_f64; 6];
+        for i in 0..8800 {
+            let sample = cube.sample_area(DVec2::new((f64::from(i) + 0.5) / 8800.0, 0.3));
+            chosen[sample.primitive as usize] += 88.0 / 8800.0;
+            assert_eq!(sample.pdf, 1.0 / 88.0);
+            let [x, y, z] = (sample.p.abs() / DVec3::new(1.0, 2.0, 3.0)).to_array();
+            assert!((x.max(y).max(z) - 1.0).abs() < 1e-12, "{sample:?}");
+        }
+        for (chosen, area) in chosen.iter().zip([12.0, 12.0, 24.0, 8.0, 24.0, 8.0]) {
+            assert!((chosen - area).abs() < 0.02, "{chosen} of {area}");
         }
     }
 }

@@ -5,7 +5,7 @@
 //! [`Geometry`].
 
 pub mod accel;
-mod cube;
+pub mod cube;
 mod cylinder;
 mod disk;
 mod instance;
@@ -26,6 +26,7 @@ use crate::math::{Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
+pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use mesh::Mesh;
 pub use patch::Patch;
@@ -71,6 +72,7 @@ shapes! {
 pub enum Geometry {
     Mesh(Mesh),
     Patch(Patch),
+    Cube(Cube),
     Sphere(Sphere),
     Cylinder(Cylinder),
 }
@@ -80,7 +82,7 @@ pub enum Geometry {
 pub struct Hit {
     /// Distance along the ray.
     pub t: f64,
-    /// Barycentric or patch coordinates; quadrics leave them 0.
+    /// Barycentric or patch coordinates; cubes and quadrics leave them 0.
     pub u: f64,
     pub v: f64,
     /// The primitive, counted over the whole scene.
@@ -141,7 +143,16 @@ impl Geometry {
     pub fn primitives(&self) -> u32 {
         match self {
             Self::Mesh(mesh) => mesh.triangles.len() as u32,
+            Self::Cube(_) => Cube::FACES,
             _ => 1,
+        }
+    }
+
+    /// The number that Mitsuba gives to primitive `local` at a point of it: its cubes are of triangles.
+    pub fn mitsuba_primitive(&self, local: u32, point: &SurfacePoint) -> u32 {
+        match self {
+            Self::Cube(_) => 2 * local + u32::from(point.uv.x + point.uv.y < 1.0),
+            _ => local,
         }
     }
 
@@ -152,6 +163,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.point::<UV>(local, hit.u, hit.v),
             Self::Patch(patch) => patch.point::<UV>(hit.u, hit.v),
+            Self::Cube(cube) => cube.point::<UV>(local, ray.at(hit.t)),
             Self::Sphere(sphere) => sphere.point::<UV>(ray.at(hit.t)),
             Self::Cylinder(cylinder) => cylinder.point::<UV>(ray.at(hit.t)),
         }
@@ -162,7 +174,7 @@ impl Geometry {
     pub fn normal_change(&self, local: u32, hit: &Hit, point: &SurfacePoint, dp: DVec3) -> DVec3 {
         match self {
             Self::Mesh(mesh) => mesh.normal_change(local, (hit.u, hit.v), dp),
-            Self::Patch(_) => DVec3::ZERO,
+            Self::Patch(_) | Self::Cube(_) => DVec3::ZERO,
             Self::Sphere(sphere) => {
                 dp * ((point.p - sphere.centre).dot(point.ns) / (sphere.radius * sphere.radius))
             }
@@ -174,6 +186,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.area(),
             Self::Patch(patch) => patch.area(),
+            Self::Cube(cube) => cube.area(),
             Self::Sphere(sphere) => sphere.area(),
             Self::Cylinder(cylinder) => cylinder.area(),
         }
@@ -186,6 +199,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.point_error(),
             Self::Patch(patch) => patch.point_error(),
+            Self::Cube(cube) => cube.point_error(),
             Self::Sphere(sphere) => sphere.point_error(),
             Self::Cylinder(cylinder) => cylinder.point_error(),
         }
@@ -197,6 +211,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.sample_area(u),
             Self::Patch(patch) => patch.sample_area(u),
+            Self::Cube(cube) => cube.sample_area(u),
             Self::Sphere(sphere) => sphere.sample_area(u),
             Self::Cylinder(cylinder) => cylinder.sample_area(u),
         }
@@ -211,6 +226,7 @@ impl Geometry {
                 Cone::around(normals.filter(|n| n.is_finite()))
             }
             Self::Patch(patch) => Cone::along(patch.n),
+            Self::Cube(cube) => Cone::around(cube.faces().iter().map(|face| face.n)),
             Self::Sphere(_) | Self::Cylinder(_) => Cone::EVERYWHERE,
         }
     }
@@ -220,6 +236,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
             Self::Patch(patch) => patch.corners().to_vec(),
+            Self::Cube(cube) => cube.corners(),
             Self::Sphere(_) | Self::Cylinder(_) => corners(self.bounds()).to_vec(),
         }
     }
@@ -229,6 +246,7 @@ impl Geometry {
         match self {
             Self::Mesh(mesh) => mesh.bounds(),
             Self::Patch(patch) => patch.bounds(),
+            Self::Cube(cube) => cube.bounds(),
             Self::Sphere(sphere) => sphere.bounds(),
             Self::Cylinder(cylinder) => cylinder.bounds(),
         }

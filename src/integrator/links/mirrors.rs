@@ -8,7 +8,7 @@ use crate::bsdf::{AnyMaterial, Bsdf, Material, Visitor};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, bounds, length};
 use crate::scene::Shape;
-use crate::shape::{Geometry, Mesh, SurfacePoint};
+use crate::shape::{Geometry, Mesh, Patch, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
 
 /// More mirrors than these are not asked; the smallest are left out.
@@ -90,18 +90,21 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<Mi
         }
     });
     let first = shape.first_primitive;
-    let whole = |form, around, strength| Mirror { form, around, strength, primitives: vec![first] };
+    let whole =
+        |form, around, strength, primitive| Mirror { form, around, strength, primitives: vec![primitive] };
+    let plane = |patch: &Patch, primitive| {
+        let form = Form::Plane { n: patch.n, height: patch.n.dot(patch.centre) };
+        whole(form, around(&patch.corners()), strength, primitive)
+    };
     match &shape.geometry {
         Geometry::Sphere(sphere) => {
             let around = (sphere.centre, sphere.radius);
             let form = Form::Ball { centre: sphere.centre, radius: sphere.radius };
             // From inside it would be a hollow mirror.
-            vec![whole(form, around, [strength[usize::from(sphere.inward)], 0.0])]
+            vec![whole(form, around, [strength[usize::from(sphere.inward)], 0.0], first)]
         }
-        Geometry::Patch(patch) => {
-            let form = Form::Plane { n: patch.n, height: patch.n.dot(patch.centre) };
-            vec![whole(form, around(&patch.corners()), strength)]
-        }
+        Geometry::Patch(patch) => vec![plane(patch, first)],
+        Geometry::Cube(cube) => cube.faces().iter().zip(first..).map(|(face, i)| plane(face, i)).collect(),
         Geometry::Mesh(mesh) => flat_pieces(mesh)
             .into_iter()
             .map(|(form, around, local)| Mirror {
@@ -200,7 +203,7 @@ mod tests {
         let metal = r#"<bsdf type="conductor"><string name="material" value="none"/></bsdf>"#;
         let glass = r#"<bsdf type="dielectric"/>"#;
         let cube = of(&format!(r#"<shape type="cube">{glass}</shape>"#));
-        assert_eq!(cube.0.iter().map(|mirror| mirror.primitives.len()).collect::<Vec<_>>(), [2; 6]);
+        assert_eq!(cube.0.iter().map(|mirror| mirror.primitives.len()).collect::<Vec<_>>(), [1; 6]);
         for (shape, count) in [
             (format!(r#"<shape type="sphere">{metal}</shape>"#), 1),
             (format!(r#"<shape type="disk">{glass}</shape>"#), 1),

@@ -113,12 +113,14 @@ impl Path {
     }
 
     /// How many pairs of numbers [`Scatter`](super::scatter::Scatter) needs at vertices with at most so many
-    /// edges behind them: for a place on an emitter and a direction; for a choice between emitters and one
-    /// between lobes; for roulette and a choice between ways through glass.
+    /// edges behind them: for a place on an emitter and a direction; for more digits of a choice between many
+    /// emitters and one between lobes; for roulette and a choice between ways through glass.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
+        /// The choice between so many takes four bits of 32 from the place.
+        const FEW: usize = 16;
         if edges >= self.rr_depth || scene.links.is_some() {
             PAIRS
-        } else if scene.emitters.list.len() > 1 || scene.several_lobes {
+        } else if scene.emitters.list.len() > FEW || scene.several_lobes {
             3
         } else {
             2

@@ -4,7 +4,8 @@
 //! 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization"), and [`Plan`] folds it into nodes
 //! of eight.
 
-use super::fold::{Content, LEAF, Plan};
+use super::cubes::Cubes;
+use super::fold::{Content, LEAF, Plan, kind};
 use super::grow::grow;
 use super::node::{Node, NodeRef};
 use super::pages::Pages;
@@ -18,8 +19,8 @@ use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed, Tried};
 use crate::math::bounds::{NOTHING, corners, union};
 use crate::math::ray::position_error;
-use crate::math::{DVec3, length};
-use crate::shape::{Geometry, Patch};
+use crate::math::{Bounds, DVec3, length};
+use crate::shape::{Cube, Geometry, Patch};
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
@@ -33,7 +34,7 @@ pub struct Limits {
     pub all: usize,
     /// of which so many of triangles.
     pub triangles: usize,
-    /// Blocks of patches and spheres beside a tree.
+    /// Blocks of patches, cubes and spheres beside a tree.
     pub beside: usize,
 }
 
@@ -47,7 +48,7 @@ const MANY: usize = 1000;
 /// longer; more gains nothing.
 const REINSERTED: f32 = 0.02;
 
-/// A primitive by shape and place in it, or an instance.
+/// A primitive by shape and place in it, all faces of a cube, or an instance.
 #[derive(Clone, Copy)]
 struct Item {
     /// Instances are counted after the shapes.
@@ -70,7 +71,7 @@ impl Accel {
 
     pub(super) fn limited(shapes: &[&Geometry], mut instances: Vec<Instance>, limits: Limits) -> Self {
         let trying = Trying::decide(shapes, &instances, limits);
-        let (mut items, mut tried): (Vec<Item>, [Vec<Item>; 5]) = Default::default();
+        let (mut items, mut tried): (Vec<Item>, [Vec<Item>; 6]) = Default::default();
         items.reserve_exact(shapes.iter().map(|shape| shape.primitives() as usize).sum::<usize>());
         let mut bounds = NOTHING;
         let mut primitives = 0;
@@ -80,9 +81,10 @@ impl Accel {
                 Some(kind) => &mut tried[kind as usize],
                 None => &mut items,
             };
-            for local in 0..geometry.primitives() {
+            let together = if let Geometry::Cube(_) = geometry { Cube::FACES } else { 1 };
+            for local in (0..geometry.primitives()).step_by(together as usize) {
                 list.push(Item { shape: shape as u32, local, primitive: primitives });
-                primitives += 1;
+                primitives += together;
             }
         }
         for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
@@ -101,6 +103,7 @@ impl Accel {
             scattered: false,
             triangles: Pages::zeroed(0),
             patches: vec![],
+            cubes: vec![],
             spheres: vec![],
             cylinders: vec![],
             mixed: vec![],
@@ -123,25 +126,31 @@ impl Accel {
         ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
         let plan = Plan::new(&binary, |primitive| {
             let item = &items[primitive as usize];
-            let (surface, size, is_triangle) = match shapes.get(item.shape as usize) {
-                Some(Geometry::Mesh(mesh)) => {
+            let around = || accel.box_of(shapes, item).half_area();
+            let Some(shape) = shapes.get(item.shape as usize) else {
+                // A leaf of its own.
+                return Content { surface: around(), size: LEAF, kind: kind::INSTANCE };
+            };
+            let (surface, kind) = match shape {
+                Geometry::Mesh(mesh) => {
                     let [a, b, c] = mesh.corners(item.local);
                     let unit = space.scale() * space.scale();
-                    ((length((b - a).cross(c - a)) * unit) as f32, 1, true)
+                    ((length((b - a).cross(c - a)) * unit) as f32, kind::TRIANGLE)
                 }
-                Some(_) => (accel.box_of(shapes, item).half_area(), 1, false),
-                // A leaf of its own.
-                None => (accel.box_of(shapes, item).half_area(), LEAF, false),
+                Geometry::Patch(_) => (around(), kind::PATCH),
+                Geometry::Cube(_) => (around(), kind::CUBE),
+                Geometry::Sphere(_) => (around(), kind::SPHERE),
+                Geometry::Cylinder(_) => (around(), kind::CYLINDER),
             };
-            Content { surface, size, is_triangle }
+            Content { surface, size: 1, kind }
         });
         accel.arrange(shapes, &items, &plan);
         accel
     }
 
     /// Stores what is simply tried, by kind, so that blocks are full.
-    fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; 5]) {
-        for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Sphere, Kind::Cylinder] {
+    fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; 6]) {
+        for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Cube, Kind::Sphere, Kind::Cylinder] {
             for block in tried[kind as usize].chunks(4) {
                 self.store(shapes, block.iter().copied());
             }
@@ -154,6 +163,7 @@ impl Accel {
         self.tried = Tried {
             inner_patches: tried[Kind::InnerPatch as usize].len().div_ceil(4),
             patches: self.patches.len(),
+            cubes: self.cubes.len(),
             spheres: self.spheres.len(),
             cylinders: self.cylinders.len(),
             triangles: self.triangles.len(),
@@ -163,17 +173,29 @@ impl Accel {
 
     /// Boxes and planes of primitives that are simply tried.
     fn few(&self, shapes: &[&Geometry], items: &[Item]) -> Few {
-        let mut boxes = vec![Node::empty(); items.len().div_ceil(8)];
-        for (i, item) in items.iter().enumerate() {
-            let aabb = self.box_of(shapes, item);
-            boxes[i / 8].set(i % 8, aabb.min.to_array(), aabb.max.to_array(), NodeRef::EMPTY);
+        let flat = |patch: &Patch| (Some(Plane::new(patch.centre, patch.n)), patch.bounds());
+        let primitives: Vec<(u32, (Option<Plane>, Bounds))> = items
+            .iter()
+            .flat_map(|item| {
+                let shape = shapes[item.shape as usize];
+                let of_item = match shape {
+                    Geometry::Mesh(mesh) => {
+                        let plane = Plane::of_corners(mesh.corners(item.local));
+                        vec![(Some(plane), primitive_bounds(shape, item.local))]
+                    }
+                    Geometry::Patch(patch) => vec![flat(patch)],
+                    Geometry::Cube(cube) => cube.faces().iter().map(flat).collect(),
+                    Geometry::Sphere(_) | Geometry::Cylinder(_) => vec![(None, shape.bounds())],
+                };
+                (item.primitive..).zip(of_item)
+            })
+            .collect();
+        let mut boxes = vec![Node::empty(); primitives.len().div_ceil(8)];
+        for (i, (_, (_, bounds))) in primitives.iter().enumerate() {
+            let (lo, hi) = self.space.enclose(bounds.0, bounds.1);
+            boxes[i / 8].set(i % 8, lo, hi, NodeRef::EMPTY);
         }
-        let plane = |item: &Item| match shapes[item.shape as usize] {
-            Geometry::Mesh(mesh) => Some(Plane::of_corners(mesh.corners(item.local))),
-            Geometry::Patch(patch) => Some(Plane::new(patch.centre, patch.n)),
-            Geometry::Sphere(_) | Geometry::Cylinder(_) => None,
-        };
-        Few { boxes, primitives: items.iter().map(|item| (item.primitive, plane(item))).collect() }
+        Few { boxes, primitives: primitives.into_iter().map(|(i, (plane, _))| (i, plane)).collect() }
     }
 
     /// The box around an item.
@@ -241,7 +263,7 @@ impl Accel {
 
     /// Stores up to four items, but for triangles, and says where they are.
     fn store(&mut self, shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> Mixed {
-        let (mut patches, mut spheres) = (vec![], vec![]);
+        let (mut patches, mut cubes, mut spheres) = (vec![], vec![], vec![]);
         let mut instances = vec![];
         let first_cylinder = self.cylinders.len() as u32;
         for item in items {
@@ -249,6 +271,7 @@ impl Accel {
                 None => instances.push(item.shape - shapes.len() as u32),
                 Some(Geometry::Mesh(_)) => {}
                 Some(Geometry::Patch(patch)) => patches.push((patch, item.primitive)),
+                Some(Geometry::Cube(cube)) => cubes.push((cube, item.primitive)),
                 Some(Geometry::Sphere(sphere)) => spheres.push((sphere, item.primitive)),
                 Some(Geometry::Cylinder(cylinder)) => self.cylinders.push((*cylinder, item.primitive)),
             }
@@ -258,6 +281,10 @@ impl Accel {
         if !patches.is_empty() {
             mixed.patches = Some(self.patches.len() as u32);
             self.patches.push(Patches::new(&patches));
+        }
+        if !cubes.is_empty() {
+            mixed.cubes = Some(self.cubes.len() as u32);
+            self.cubes.push(Cubes::new(&cubes));
         }
         if !spheres.is_empty() {
             mixed.spheres = Some(self.spheres.len() as u32);
@@ -290,12 +317,13 @@ enum Kind {
     InnerPatch,
     /// Everything lies on one side of it.
     OuterPatch,
+    Cube,
     Sphere,
     Cylinder,
     Triangle,
 }
 
-/// Which shapes are tried for every ray, and not searched: patches and spheres.
+/// Which shapes are tried for every ray, and not searched: patches, cubes and spheres.
 struct Trying {
     /// Of the patches these.
     outer: BTreeSet<usize>,
@@ -314,16 +342,18 @@ impl Trying {
         }
         let outer: BTreeSet<usize> =
             patches.iter().copied().filter(|&p| instances.is_empty() && is_outer(shapes, p)).collect();
-        let (mut spheres, mut cylinders, mut triangles) = (0, 0, 0);
+        let (mut cubes, mut spheres, mut cylinders, mut triangles) = (0, 0, 0, 0);
         for shape in shapes {
             match shape {
                 Geometry::Mesh(mesh) => triangles += mesh.triangles.len(),
+                Geometry::Cube(_) => cubes += 1,
                 Geometry::Sphere(_) => spheres += 1,
                 Geometry::Cylinder(_) => cylinders += 1,
                 Geometry::Patch(_) => {}
             }
         }
-        let beside = blocks(outer.len()) + blocks(patches.len() - outer.len()) + blocks(spheres);
+        let of_patches = blocks(outer.len()) + blocks(patches.len() - outer.len());
+        let beside = of_patches + blocks(cubes) + blocks(spheres);
         let blocks_of_all = beside + blocks(cylinders) + blocks(triangles);
         let all =
             instances.is_empty() && blocks_of_all <= limits.all && blocks(triangles) <= limits.triangles;
@@ -335,6 +365,7 @@ impl Trying {
         match shapes[shape] {
             Geometry::Patch(_) if self.outer.contains(&shape) => Some(Kind::OuterPatch),
             Geometry::Patch(_) => Some(Kind::InnerPatch),
+            Geometry::Cube(_) => Some(Kind::Cube),
             Geometry::Sphere(_) => Some(Kind::Sphere),
             Geometry::Cylinder(_) => self.all.then_some(Kind::Cylinder),
             Geometry::Mesh(_) => self.all.then_some(Kind::Triangle),

@@ -9,7 +9,7 @@ use super::node::{Node, NodeRef};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// What testing a block of four triangles costs, in tests of a node.
+/// What testing a block of four primitives of a kind costs, in tests of a node.
 const BLOCK_COST: f32 = 0.6;
 
 /// A leaf that could be whole is divided only if that leaves no more than this part of its cost: full blocks
@@ -26,7 +26,18 @@ pub struct Content {
     pub surface: f32,
     /// How much of a leaf it takes.
     pub size: u8,
-    pub is_triangle: bool,
+    /// One of these.
+    pub kind: u8,
+}
+
+/// Bits of kinds that are in blocks of their own.
+pub mod kind {
+    pub const TRIANGLE: u8 = 1;
+    pub const PATCH: u8 = 2;
+    pub const CUBE: u8 = 4;
+    pub const SPHERE: u8 = 8;
+    pub const CYLINDER: u8 = 16;
+    pub const INSTANCE: u8 = 32;
 }
 
 /// What is known of a node of the binary tree and what is below it.
@@ -41,8 +52,14 @@ struct Decision {
     surface: f32,
     /// More than [`LEAF`] is too large for a leaf.
     size: u8,
-    has_triangles: bool,
-    only_triangles: bool,
+    kinds: u8,
+}
+
+impl Decision {
+    /// What testing all that is here costs, of which there is a leaf at most.
+    fn leaf_cost(&self) -> f32 {
+        BLOCK_COST * self.kinds.count_ones() as f32
+    }
 }
 
 /// The least costs of at most 1, 2, … 7 trees: known only while decisions are made.
@@ -83,24 +100,22 @@ impl<'a> Plan<'a> {
         let node = &self.binary.nodes[index];
         let area = node.aabb().half_area();
         if node.is_leaf() {
-            let cost = area * BLOCK_COST;
-            let mut decision = Decision { cost, only_triangles: true, ..Decision::default() };
+            let mut decision = Decision::default();
             for &primitive in self.of_leaf(node) {
-                let Content { surface, size, is_triangle } = content(primitive);
+                let Content { surface, size, kind } = content(primitive);
                 decision.surface += surface;
                 decision.size += size;
-                decision.has_triangles |= is_triangle;
-                decision.only_triangles &= is_triangle;
+                decision.kinds |= kind;
             }
-            return (decision, [cost; 7]);
+            decision.cost = area * decision.leaf_cost();
+            return (decision, [decision.cost; 7]);
         }
         let (left, right) = (node.first_index as usize, node.first_index as usize + 1);
         let (l, r) = (&self.decisions[left], &self.decisions[right]);
         let mut decision = Decision {
             surface: l.surface + r.surface,
             size: (l.size + r.size).min(LEAF + 1),
-            has_triangles: l.has_triangles | r.has_triangles,
-            only_triangles: l.only_triangles & r.only_triangles,
+            kinds: l.kinds | r.kinds,
             ..Decision::default()
         };
         let split = |trees: usize| {
@@ -114,7 +129,7 @@ impl<'a> Plan<'a> {
             best
         };
         let (inner, from_left) = split(8);
-        let (inner, leaf) = (inner + area, area * BLOCK_COST);
+        let (inner, leaf) = (inner + area, area * decision.leaf_cost());
         decision.choices[0] = from_left;
         decision.choices[1] = u8::from(decision.size > LEAF || inner < leaf);
         let mut best = if decision.choices[1] == 0 { leaf } else { inner };
@@ -132,11 +147,11 @@ impl<'a> Plan<'a> {
     }
 
     pub fn has_triangles(&self, index: u32) -> bool {
-        self.decisions[index as usize].has_triangles
+        self.decisions[index as usize].kinds & kind::TRIANGLE != 0
     }
 
     pub fn only_triangles(&self, index: u32) -> bool {
-        self.decisions[index as usize].only_triangles
+        self.decisions[index as usize].kinds == kind::TRIANGLE
     }
 
     /// All nodes, children of one behind each other, and the binary nodes that leaves are made of.

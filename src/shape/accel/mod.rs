@@ -6,13 +6,14 @@
 //! number): neither the shape of the tree, nor who built it, nor the order of traversal can change what is
 //! found.
 //!
-//! A handful of primitives needs no tree at all, and a handful of patches and spheres beside many triangles
-//! stays out of theirs.
+//! A handful of primitives needs no tree at all, and a handful of patches, cubes and spheres beside many
+//! triangles stays out of theirs.
 
 mod any_hit;
 mod bins;
 mod build;
 mod closest_hit;
+mod cubes;
 mod fold;
 mod grow;
 mod hull;
@@ -36,6 +37,7 @@ use crate::math::simd::F64x4;
 use crate::math::{Bounds, Ray};
 use any_hit::AnyHit;
 use closest_hit::ClosestHit;
+use cubes::Cubes;
 pub use instances::Instance;
 use node::Node;
 use pages::Pages;
@@ -53,6 +55,7 @@ use walk::{View, Walk};
 struct Mixed {
     triangles: Option<u32>,
     patches: Option<u32>,
+    cubes: Option<u32>,
     spheres: Option<u32>,
     cylinders: std::ops::Range<u32>,
     instances: Vec<u32>,
@@ -67,6 +70,7 @@ pub struct Accel {
     scattered: bool,
     triangles: Pages<Triangles>,
     patches: Vec<Patches>,
+    cubes: Vec<Cubes>,
     spheres: Vec<Spheres>,
     cylinders: Vec<(Cylinder, u32)>,
     mixed: Vec<Mixed>,
@@ -201,6 +205,7 @@ impl Accel {
         size_of_val(&*self.nodes)
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.patches)
+            + size_of_val(&*self.cubes)
             + size_of_val(&*self.spheres)
             + size_of_val(&*self.cylinders)
             + size_of_val(&*self.mixed)
@@ -211,9 +216,9 @@ impl Accel {
         self.nodes.len()
     }
 
-    /// Whether patches and spheres are in no tree, though there is one.
+    /// Whether patches, cubes and spheres are in no tree, though there is one.
     pub fn tries_beside_tree(&self) -> bool {
-        !self.nodes.is_empty() && self.tried.patches + self.tried.spheres > 0
+        !self.nodes.is_empty() && self.tried.in_packets()
     }
 
     #[inline(always)]
@@ -244,6 +249,9 @@ impl Accel {
         }
         if let Some(block) = mixed.patches {
             self.patches[block as usize].intersect(&Rays::new(search.ray), search);
+        }
+        if let Some(block) = mixed.cubes {
+            self.cubes[block as usize].intersect(&Rays::new(search.ray), search);
         }
         if let Some(block) = mixed.spheres {
             self.spheres[block as usize].intersect(&Rays::new(search.ray), search);

@@ -49,6 +49,13 @@ impl Packet {
         NUMBERS + 1.0 + f64::from(primitive)
     }
 
+    /// The primitive of a lane, and none of that of nothing.
+    #[inline(always)]
+    pub fn primitive(lane: f64) -> u32 {
+        const { assert!(Search::NONE == 0u32.wrapping_sub(1)) };
+        (lane.to_bits() as u32).wrapping_sub(1)
+    }
+
     /// Which rays would look as far as `t`.
     #[inline(always)]
     pub fn ahead(&self, t: F64x4) -> Mask {
@@ -75,9 +82,7 @@ impl Packet {
     /// The best hit of a ray; where there is none it lies at the ray's end.
     #[inline(always)]
     pub fn hit(&self, ray: usize) -> Hit {
-        // One less than nothing is no primitive at all.
-        const { assert!(Search::NONE == 0u32.wrapping_sub(1)) };
-        let primitive = (self.primitive.lane(ray).to_bits() as u32).wrapping_sub(1);
+        let primitive = Self::primitive(self.primitive.lane(ray));
         Hit { t: self.t.lane(ray), u: self.u.lane(ray), v: self.v.lane(ray), primitive }
     }
 }

@@ -154,9 +154,11 @@ impl Accel {
         let cylinders = self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize].iter();
         let instances = mixed.instances.iter().map(|i| self.instances[*i as usize].bounds());
         let mut round = spheres.chain(cylinders.map(|(cylinder, _)| cylinder.bounds())).chain(instances);
-        let mut patches = block(mixed.patches).into_iter().flat_map(|block| self.patches[block].outlines());
+        let patches = block(mixed.patches).into_iter().flat_map(|block| self.patches[block].outlines());
+        let cubes = block(mixed.cubes).into_iter().flat_map(|block| self.cubes[block].faces());
+        let mut flat = patches.chain(cubes);
         round.all(|bounds| !question.hull.meets_box(&self.space, bounds))
-            && patches.all(|(primitive, plane, bounds)| {
+            && flat.all(|(primitive, plane, bounds)| {
                 question.is_beside((primitive, plane)) || !question.hull.meets_box(&self.space, bounds)
             })
             && block(mixed.triangles).is_none_or(|block| self.block_is_beside(block, question))

@@ -7,7 +7,7 @@ use crate::math::random::{direction, uniform};
 use crate::math::ray::Ends;
 use crate::math::{DVec3, Transform, length};
 use crate::shape::mesh_data::MeshData;
-use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
+use crate::shape::{Cube, Geometry, Mesh, Patch, Sphere, patch::Outline};
 use glam::DVec2;
 use rand_pcg::{Pcg32, rand_core::Rng};
 
@@ -43,10 +43,11 @@ fn zoo() -> Vec<Geometry> {
         let place = Transform::translate(direction(&mut rng) * 3.0)
             .after(&Transform::rotate(direction(&mut rng), 360.0 * uniform(&mut rng)).unwrap())
             .after(&Transform::scale(DVec3::splat(0.1 + uniform(&mut rng))).unwrap());
-        shapes.push(match i % 4 {
+        shapes.push(match i % 5 {
             0 => Geometry::Patch(Patch::new(&place, false, Outline::Square)),
             1 => Geometry::Patch(Patch::new(&place, false, Outline::Circle)),
             2 => Geometry::Sphere(Sphere::new(&place, DVec3::ZERO, 0.5, false)),
+            3 => Geometry::Cube(Cube::new(&place, false)),
             _ => Geometry::Cylinder(Cylinder::new(&place, DVec3::ZERO, DVec3::Z, 0.3, false)),
         });
     }
@@ -176,7 +177,7 @@ fn scaling_by_a_power_of_two_scales_every_hit_exactly() {
     }
 }
 
-/// A room: six walls, a table top, two spheres and a column.
+/// A room: six walls, a table top, two spheres, a cube and a column.
 fn room() -> Vec<Geometry> {
     let wall = |axis: DVec3, angle: f64, at: DVec3| {
         let turn = Transform::rotate(axis, angle).unwrap();
@@ -194,6 +195,7 @@ fn room() -> Vec<Geometry> {
         wall(y, 0.0, -z),
         Geometry::Patch(Patch::new(&Transform::translate(y * 0.1).after(&small), false, Outline::Circle)),
         Geometry::Sphere(Sphere::new(&small, DVec3::new(-2.0, 1.0, 0.5), 0.7, true)),
+        Geometry::Cube(Cube::new(&Transform::translate(DVec3::new(0.5, -0.8, 0.5)).after(&small), false)),
         Geometry::Cylinder(Cylinder::new(&small, DVec3::new(1.0, -1.0, 1.0), DVec3::Z, 0.3, false)),
     ]
 }
@@ -205,7 +207,7 @@ fn rays_together_meet_what_they_meet_alone() {
     let (small, large) = (&room[..], &zoo[..]);
     for (shapes, few, in_turns) in [
         (small, ALL_TRIED, false),
-        (&room[..9], ALL_TRIED, false),
+        (&room[..10], ALL_TRIED, false),
         (large, NONE_TRIED, false),
         (large, NONE_TRIED, true),
         (large, BOTH, false),

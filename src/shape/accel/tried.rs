@@ -1,5 +1,5 @@
-//! What every ray tries, without a tree: all of a scene of few primitives, or the few patches and spheres
-//! that stand beside triangles.
+//! What every ray tries, without a tree: all of a scene of few primitives, or the few patches, cubes and
+//! spheres that stand beside triangles.
 
 use super::packet::Packet;
 use super::triangles::Sheared;
@@ -14,6 +14,7 @@ pub struct Tried {
     /// Of these patches the first have the scene on both sides.
     pub inner_patches: usize,
     pub patches: usize,
+    pub cubes: usize,
     pub spheres: usize,
     pub cylinders: usize,
     /// All, or none.
@@ -30,8 +31,8 @@ impl Tried {
 
     /// Whether there is something that several rays can try together.
     #[inline(always)]
-    fn in_packets(&self) -> bool {
-        self.patches + self.spheres > 0
+    pub fn in_packets(&self) -> bool {
+        self.patches + self.cubes + self.spheres > 0
     }
 
     /// The blocks of patches that can come between the ends of a ray.
@@ -48,6 +49,12 @@ impl Accel {
         let on_surfaces = O::ANY && search.ray.ends == Ends::OnSurfaces;
         let rays = Rays::new(search.ray);
         for block in &self.patches[..self.tried.patches(on_surfaces)] {
+            block.intersect(&rays, search);
+            if O::ANY && search.found() {
+                return;
+            }
+        }
+        for block in &self.cubes[..self.tried.cubes] {
             block.intersect(&rays, search);
             if O::ANY && search.found() {
                 return;
@@ -86,6 +93,9 @@ impl Accel {
                 block.intersect_packet(&mut packet);
             }
             if !(O::ANY && packet.all_found()) {
+                for block in &self.cubes[..self.tried.cubes] {
+                    block.intersect_packet(&mut packet);
+                }
                 for block in &self.spheres[..self.tried.spheres] {
                     block.intersect_packet(&mut packet);
                 }

@@ -19,7 +19,7 @@ fn lamps(lit: impl Fn(usize) -> bool) -> String {
         ("disk", vec![scale([0.3; 3]), rotate('y', -80.0), translate([2.4, 0.2, 0.8])], 20.0),
     ];
     let lamp = |(i, (kind, steps, radiance)): (usize, (&str, Vec<String>, f64))| {
-        let mesh = if kind == "obj" { "<string name=\"filename\" value=\"meshes/cube.obj\"/>" } else { "" };
+        let mesh = if kind == "obj" { CUBE_OF_TRIANGLES } else { "" };
         let shines = if lit(i) { area(radiance) } else { String::new() };
         shape(kind, &steps, &(mesh.to_owned() + &diffuse(0.0) + &shines))
     };

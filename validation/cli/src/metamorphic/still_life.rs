@@ -8,6 +8,9 @@ pub const SIZE: u32 = 24;
 /// Independent samples, so that the image's variances are what they say.
 pub const INDEPENDENT: &str = "<sampler type=\"independent\"/>";
 
+/// The file of a mesh.
+pub const CUBE_OF_TRIANGLES: &str = "<string name=\"filename\" value=\"meshes/cube.obj\"/>";
+
 /// Where the camera stands.
 pub const EYE: Point = [0.2, -4.5, 1.6];
 
@@ -47,7 +50,11 @@ pub fn objects(more: &[String]) -> Vec<String> {
         ),
         placed("sphere", &[scale([0.5; 3]), translate([-0.8, 0.0, 0.5])], &diffuse(0.7)),
         placed("sphere", &[scale([0.4; 3]), translate([0.3, -0.6, 0.4])], &rough_metal()),
-        placed("cube", &[scale([0.35; 3]), rotate('z', 25.0), translate([1.0, 0.2, 0.35])], &diffuse(0.3)),
+        placed(
+            "obj",
+            &[scale([0.35; 3]), rotate('z', 25.0), translate([1.0, 0.2, 0.35])],
+            &(CUBE_OF_TRIANGLES.to_owned() + &diffuse(0.3)),
+        ),
     ]
 }
 

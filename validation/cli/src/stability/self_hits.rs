@@ -8,7 +8,7 @@ use etalon::spectrum::ColorMode;
 use validation::statistics::seed_for;
 
 /// Rays of a test run, all bodies together 10⁷.
-const RAYS: u64 = 1_250_000;
+const RAYS: u64 = 1_000_000;
 
 pub fn cases() -> Vec<Case> {
     let mesh = |file: &str| format!("<string name=\"filename\" value=\"meshes/{file}\"/>");
@@ -24,6 +24,8 @@ pub fn cases() -> Vec<Case> {
         ("patch", shape("rectangle", &[turned.as_slice(), std::slice::from_ref(&far)].concat(), ""), 1e-12),
         ("cube", shape("cube", &[scale([0.35, 0.7, 0.11])], ""), 1e-9),
         ("needle", shape("cube", &[scale([1e-5, 1e-5, 10.0])], ""), 1e-9),
+        ("cube_of_triangles", shape("obj", &[scale([0.35, 0.7, 0.11])], &mesh("cube.obj")), 1e-9),
+        ("needle_of_triangles", shape("obj", &[scale([1e-5, 1e-5, 10.0])], &mesh("cube.obj")), 1e-9),
         ("ball_of_triangles", shape("ply", &[], &mesh("ball.ply")), 1e-3),
         ("octahedron_of_needles", shape("ply", &[scale([1e-4, 1e-4, 10.0])], &mesh("octahedron.ply")), 1e-6),
     ];
