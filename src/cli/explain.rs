@@ -38,7 +38,7 @@ impl Arguments {
             "primitives": scene.accel.primitives(),
             "search": match (scene.accel.node_count(), scene.accel.tries_beside_tree()) {
                 (0, _) => "none: every block is tried",
-                (_, true) => "tree of eight-wide nodes; patches, cubes and spheres are tried",
+                (_, true) => "tree of eight-wide nodes; all but triangles is tried",
                 (_, false) => "tree of eight-wide nodes",
             },
             "nodes": scene.accel.node_count(),

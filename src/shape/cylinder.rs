@@ -5,7 +5,7 @@ use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::atan2;
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Ray, Transform};
+use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use std::f64::consts::PI;
@@ -21,13 +21,13 @@ pub const EXAMPLES: &[&str] = &[
 /// A cylinder in world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Cylinder {
-    start: DVec3,
+    pub start: DVec3,
     /// Unit axis, and the two unit vectors that uv angles are measured in.
-    axis: DVec3,
+    pub axis: DVec3,
     x: DVec3,
     y: DVec3,
-    length: f64,
-    radius: f64,
+    pub length: f64,
+    pub radius: f64,
     inward: bool,
 }
 
@@ -66,41 +66,6 @@ impl Cylinder {
     pub fn normal_change(&self, dp: DVec3) -> DVec3 {
         let around = dp - self.axis * dp.dot(self.axis);
         around * (if self.inward { -1.0 } else { 1.0 } / self.radius)
-    }
-
-    /// The nearest crossing beyond `ray.start`; `on_surface` if the origin lies on this very cylinder.
-    ///
-    /// The sphere's equation in the plane across the axis. With d′ the direction's part across, all terms are
-    /// divided by |d′| only at the end, so that rays along the axis pass without a division by zero.
-    #[inline]
-    pub fn intersect(&self, ray: &Ray, on_surface: bool, end: f64) -> Option<f64> {
-        let o = ray.origin - self.start;
-        let across = |v: DVec3| v - self.axis * v.dot(self.axis);
-        let (o_across, d_across) = (across(o), across(ray.direction));
-        let a = d_across.dot(d_across);
-        if a == 0.0 {
-            return None;
-        }
-        let b = o_across.dot(d_across);
-        let (along_o, along_d) = (o.dot(self.axis), ray.direction.dot(self.axis));
-        let accept = |t: f64| {
-            let z = along_o + along_d * t;
-            (t > ray.start && t < end && z >= 0.0 && z <= self.length).then_some(t)
-        };
-        if on_surface {
-            return accept(-2.0 * b / a);
-        }
-        let nearest = o_across - d_across * (b / a);
-        let discriminant = a * (self.radius * self.radius - nearest.dot(nearest));
-        if discriminant < 0.0 {
-            return None;
-        }
-        let root = discriminant.sqrt();
-        let distance = length(o_across);
-        let c = (distance - self.radius) * (distance + self.radius);
-        let q = if b < 0.0 { -b + root } else { -b - root };
-        let (near, far) = if b < 0.0 { (c / q, q / a) } else { (q / a, c / q) };
-        accept(near).or_else(|| accept(far))
     }
 
     /// The point of the wall nearest to `near`.

@@ -5,6 +5,7 @@
 //! of eight.
 
 use super::cubes::Cubes;
+use super::cylinders::Cylinders;
 use super::fold::{Content, LEAF, Plan, kind};
 use super::grow::grow;
 use super::node::{Node, NodeRef};
@@ -34,7 +35,7 @@ pub struct Limits {
     pub all: usize,
     /// of which so many of triangles.
     pub triangles: usize,
-    /// Blocks of patches, cubes and spheres beside a tree.
+    /// Blocks of all but triangles beside a tree.
     pub beside: usize,
 }
 
@@ -263,9 +264,8 @@ impl Accel {
 
     /// Stores up to four items, but for triangles, and says where they are.
     fn store(&mut self, shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> Mixed {
-        let (mut patches, mut cubes, mut spheres) = (vec![], vec![], vec![]);
+        let (mut patches, mut cubes, mut spheres, mut cylinders) = (vec![], vec![], vec![], vec![]);
         let mut instances = vec![];
-        let first_cylinder = self.cylinders.len() as u32;
         for item in items {
             match shapes.get(item.shape as usize) {
                 None => instances.push(item.shape - shapes.len() as u32),
@@ -273,11 +273,10 @@ impl Accel {
                 Some(Geometry::Patch(patch)) => patches.push((patch, item.primitive)),
                 Some(Geometry::Cube(cube)) => cubes.push((cube, item.primitive)),
                 Some(Geometry::Sphere(sphere)) => spheres.push((sphere, item.primitive)),
-                Some(Geometry::Cylinder(cylinder)) => self.cylinders.push((*cylinder, item.primitive)),
+                Some(Geometry::Cylinder(cylinder)) => cylinders.push((cylinder, item.primitive)),
             }
         }
-        let cylinders = first_cylinder..self.cylinders.len() as u32;
-        let mut mixed = Mixed { cylinders, instances, ..Mixed::default() };
+        let mut mixed = Mixed { instances, ..Mixed::default() };
         if !patches.is_empty() {
             mixed.patches = Some(self.patches.len() as u32);
             self.patches.push(Patches::new(&patches));
@@ -289,6 +288,10 @@ impl Accel {
         if !spheres.is_empty() {
             mixed.spheres = Some(self.spheres.len() as u32);
             self.spheres.push(Spheres::new(&spheres));
+        }
+        if !cylinders.is_empty() {
+            mixed.cylinders = Some(self.cylinders.len() as u32);
+            self.cylinders.push(Cylinders::new(&cylinders));
         }
         mixed
     }
@@ -323,11 +326,11 @@ enum Kind {
     Triangle,
 }
 
-/// Which shapes are tried for every ray, and not searched: patches, cubes and spheres.
+/// Which shapes are tried for every ray, and not searched: all that are no meshes.
 struct Trying {
     /// Of the patches these.
     outer: BTreeSet<usize>,
-    /// And everything else.
+    /// And meshes.
     all: bool,
 }
 
@@ -353,8 +356,8 @@ impl Trying {
             }
         }
         let of_patches = blocks(outer.len()) + blocks(patches.len() - outer.len());
-        let beside = of_patches + blocks(cubes) + blocks(spheres);
-        let blocks_of_all = beside + blocks(cylinders) + blocks(triangles);
+        let beside = of_patches + blocks(cubes) + blocks(spheres) + blocks(cylinders);
+        let blocks_of_all = beside + blocks(triangles);
         let all =
             instances.is_empty() && blocks_of_all <= limits.all && blocks(triangles) <= limits.triangles;
         (all || beside <= limits.beside).then_some(Self { outer, all })
@@ -367,7 +370,7 @@ impl Trying {
             Geometry::Patch(_) => Some(Kind::InnerPatch),
             Geometry::Cube(_) => Some(Kind::Cube),
             Geometry::Sphere(_) => Some(Kind::Sphere),
-            Geometry::Cylinder(_) => self.all.then_some(Kind::Cylinder),
+            Geometry::Cylinder(_) => Some(Kind::Cylinder),
             Geometry::Mesh(_) => self.all.then_some(Kind::Triangle),
         }
     }

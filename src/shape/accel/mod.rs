@@ -6,14 +6,15 @@
 //! number): neither the shape of the tree, nor who built it, nor the order of traversal can change what is
 //! found.
 //!
-//! A handful of primitives needs no tree at all, and a handful of patches, cubes and spheres beside many
-//! triangles stays out of theirs.
+//! A handful of primitives needs no tree at all, and a handful of other shapes beside many triangles stays out
+//! of theirs.
 
 mod any_hit;
 mod bins;
 mod build;
 mod closest_hit;
 mod cubes;
+mod cylinders;
 mod fold;
 mod grow;
 mod hull;
@@ -32,12 +33,13 @@ mod turns;
 mod waiting;
 mod walk;
 
-use super::{Cylinder, Hit};
+use super::Hit;
 use crate::math::simd::F64x4;
 use crate::math::{Bounds, Ray};
 use any_hit::AnyHit;
 use closest_hit::ClosestHit;
 use cubes::Cubes;
+use cylinders::Cylinders;
 pub use instances::Instance;
 use node::Node;
 use pages::Pages;
@@ -57,7 +59,7 @@ struct Mixed {
     patches: Option<u32>,
     cubes: Option<u32>,
     spheres: Option<u32>,
-    cylinders: std::ops::Range<u32>,
+    cylinders: Option<u32>,
     instances: Vec<u32>,
 }
 
@@ -72,7 +74,7 @@ pub struct Accel {
     patches: Vec<Patches>,
     cubes: Vec<Cubes>,
     spheres: Vec<Spheres>,
-    cylinders: Vec<(Cylinder, u32)>,
+    cylinders: Vec<Cylinders>,
     mixed: Vec<Mixed>,
     tried: Tried,
     /// Where there are any, there is a tree.
@@ -216,7 +218,7 @@ impl Accel {
         self.nodes.len()
     }
 
-    /// Whether patches, cubes and spheres are in no tree, though there is one.
+    /// Whether some primitives are in no tree, though there is one.
     pub fn tries_beside_tree(&self) -> bool {
         !self.nodes.is_empty() && self.tried.in_packets()
     }
@@ -256,20 +258,12 @@ impl Accel {
         if let Some(block) = mixed.spheres {
             self.spheres[block as usize].intersect(&Rays::new(search.ray), search);
         }
-        for cylinder in &self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize] {
-            intersect_cylinder(cylinder, search);
+        if let Some(block) = mixed.cylinders {
+            self.cylinders[block as usize].intersect(&Rays::new(search.ray), search);
         }
         for &instance in &mixed.instances {
             self.instances[instance as usize].intersect::<O>(search);
         }
-    }
-}
-
-fn intersect_cylinder((cylinder, primitive): &(Cylinder, u32), search: &mut Search) {
-    // The end is open: a tie with the best hit must still be offered, to be decided by number.
-    let end = search.best.t.next_up();
-    if let Some(t) = cylinder.intersect(search.ray, search.ray.from == *primitive, end) {
-        search.offer(t, 0.0, 0.0, *primitive);
     }
 }
 

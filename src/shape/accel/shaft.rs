@@ -151,9 +151,9 @@ impl Accel {
     fn mixed_is_beside(&self, mixed: &Mixed, question: &mut Question) -> bool {
         let block = |block: Option<u32>| block.map(|block| block as usize);
         let spheres = block(mixed.spheres).into_iter().flat_map(|block| self.spheres[block].bounds());
-        let cylinders = self.cylinders[mixed.cylinders.start as usize..mixed.cylinders.end as usize].iter();
+        let cylinders = block(mixed.cylinders).into_iter().flat_map(|block| self.cylinders[block].bounds());
         let instances = mixed.instances.iter().map(|i| self.instances[*i as usize].bounds());
-        let mut round = spheres.chain(cylinders.map(|(cylinder, _)| cylinder.bounds())).chain(instances);
+        let mut round = spheres.chain(cylinders).chain(instances);
         let patches = block(mixed.patches).into_iter().flat_map(|block| self.patches[block].outlines());
         let cubes = block(mixed.cubes).into_iter().flat_map(|block| self.cubes[block].faces());
         let mut flat = patches.chain(cubes);

@@ -7,7 +7,7 @@ use crate::math::random::{direction, uniform};
 use crate::math::ray::Ends;
 use crate::math::{DVec3, Transform, length};
 use crate::shape::mesh_data::MeshData;
-use crate::shape::{Cube, Geometry, Mesh, Patch, Sphere, patch::Outline};
+use crate::shape::{Cube, Cylinder, Geometry, Mesh, Patch, Sphere, patch::Outline};
 use glam::DVec2;
 use rand_pcg::{Pcg32, rand_core::Rng};
 

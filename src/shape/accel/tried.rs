@@ -1,10 +1,10 @@
-//! What every ray tries, without a tree: all of a scene of few primitives, or the few patches, cubes and
-//! spheres that stand beside triangles.
+//! What every ray tries, without a tree: all of a scene of few primitives, or the few others that stand
+//! beside triangles.
 
 use super::packet::Packet;
 use super::triangles::Sheared;
 use super::waiting::Order;
-use super::{Accel, Rays, Search, intersect_cylinder, shaft};
+use super::{Accel, Rays, Search, shaft};
 use crate::math::Ray;
 use crate::math::ray::Ends;
 
@@ -32,7 +32,7 @@ impl Tried {
     /// Whether there is something that several rays can try together.
     #[inline(always)]
     pub fn in_packets(&self) -> bool {
-        self.patches + self.cubes + self.spheres > 0
+        self.patches + self.cubes + self.spheres + self.cylinders > 0
     }
 
     /// The blocks of patches that can come between the ends of a ray.
@@ -66,7 +66,13 @@ impl Accel {
                 return;
             }
         }
-        self.try_rest::<O>(search);
+        for block in &self.cylinders[..self.tried.cylinders] {
+            block.intersect(&rays, search);
+            if O::ANY && search.found() {
+                return;
+            }
+        }
+        self.try_triangles::<O>(search);
     }
 
     /// The same for many rays, which are handed on in order with what they have found.
@@ -79,12 +85,11 @@ impl Accel {
         if !self.tried.in_packets() {
             for (i, ray) in rays.iter().enumerate() {
                 let mut search = Search::new(ray);
-                self.try_rest::<O>(&mut search);
+                self.try_triangles::<O>(&mut search);
                 hand_on(i, search);
             }
             return;
         }
-        let rest = self.tried.cylinders + self.tried.triangles > 0;
         for (group, rays) in rays.chunks(Packet::WIDTH).enumerate() {
             let last = rays.len() - 1;
             let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
@@ -99,11 +104,14 @@ impl Accel {
                 for block in &self.spheres[..self.tried.spheres] {
                     block.intersect_packet(&mut packet);
                 }
+                for block in &self.cylinders[..self.tried.cylinders] {
+                    block.intersect_packet(&mut packet);
+                }
             }
             for (i, ray) in rays.iter().enumerate() {
                 let mut search = Search { ray, best: packet.hit(i) };
-                if rest {
-                    self.try_rest::<O>(&mut search);
+                if self.tried.triangles > 0 {
+                    self.try_triangles::<O>(&mut search);
                 }
                 hand_on(group * Packet::WIDTH + i, search);
             }
@@ -112,23 +120,15 @@ impl Accel {
 
     /// Tries what is not tried in packets.
     #[inline(always)]
-    fn try_rest<O: Order>(&self, search: &mut Search) {
-        if O::ANY && search.found() {
+    fn try_triangles<O: Order>(&self, search: &mut Search) {
+        if self.tried.triangles == 0 || O::ANY && search.found() {
             return;
         }
-        for cylinder in &self.cylinders[..self.tried.cylinders] {
-            intersect_cylinder(cylinder, search);
+        let sheared = Sheared::new(search.ray, self.near);
+        for block in self.triangles.iter() {
+            block.intersect(&sheared, search);
             if O::ANY && search.found() {
                 return;
-            }
-        }
-        if self.tried.triangles > 0 {
-            let sheared = Sheared::new(search.ray, self.near);
-            for block in self.triangles.iter() {
-                block.intersect(&sheared, search);
-                if O::ANY && search.found() {
-                    return;
-                }
             }
         }
     }
