@@ -8,6 +8,7 @@ use crate::scene::params::{Params, Usage};
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
+use std::ops::{AddAssign, Mul};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -115,33 +116,39 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
 
 impl Bitmap {
     /// The four texels about a place, row by row, and how far it lies from the first towards the others.
-    #[inline]
+    #[inline(always)]
     fn square(&self, uv: DVec2) -> ([usize; 4], f64, f64) {
         let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
-        let offset = if self.nearest { 0.0 } else { 0.5 };
-        let (x, y) = (p.x * self.width as f64 - offset, p.y * self.height as f64 - offset);
-        let (x0, y0) = (x.floor(), y.floor());
-        let columns = [0, 1].map(|next| self.wrapped(x0 as i64 + next, self.width));
-        let rows = [0, 1].map(|next| self.wrapped(y0 as i64 + next, self.height) * self.width);
+        let (columns, x) = self.between(p.x, self.width);
+        let (rows, y) = self.between(p.y, self.height);
+        let rows = rows.map(|row| row * self.width);
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y): (usize, usize)| rows[y] + columns[x]);
-        (corners, x - x0, y - y0)
+        (corners, x, y)
+    }
+
+    /// The two columns or rows about a place, and how far it lies from the first.
+    #[inline(always)]
+    fn between(&self, p: f64, size: usize) -> ([usize; 2], f64) {
+        // Then nearly all are inside, and `beyond`, which divides, is for those on the border.
+        let p = if self.wrap == Wrap::Repeat { p - p.floor() } else { p };
+        let x = p * size as f64 - if self.nearest { 0.0 } else { 0.5 };
+        let first = x.floor();
+        let wrapped = |i: i64| if (0..size as i64).contains(&i) { i as usize } else { self.beyond(i, size) };
+        ([wrapped(first as i64), wrapped(first as i64 + 1)], x - first)
     }
 
     /// The texels about a place and their weights.
-    #[inline]
+    #[inline(always)]
     fn corners(&self, uv: DVec2) -> [(usize, f32); 4] {
         let ([a, b, c, d], x, y) = self.square(uv);
         let (tx, ty) = if self.nearest { (0.0, 0.0) } else { (x as f32, y as f32) };
         [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
     }
 
-    #[inline]
-    fn wrapped(&self, i: i64, size: usize) -> usize {
+    /// Which column or row stands for one outside.
+    #[cold]
+    fn beyond(&self, i: i64, size: usize) -> usize {
         let n = size as i64;
-        if (0..n).contains(&i) {
-            // Most are, and a division takes longer than all else here.
-            return i as usize;
-        }
         match self.wrap {
             Wrap::Repeat => i.rem_euclid(n) as usize,
             Wrap::Clamp => i.clamp(0, n - 1) as usize,
@@ -154,19 +161,16 @@ impl Bitmap {
 
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         let corners = self.corners(uv);
-        let mut sum = Spectrum::ZERO;
-        for (texel, weight) in corners.into_iter().filter(|(_, weight)| *weight != 0.0) {
-            let value = match &self.texels {
-                Texels::Grey(values) => Spectrum::splat(values[texel]),
-                Texels::Rgb(values) => {
-                    let [r, g, b] = values[texel];
-                    Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
-                }
-                Texels::Reflectance(values) => Spectrum(values[texel].eval_lanes(&λ.nm)),
-            };
-            sum += value * weight;
+        match &self.texels {
+            Texels::Grey(values) => Spectrum::splat(weighted(&corners, 0.0, |texel| values[texel])),
+            Texels::Rgb(values) => weighted(&corners, Spectrum::ZERO, |texel| {
+                let [r, g, b] = values[texel];
+                Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
+            }),
+            Texels::Reflectance(values) => {
+                weighted(&corners, Spectrum::ZERO, |texel| Spectrum(values[texel].eval_lanes(&λ.nm)))
+            }
         }
-        sum
     }
 
     pub fn eval_scalar(&self, uv: DVec2) -> f64 {
@@ -199,6 +203,21 @@ impl Bitmap {
     pub fn mean(&self) -> f64 {
         self.scalar.iter().map(|&v| v as f64).sum::<f64>() / self.scalar.len() as f64
     }
+}
+
+/// The sum of what texels hold times their weights; what has none may be infinite.
+#[inline(always)]
+fn weighted<T: Mul<f32, Output = T> + AddAssign>(
+    corners: &[(usize, f32); 4],
+    mut sum: T,
+    value: impl Fn(usize) -> T,
+) -> T {
+    for &(texel, weight) in corners {
+        if weight != 0.0 {
+            sum += value(texel) * weight;
+        }
+    }
+    sum
 }
 
 #[cfg(test)]
