@@ -126,8 +126,8 @@ kernels! {
     "plain+environment": Features::ENVIRONMENT,
     "caustics": Features::CAUSTICS,
     "path re-use": Features::REUSE | Features::CAUSTICS | Features::ENVIRONMENT,
-    "textured": Features::TEXTURES | Features::ENVIRONMENT | Features::INSTANCES,
-    "textured path re-use": Features::REUSE | Features::TEXTURES | Features::ENVIRONMENT | Features::INSTANCES,
+    "textured": Features::TEXTURED,
+    "textured path re-use": Features::TEXTURED | Features::REUSE,
     "full": Features::ALL,
 }
 

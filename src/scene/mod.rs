@@ -151,6 +151,8 @@ impl Features {
     /// Groups of shapes are seen in several places.
     pub const INSTANCES: u32 = 64;
     pub const ALL: u32 = 127;
+    /// What scenes with textures often use, and what costs others little that have any.
+    pub const TEXTURED: u32 = Self::TEXTURES | Self::ANISOTROPY | Self::ENVIRONMENT | Self::INSTANCES;
 
     /// The names of the features, for people.
     pub fn names(self) -> Vec<&'static str> {
