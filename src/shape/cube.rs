@@ -67,9 +67,7 @@ impl Cube {
 
     /// The vectors whose products with p − centre are the coordinates in the cube: the dual basis of the axes.
     pub fn dual(&self) -> [DVec3; 3] {
-        let [a, b, c] = self.axes;
-        let volume = a.dot(b.cross(c));
-        [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume]
+        dual_basis(self.axes)
     }
 
     /// The point of a face nearest to `near`.
@@ -118,6 +116,12 @@ impl Cube {
         let [a, b, c] = self.axes.map(DVec3::abs);
         (self.centre - a - b - c, self.centre + a + b + c)
     }
+}
+
+/// The vectors of which each has the product 1 with one of three, and 0 with the others.
+pub fn dual_basis([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    let volume = a.dot(b.cross(c));
+    [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume]
 }
 
 #[cfg(test)]

@@ -104,8 +104,13 @@ impl Cylinder {
     }
 
     pub fn bounds(&self) -> Bounds {
-        let half = self.axis.map(|a| ((1.0 - a) * (1.0 + a)).max(0.0).sqrt()) * self.radius;
-        let end = self.start + self.axis * self.length;
-        (self.start.min(end) - half, self.start.max(end) + half)
+        bounds(self.start, self.axis, self.length, self.radius)
     }
+}
+
+/// The corners of a box around a cylinder with a unit axis.
+pub fn bounds(start: DVec3, axis: DVec3, length: f64, radius: f64) -> Bounds {
+    let half = axis.map(|a| ((1.0 - a) * (1.0 + a)).max(0.0).sqrt()) * radius;
+    let end = start + axis * length;
+    (start.min(end) - half, start.max(end) + half)
 }

@@ -6,7 +6,7 @@
 
 pub mod accel;
 pub mod cube;
-mod cylinder;
+pub mod cylinder;
 mod disk;
 mod instance;
 pub mod mesh;

@@ -6,7 +6,7 @@ use super::{Rays, Search};
 use crate::math::simd::{F64x4, Mask, dot};
 use crate::math::{Bounds, DVec3};
 use crate::shape::Cube;
-use crate::shape::cube::ACROSS;
+use crate::shape::cube::{ACROSS, dual_basis};
 
 /// Four cubes; missing ones have a centre that nothing compares with.
 #[derive(Clone, Debug)]
@@ -16,8 +16,6 @@ pub struct Cubes {
     dual: [[F64x4; 3]; 3],
     /// The [`lane`](Packet::lane) of each one's first face.
     first: F64x4,
-    /// Planes and boxes of the faces, for shafts.
-    faces: Vec<(u32, Plane, Bounds)>,
 }
 
 /// Where lines meet cubes.
@@ -82,24 +80,32 @@ impl Cubes {
                 F64x4::new(std::array::from_fn(|i| items.get(i).map_or(rest, |(c, _)| f(c)[axis])))
             })
         };
-        let faces = |(cube, first): &(&Cube, u32)| {
-            let first = *first;
-            let faces = (*cube.faces()).into_iter().zip(first..);
-            faces.map(|(face, primitive)| (primitive, Plane::new(face.centre, face.n), face.bounds()))
-        };
         Self {
             centre: lanes(&|c| c.centre, f64::NAN),
             dual: [0, 1, 2].map(|k| lanes(&|c| c.dual()[k], 0.0)),
             first: F64x4::new(std::array::from_fn(|i| {
                 items.get(i).map_or(f64::NAN, |(_, first)| Packet::lane(*first))
             })),
-            faces: items.iter().flat_map(faces).collect(),
         }
     }
 
     /// Each face's number, its plane, and the corners of a box around it.
     pub fn faces(&self) -> impl Iterator<Item = (u32, Plane, Bounds)> {
-        self.faces.iter().copied()
+        let there = (0..4).filter(|&lane| !self.first.lane(lane).is_nan());
+        there.flat_map(move |lane| {
+            let vector = |lanes: &[F64x4; 3]| DVec3::from_array(lanes.each_ref().map(|axis| axis.lane(lane)));
+            let (centre, dual) = (vector(&self.centre), self.dual.each_ref().map(vector));
+            // The axes are to the dual vectors what these are to the axes.
+            let axes = dual_basis(dual);
+            let first = Packet::primitive(self.first.lane(lane));
+            let face = move |axis: usize, side: usize| {
+                let middle = centre + axes[axis] * [-1.0, 1.0][side];
+                let reach = axes[(axis + 1) % 3].abs() + axes[(axis + 2) % 3].abs();
+                let plane = Plane::new(middle, dual[axis]);
+                (first + ACROSS[axis][side], plane, (middle - reach, middle + reach))
+            };
+            (0..6).map(move |i| face(i / 2, i % 2))
+        })
     }
 
     #[inline(always)]
@@ -129,6 +135,35 @@ impl Cubes {
                 cross(cube, &packet.origin, &packet.direction, (packet.start, packet.from));
             if met.bits() != 0 {
                 packet.offer(t, F64x4::splat(0.0), F64x4::splat(0.0), face, met);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Transform, length};
+
+    #[test]
+    fn faces_are_those_of_the_cubes() {
+        let place = |x: f64| {
+            let turn = Transform::rotate(DVec3::new(1.0, x, 0.3), 50.0).unwrap();
+            let scale = Transform::scale(DVec3::new(0.5, -2.0, 1.0 + x)).unwrap();
+            Transform::translate(DVec3::X * x).after(&turn).after(&scale).after(&turn)
+        };
+        let cubes = [0.2, 3.0].map(|x| Cube::new(&place(x), false));
+        let block = Cubes::new(&[(&cubes[0], 7), (&cubes[1], 20)]);
+        let mut faces: Vec<(u32, Plane, Bounds)> = block.faces().collect();
+        faces.sort_by_key(|face| face.0);
+        let expected = (7..).zip(cubes[0].faces()).chain((20..).zip(cubes[1].faces()));
+        assert_eq!(faces.len(), 12);
+        for ((primitive, plane, bounds), (number, patch)) in faces.into_iter().zip(expected) {
+            assert_eq!(primitive, number);
+            let [lo, hi] = [bounds.0 - patch.bounds().0, bounds.1 - patch.bounds().1].map(length);
+            assert!(lo < 1e-13 && hi < 1e-13, "{bounds:?} {patch:?}");
+            for corner in patch.corners() {
+                assert!(plane.height(corner).abs() < 1e-13, "{plane:?} {corner}");
             }
         }
     }

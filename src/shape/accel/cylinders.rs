@@ -5,6 +5,7 @@ use super::{Rays, Search};
 use crate::math::simd::{F64x4, Mask, dot};
 use crate::math::{Bounds, DVec3};
 use crate::shape::Cylinder;
+use crate::shape::cylinder::bounds;
 
 /// Four cylinders; missing ones have a length that no point lies along.
 #[derive(Clone, Debug)]
@@ -15,8 +16,6 @@ pub struct Cylinders {
     length: F64x4,
     radius: F64x4,
     primitives: [u32; 4],
-    /// The corners of a box around each that is there.
-    bounds: Vec<Bounds>,
 }
 
 /// The nearest crossing of a line and a cylinder beyond `start`, in each lane, and whether there is one.
@@ -76,12 +75,17 @@ impl Cylinders {
             primitives: std::array::from_fn(|i| {
                 items.get(i).map_or(Search::NONE, |(_, primitive)| *primitive)
             }),
-            bounds: items.iter().map(|(cylinder, _)| cylinder.bounds()).collect(),
         }
     }
 
+    /// The corners of a box around each.
     pub fn bounds(&self) -> impl Iterator<Item = Bounds> {
-        self.bounds.iter().copied()
+        let there = (0..4).filter(|&lane| self.primitives[lane] != Search::NONE);
+        there.map(|lane| {
+            let vector = |lanes: &[F64x4; 3]| DVec3::from_array(lanes.each_ref().map(|axis| axis.lane(lane)));
+            let (start, axis) = (vector(&self.start), vector(&self.axis));
+            bounds(start, axis, self.length.lane(lane), self.radius.lane(lane))
+        })
     }
 
     #[inline(always)]

@@ -32,7 +32,8 @@ impl Plane {
         Self::new(a, (b - a).cross(c - a))
     }
 
-    fn height(&self, p: DVec3) -> f64 {
+    /// Of a point above the plane.
+    pub fn height(&self, p: DVec3) -> f64 {
         self.normal.dot(p - self.at)
     }
 }

@@ -4,19 +4,25 @@ use super::*;
 use crate::math::random::{direction, uniform};
 use crate::math::{DVec2, Ray, Transform, length};
 use crate::shape::mesh_data::MeshData;
-use crate::shape::{Geometry, Mesh, Patch, Sphere, patch::Outline};
+use crate::shape::{Cube, Cylinder, Geometry, Mesh, Patch, Sphere, patch::Outline};
 use rand_pcg::Pcg32;
 
-/// Patches, balls and a mesh of single triangles, somewhere in a cube.
+/// Patches and balls, a primitive each; then cubes, cylinders and a mesh of single triangles: somewhere in a
+/// cube.
 fn clutter(rng: &mut Pcg32, count: usize) -> Vec<Geometry> {
     let mut data = MeshData::default();
-    let mut shapes = vec![];
+    let (mut shapes, mut others) = (vec![], vec![]);
     for i in 0..count {
         let at = DVec3::new(uniform(rng), uniform(rng), uniform(rng)) * 4.0;
         let axis = direction(rng);
         let size = Transform::scale(DVec3::splat(0.1 + 0.4 * uniform(rng))).unwrap();
         let turn = Transform::rotate(axis, 360.0 * uniform(rng)).unwrap();
         let place = Transform::translate(at).after(&turn).after(&size);
+        if i % 8 == 3 {
+            others.push(Geometry::Cube(Cube::new(&place, false)));
+        } else if i % 16 == 7 {
+            others.push(Geometry::Cylinder(Cylinder::new(&place, DVec3::ZERO, DVec3::Z, 0.3, false)));
+        }
         match i % 4 {
             0 => shapes.push(Geometry::Patch(Patch::new(&place, false, Outline::Square))),
             1 => shapes.push(Geometry::Sphere(Sphere::new(&place, DVec3::ZERO, 0.3, false))),
@@ -29,6 +35,7 @@ fn clutter(rng: &mut Pcg32, count: usize) -> Vec<Geometry> {
             }
         }
     }
+    shapes.extend(others);
     shapes.push(Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true)));
     shapes
 }
@@ -51,14 +58,14 @@ fn places(rng: &mut Pcg32, shapes: &[Geometry]) -> Places {
 
 #[test]
 fn what_is_clear_is_seen_by_all() {
-    for count in [16, 32, 80, 300] {
+    for count in [16, 24, 80, 300] {
         let mut rng = Pcg32::new(0, count as u64);
         let shapes = clutter(&mut rng, count);
         let accel = Accel::new(&shapes.iter().collect::<Vec<_>>());
         assert_eq!(accel.node_count() == 0, count < 40);
         let (mut shaft, mut clear, mut free) = (Shaft::default(), 0, 0);
         for _ in 0..5000 {
-            let (points, from, to, on) = places(&mut rng, &shapes[..shapes.len() - 1]);
+            let (points, from, to, on) = places(&mut rng, &shapes[..count - count / 4]);
             // Inside of a ball, and behind what one lies on, nothing is asked about.
             let round = |shape: u32| matches!(shapes[shape as usize], Geometry::Sphere(_));
             if from == on || round(from) || round(on) {
