@@ -64,7 +64,7 @@ fn what_is_clear_is_seen_by_all() {
         let accel = Accel::new(&shapes.iter().collect::<Vec<_>>());
         assert_eq!(accel.node_count() == 0, count < 40);
         let (mut shaft, mut clear, mut free) = (Shaft::default(), 0, 0);
-        for _ in 0..5000 {
+        for _ in 0..10_000 {
             let (points, from, to, on) = places(&mut rng, &shapes[..count - count / 4]);
             // Inside of a ball, and behind what one lies on, nothing is asked about.
             let round = |shape: u32| matches!(shapes[shape as usize], Geometry::Sphere(_));
