@@ -16,10 +16,10 @@ use super::space::Space;
 use super::spheres::Spheres;
 use super::splits::pieces;
 use super::triangles::{NEAR, Triangles};
+use super::trying::{FEW, Kind, Limits, Trying};
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed, Tried};
-use crate::math::bounds::{NOTHING, corners, union};
-use crate::math::ray::position_error;
+use crate::math::bounds::{NOTHING, union};
 use crate::math::{Bounds, DVec3, length};
 use crate::shape::{Cube, Geometry, Patch};
 use glam::Vec3A;
@@ -27,19 +27,6 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-
-/// What is faster tried than searched.
-#[derive(Clone, Copy)]
-pub struct Limits {
-    /// Blocks in a scene that has no tree,
-    pub all: usize,
-    /// of which so many of triangles.
-    pub triangles: usize,
-    /// Blocks of all but triangles beside a tree.
-    pub beside: usize,
-}
-
-const FEW: Limits = Limits { all: 10, triangles: 6, beside: 4 };
 
 /// With more items leaves are filled while the tree grows: half the memory, and no ray notices. Fewer are
 /// left to the plan, which is better where kinds of shapes meet.
@@ -72,7 +59,7 @@ impl Accel {
 
     pub(super) fn limited(shapes: &[&Geometry], mut instances: Vec<Instance>, limits: Limits) -> Self {
         let trying = Trying::decide(shapes, &instances, limits);
-        let (mut items, mut tried): (Vec<Item>, [Vec<Item>; 6]) = Default::default();
+        let (mut items, mut tried): (Vec<Item>, [Vec<Item>; Kind::COUNT]) = Default::default();
         items.reserve_exact(shapes.iter().map(|shape| shape.primitives() as usize).sum::<usize>());
         let mut bounds = NOTHING;
         let mut primitives = 0;
@@ -150,7 +137,7 @@ impl Accel {
     }
 
     /// Stores what is simply tried, by kind, so that blocks are full.
-    fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; 6]) {
+    fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; Kind::COUNT]) {
         for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Cube, Kind::Sphere, Kind::Cylinder] {
             for block in tried[kind as usize].chunks(4) {
                 self.store(shapes, block.iter().copied());
@@ -312,88 +299,6 @@ fn triangles_of(shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> 
         }
     }
     block
-}
-
-/// What is tried together.
-#[derive(Clone, Copy)]
-enum Kind {
-    InnerPatch,
-    /// Everything lies on one side of it.
-    OuterPatch,
-    Cube,
-    Sphere,
-    Cylinder,
-    Triangle,
-}
-
-/// Which shapes are tried for every ray, and not searched: all that are no meshes.
-struct Trying {
-    /// Of the patches these.
-    outer: BTreeSet<usize>,
-    /// And meshes.
-    all: bool,
-}
-
-impl Trying {
-    /// `None` where nothing is.
-    fn decide(shapes: &[&Geometry], instances: &[Instance], limits: Limits) -> Option<Self> {
-        let is_patch = |shape: &usize| matches!(shapes[*shape], Geometry::Patch(_));
-        let patches: Vec<usize> = (0..shapes.len()).filter(is_patch).collect();
-        let blocks = |primitives: usize| primitives.div_ceil(4);
-        if blocks(patches.len()) > limits.all.max(limits.beside) {
-            return None;
-        }
-        let outer: BTreeSet<usize> =
-            patches.iter().copied().filter(|&p| instances.is_empty() && is_outer(shapes, p)).collect();
-        let (mut cubes, mut spheres, mut cylinders, mut triangles) = (0, 0, 0, 0);
-        for shape in shapes {
-            match shape {
-                Geometry::Mesh(mesh) => triangles += mesh.triangles.len(),
-                Geometry::Cube(_) => cubes += 1,
-                Geometry::Sphere(_) => spheres += 1,
-                Geometry::Cylinder(_) => cylinders += 1,
-                Geometry::Patch(_) => {}
-            }
-        }
-        let of_patches = blocks(outer.len()) + blocks(patches.len() - outer.len());
-        let beside = of_patches + blocks(cubes) + blocks(spheres) + blocks(cylinders);
-        let blocks_of_all = beside + blocks(triangles);
-        let all =
-            instances.is_empty() && blocks_of_all <= limits.all && blocks(triangles) <= limits.triangles;
-        (all || beside <= limits.beside).then_some(Self { outer, all })
-    }
-
-    /// With what a shape is tried, if it is.
-    fn kind(&self, shapes: &[&Geometry], shape: usize) -> Option<Kind> {
-        match shapes[shape] {
-            Geometry::Patch(_) if self.outer.contains(&shape) => Some(Kind::OuterPatch),
-            Geometry::Patch(_) => Some(Kind::InnerPatch),
-            Geometry::Cube(_) => Some(Kind::Cube),
-            Geometry::Sphere(_) => Some(Kind::Sphere),
-            Geometry::Cylinder(_) => Some(Kind::Cylinder),
-            Geometry::Mesh(_) => self.all.then_some(Kind::Triangle),
-        }
-    }
-}
-
-/// Whether everything lies on one side of the plane of a patch, as all that is in a room does of its walls.
-fn is_outer(shapes: &[&Geometry], patch: usize) -> bool {
-    /// Of a mesh with more vertices only the box around it is looked at.
-    const MANY: usize = 1000;
-    let Geometry::Patch(Patch { centre, n, .. }) = shapes[patch] else { return false };
-    let (mut before, mut behind) = (false, false);
-    let hull = |shape: &&Geometry| match shape {
-        Geometry::Mesh(mesh) if mesh.positions.len() > MANY => corners(mesh.bounds()).to_vec(),
-        shape => shape.hull(),
-    };
-    for corner in shapes.iter().flat_map(hull) {
-        let height = n.dot(corner - *centre);
-        // What lies nearer than rounding errors lies on the plane.
-        let error = 4.0 * (position_error(corner) + position_error(*centre));
-        before |= height > error;
-        behind |= height < -error;
-    }
-    !(before && behind)
 }
 
 fn primitive_bounds(geometry: &Geometry, local: u32) -> (DVec3, DVec3) {

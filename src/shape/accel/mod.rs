@@ -29,6 +29,7 @@ mod spheres;
 mod splits;
 mod triangles;
 mod tried;
+mod trying;
 mod turns;
 mod waiting;
 mod walk;

@@ -1,6 +1,6 @@
 //! The tree against trying everything, and rays aimed where trees leak.
 
-use super::build::Limits;
+use super::trying::Limits;
 use super::*;
 use crate::math::frame::unit;
 use crate::math::random::{direction, uniform};
