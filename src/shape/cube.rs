@@ -3,7 +3,7 @@
 use super::patch::{Outline, Patch};
 use super::{AreaSample, Geometry, SurfacePoint, placement};
 use crate::math::ray::position_error;
-use crate::math::{BELOW_ONE, Bounds, DVec2, DVec3, Transform};
+use crate::math::{Bounds, DVec2, DVec3, Discrete, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use glam::DMat4;
@@ -34,8 +34,10 @@ pub struct Cube {
     pub centre: DVec3,
     /// From the centre to the middles of the faces at 1.
     axes: [DVec3; 3],
+    /// Products with p − centre are the coordinates in the cube: the dual basis of the axes.
+    pub dual: [DVec3; 3],
     faces: Box<[Patch; 6]>,
-    area: f64,
+    areas: Discrete,
 }
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
@@ -53,21 +55,18 @@ impl Cube {
             let side = Transform { matrix, inverse: matrix.inverse() };
             Patch::new(&to_world.after(&side), flip, Outline::Square)
         });
+        let axes = DVec3::AXES.map(|axis| to_world.vector(axis));
         Self {
             centre: to_world.point(DVec3::ZERO),
-            axes: DVec3::AXES.map(|axis| to_world.vector(axis)),
-            area: faces.iter().map(Patch::area).sum(),
+            axes,
+            dual: dual_basis(axes),
+            areas: Discrete::new(faces.iter().map(Patch::area)),
             faces: Box::new(faces),
         }
     }
 
     pub fn faces(&self) -> &[Patch; 6] {
         &self.faces
-    }
-
-    /// The vectors whose products with p − centre are the coordinates in the cube: the dual basis of the axes.
-    pub fn dual(&self) -> [DVec3; 3] {
-        dual_basis(self.axes)
     }
 
     /// The point of a face nearest to `near`.
@@ -80,14 +79,14 @@ impl Cube {
         if !UV {
             return SurfacePoint::plain(p, patch.n, patch.n);
         }
-        let (u, v) = patch.dual();
+        let in_cube = DVec3::from_array(self.dual.map(|dual| dual.dot(p - self.centre)));
         // Rounding leads beyond an edge, but not beyond the texture.
-        let (x, y) = (u.dot(in_plane).clamp(-1.0, 1.0), v.dot(in_plane).clamp(-1.0, 1.0));
+        let [x, y] = [1, 2].map(|side| FACES[face as usize][side].dot(in_cube).clamp(-1.0, 1.0));
         SurfacePoint { p, ..patch.point::<true>(x, y) }
     }
 
     pub fn area(&self) -> f64 {
-        self.area
+        self.areas.total()
     }
 
     /// See [`Geometry::point_error`].
@@ -97,15 +96,9 @@ impl Cube {
     }
 
     pub fn sample_area(&self, u: DVec2) -> AreaSample {
-        let mut rest = u.x * self.area;
-        let mut face = 0;
-        while face < 5 && rest >= self.faces[face].area() {
-            rest -= self.faces[face].area();
-            face += 1;
-        }
-        let x = (rest / self.faces[face].area()).clamp(0.0, BELOW_ONE);
+        let (face, _, x) = self.areas.sample(u.x);
         let sample = self.faces[face].sample_area(DVec2::new(x, u.y));
-        AreaSample { pdf: 1.0 / self.area, primitive: face as u32, error: self.point_error(), ..sample }
+        AreaSample { pdf: 1.0 / self.area(), primitive: face as u32, error: self.point_error(), ..sample }
     }
 
     pub fn corners(&self) -> Vec<DVec3> {

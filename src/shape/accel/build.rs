@@ -4,16 +4,13 @@
 //! 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization"), and [`Plan`] folds it into nodes
 //! of eight.
 
-use super::cubes::Cubes;
-use super::cylinders::Cylinders;
+use super::block::Block;
 use super::fold::{Content, LEAF, Plan, kind};
 use super::grow::grow;
 use super::node::{Node, NodeRef};
 use super::pages::Pages;
-use super::patches::Patches;
 use super::shaft::{Few, Plane};
 use super::space::Space;
-use super::spheres::Spheres;
 use super::splits::pieces;
 use super::triangles::{NEAR, Triangles};
 use super::trying::{FEW, Kind, Limits, Trying};
@@ -263,25 +260,24 @@ impl Accel {
                 Some(Geometry::Cylinder(cylinder)) => cylinders.push((cylinder, item.primitive)),
             }
         }
-        let mut mixed = Mixed { instances, ..Mixed::default() };
-        if !patches.is_empty() {
-            mixed.patches = Some(self.patches.len() as u32);
-            self.patches.push(Patches::new(&patches));
+        Mixed {
+            triangles: None,
+            patches: put(&mut self.patches, &patches),
+            cubes: put(&mut self.cubes, &cubes),
+            spheres: put(&mut self.spheres, &spheres),
+            cylinders: put(&mut self.cylinders, &cylinders),
+            instances,
         }
-        if !cubes.is_empty() {
-            mixed.cubes = Some(self.cubes.len() as u32);
-            self.cubes.push(Cubes::new(&cubes));
-        }
-        if !spheres.is_empty() {
-            mixed.spheres = Some(self.spheres.len() as u32);
-            self.spheres.push(Spheres::new(&spheres));
-        }
-        if !cylinders.is_empty() {
-            mixed.cylinders = Some(self.cylinders.len() as u32);
-            self.cylinders.push(Cylinders::new(&cylinders));
-        }
-        mixed
     }
+}
+
+/// Stores a block, if there is something to be in it, and says where it is.
+fn put<B: Block>(blocks: &mut Vec<B>, items: &[(&B::Shape, u32)]) -> Option<u32> {
+    let place = blocks.len() as u32;
+    (!items.is_empty()).then(|| {
+        blocks.push(B::new(items));
+        place
+    })
 }
 
 /// A block of the triangles among up to four items.

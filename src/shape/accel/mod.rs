@@ -11,6 +11,7 @@
 
 mod any_hit;
 mod bins;
+mod block;
 mod build;
 mod closest_hit;
 mod cubes;
@@ -35,9 +36,9 @@ mod waiting;
 mod walk;
 
 use super::Hit;
-use crate::math::simd::F64x4;
 use crate::math::{Bounds, Ray};
 use any_hit::AnyHit;
+use block::{Block, Rays};
 use closest_hit::ClosestHit;
 use cubes::Cubes;
 use cylinders::Cylinders;
@@ -118,24 +119,6 @@ impl Search<'_> {
     #[inline(always)]
     fn hit(&self) -> Option<Hit> {
         self.found().then_some(self.best)
-    }
-}
-
-/// A ray in every lane.
-struct Rays {
-    origin: [F64x4; 3],
-    direction: [F64x4; 3],
-    start: F64x4,
-}
-
-impl Rays {
-    #[inline(always)]
-    fn new(ray: &Ray) -> Self {
-        Self {
-            origin: ray.origin.to_array().map(F64x4::splat),
-            direction: ray.direction.to_array().map(F64x4::splat),
-            start: F64x4::splat(ray.start),
-        }
     }
 }
 
@@ -250,21 +233,21 @@ impl Accel {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
         }
-        if let Some(block) = mixed.patches {
-            self.patches[block as usize].intersect(&Rays::new(search.ray), search);
-        }
-        if let Some(block) = mixed.cubes {
-            self.cubes[block as usize].intersect(&Rays::new(search.ray), search);
-        }
-        if let Some(block) = mixed.spheres {
-            self.spheres[block as usize].intersect(&Rays::new(search.ray), search);
-        }
-        if let Some(block) = mixed.cylinders {
-            self.cylinders[block as usize].intersect(&Rays::new(search.ray), search);
-        }
+        let rays = Rays::alike(search);
+        intersect_one(&self.patches, mixed.patches, &rays, search);
+        intersect_one(&self.cubes, mixed.cubes, &rays, search);
+        intersect_one(&self.spheres, mixed.spheres, &rays, search);
+        intersect_one(&self.cylinders, mixed.cylinders, &rays, search);
         for &instance in &mixed.instances {
             self.instances[instance as usize].intersect::<O>(search);
         }
+    }
+}
+
+#[inline(always)]
+fn intersect_one<B: Block>(blocks: &[B], which: Option<u32>, rays: &Rays, search: &mut Search) {
+    if let Some(block) = which {
+        blocks[block as usize].intersect(rays, search);
     }
 }
 

@@ -1,17 +1,15 @@
 //! Four rays that are tried together against one primitive after another, where there are few.
 
 use super::Search;
+use super::block::{Crossing, Rays};
 use crate::math::Ray;
-use crate::math::simd::{F64x4, Mask};
+use crate::math::simd::F64x4;
 use crate::shape::Hit;
 
 /// Four rays and the best hit of each so far.
 pub struct Packet {
-    pub origin: [F64x4; 3],
-    pub direction: [F64x4; 3],
-    pub start: F64x4,
-    pub from: F64x4,
-    t: F64x4,
+    /// That end where their best hits are.
+    pub rays: Rays,
     u: F64x4,
     v: F64x4,
     /// The [`lane`](Packet::lane) of the best hit's primitive; [`NOTHING`] where there is none.
@@ -29,18 +27,8 @@ impl Packet {
 
     #[inline(always)]
     pub fn new(rays: [&Ray; Self::WIDTH]) -> Self {
-        let lanes = |f: &dyn Fn(&Ray) -> f64| F64x4::new(rays.map(f));
         let zero = F64x4::splat(0.0);
-        Self {
-            origin: [lanes(&|r| r.origin.x), lanes(&|r| r.origin.y), lanes(&|r| r.origin.z)],
-            direction: [lanes(&|r| r.direction.x), lanes(&|r| r.direction.y), lanes(&|r| r.direction.z)],
-            start: lanes(&|r| r.start),
-            from: lanes(&|r| Self::lane(r.from)),
-            t: lanes(&|r| r.end),
-            u: zero,
-            v: zero,
-            primitive: F64x4::splat(NOTHING),
-        }
+        Self { rays: Rays::of(rays), u: zero, v: zero, primitive: F64x4::splat(NOTHING) }
     }
 
     /// A primitive's number as something to be compared.
@@ -56,18 +44,12 @@ impl Packet {
         (lane.to_bits() as u32).wrapping_sub(1)
     }
 
-    /// Which rays would look as far as `t`.
-    #[inline(always)]
-    pub fn ahead(&self, t: F64x4) -> Mask {
-        self.start.below(t) & t.at_most(self.t)
-    }
-
     /// Takes the hits that come before the best: by distance, then by primitive.
     #[inline(always)]
-    pub fn offer(&mut self, t: F64x4, u: F64x4, v: F64x4, primitive: F64x4, valid: Mask) {
-        let tie = t.equals(self.t) & primitive.below(self.primitive);
-        let better = valid & self.start.below(t) & (t.below(self.t) | tie);
-        self.t = better.select(t, self.t);
+    pub fn offer(&mut self, &Crossing { t, u, v, primitive, met }: &Crossing) {
+        let tie = t.equals(self.rays.end) & primitive.below(self.primitive);
+        let better = met & self.rays.start.below(t) & (t.below(self.rays.end) | tie);
+        self.rays.end = better.select(t, self.rays.end);
         self.u = better.select(u, self.u);
         self.v = better.select(v, self.v);
         self.primitive = better.select(primitive, self.primitive);
@@ -83,6 +65,6 @@ impl Packet {
     #[inline(always)]
     pub fn hit(&self, ray: usize) -> Hit {
         let primitive = Self::primitive(self.primitive.lane(ray));
-        Hit { t: self.t.lane(ray), u: self.u.lane(ray), v: self.v.lane(ray), primitive }
+        Hit { t: self.rays.end.lane(ray), u: self.u.lane(ray), v: self.v.lane(ray), primitive }
     }
 }

@@ -1,10 +1,11 @@
 //! What every ray tries, without a tree: all of a scene of few primitives, or the few others that stand
 //! beside triangles.
 
+use super::block::{Block, Rays};
 use super::packet::Packet;
 use super::triangles::Sheared;
 use super::waiting::Order;
-use super::{Accel, Rays, Search, shaft};
+use super::{Accel, Search, shaft};
 use crate::math::Ray;
 use crate::math::ray::Ends;
 
@@ -47,32 +48,14 @@ impl Accel {
     #[inline(never)]
     pub(super) fn try_all<O: Order>(&self, search: &mut Search) {
         let on_surfaces = O::ANY && search.ray.ends == Ends::OnSurfaces;
-        let rays = Rays::new(search.ray);
-        for block in &self.patches[..self.tried.patches(on_surfaces)] {
-            block.intersect(&rays, search);
-            if O::ANY && search.found() {
-                return;
-            }
+        let rays = Rays::alike(search);
+        let found = try_blocks::<O, _>(&self.patches[..self.tried.patches(on_surfaces)], &rays, search)
+            || try_blocks::<O, _>(&self.cubes[..self.tried.cubes], &rays, search)
+            || try_blocks::<O, _>(&self.spheres[..self.tried.spheres], &rays, search)
+            || try_blocks::<O, _>(&self.cylinders[..self.tried.cylinders], &rays, search);
+        if !found {
+            self.try_triangles::<O>(search);
         }
-        for block in &self.cubes[..self.tried.cubes] {
-            block.intersect(&rays, search);
-            if O::ANY && search.found() {
-                return;
-            }
-        }
-        for block in &self.spheres[..self.tried.spheres] {
-            block.intersect(&rays, search);
-            if O::ANY && search.found() {
-                return;
-            }
-        }
-        for block in &self.cylinders[..self.tried.cylinders] {
-            block.intersect(&rays, search);
-            if O::ANY && search.found() {
-                return;
-            }
-        }
-        self.try_triangles::<O>(search);
     }
 
     /// The same for many rays, which are handed on in order with what they have found.
@@ -94,25 +77,18 @@ impl Accel {
             let last = rays.len() - 1;
             let mut packet = Packet::new(std::array::from_fn(|i| &rays[i.min(last)]));
             let on_surfaces = O::ANY && rays.iter().all(|ray| ray.ends == Ends::OnSurfaces);
-            for block in &self.patches[..self.tried.patches(on_surfaces)] {
-                block.intersect_packet(&mut packet);
-            }
+            let patches = &self.patches[..self.tried.patches(on_surfaces)];
+            patches.iter().for_each(|block| block.intersect_packet(&mut packet));
             if !(O::ANY && packet.all_found()) {
-                for block in &self.cubes[..self.tried.cubes] {
-                    block.intersect_packet(&mut packet);
-                }
-                for block in &self.spheres[..self.tried.spheres] {
-                    block.intersect_packet(&mut packet);
-                }
-                for block in &self.cylinders[..self.tried.cylinders] {
-                    block.intersect_packet(&mut packet);
-                }
+                let (cubes, spheres) = (&self.cubes[..self.tried.cubes], &self.spheres[..self.tried.spheres]);
+                cubes.iter().for_each(|block| block.intersect_packet(&mut packet));
+                spheres.iter().for_each(|block| block.intersect_packet(&mut packet));
+                let cylinders = &self.cylinders[..self.tried.cylinders];
+                cylinders.iter().for_each(|block| block.intersect_packet(&mut packet));
             }
             for (i, ray) in rays.iter().enumerate() {
                 let mut search = Search { ray, best: packet.hit(i) };
-                if self.tried.triangles > 0 {
-                    self.try_triangles::<O>(&mut search);
-                }
+                self.try_triangles::<O>(&mut search);
                 hand_on(group * Packet::WIDTH + i, search);
             }
         }
@@ -132,4 +108,16 @@ impl Accel {
             }
         }
     }
+}
+
+/// Tries one ray against blocks of a kind; whether that is enough.
+#[inline(always)]
+fn try_blocks<O: Order, B: Block>(blocks: &[B], rays: &Rays, search: &mut Search) -> bool {
+    for block in blocks {
+        block.intersect(rays, search);
+        if O::ANY && search.found() {
+            return true;
+        }
+    }
+    false
 }
