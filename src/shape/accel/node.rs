@@ -10,9 +10,8 @@ use bytemuck::{Pod, Zeroable};
 #[repr(transparent)]
 pub struct NodeRef(u32);
 
-/// What a [`NodeRef`] leads to.
-pub enum Target {
-    Node(usize),
+/// What a [`NodeRef`] leads to that is no node.
+pub enum Leaf {
     Triangles(usize),
     Mixed(usize),
 }
@@ -27,21 +26,21 @@ impl NodeRef {
         Self(index as u32)
     }
 
-    pub fn triangles(index: usize) -> Self {
+    pub const fn triangles(index: usize) -> Self {
         Self(index as u32 | 1 << 30)
     }
 
-    pub fn mixed(index: usize) -> Self {
+    pub const fn mixed(index: usize) -> Self {
         Self(index as u32 | 2 << 30)
     }
 
     /// Begins to bring what this leads to into the cache.
     #[inline(always)]
     pub fn prefetch(self, view: &View) {
-        match self.target() {
-            Target::Node(index) => prefetch(view.nodes, index),
-            Target::Triangles(index) => prefetch(view.triangles, index),
-            Target::Mixed(_) => {}
+        if let Some(index) = self.as_node() {
+            prefetch(view.nodes, index);
+        } else if let Leaf::Triangles(index) = self.leaf() {
+            prefetch(view.triangles, index);
         }
     }
 
@@ -55,14 +54,17 @@ impl NodeRef {
         Self(bits)
     }
 
+    /// The place of a node, if it leads to one.
     #[inline(always)]
-    pub fn target(self) -> Target {
+    pub fn as_node(self) -> Option<usize> {
+        (self.0 < Self::triangles(0).0).then_some(self.0 as usize)
+    }
+
+    /// What it leads to otherwise.
+    #[inline(always)]
+    pub fn leaf(self) -> Leaf {
         let index = (self.0 & !Self::KIND) as usize;
-        match self.0 >> 30 {
-            0 => Target::Node(index),
-            1 => Target::Triangles(index),
-            _ => Target::Mixed(index),
-        }
+        if self.0 < Self::mixed(0).0 { Leaf::Triangles(index) } else { Leaf::Mixed(index) }
     }
 }
 

@@ -5,7 +5,7 @@
 //! "Shaft Culling for Efficient Ray-Cast Radiosity"). "Not clear" is no answer: then rays have to tell.
 
 use super::hull::Hull;
-use super::node::{Node, NodeRef, Target};
+use super::node::{Leaf, Node, NodeRef};
 use super::{Accel, Mixed};
 use crate::math::bounds::around;
 use crate::math::ray::position_error;
@@ -126,15 +126,18 @@ impl Accel {
         waiting.push(NodeRef::ROOT);
         for _ in 0..PATIENCE {
             let Some(next) = waiting.pop() else { return true };
-            match next.target() {
-                Target::Node(index) => {
-                    let node = &self.nodes[index];
-                    let met = lanes(question.hull.meets(node));
-                    waiting.extend(met.map(|lane| node.children[lane]));
-                }
-                Target::Triangles(index) if self.block_is_beside(index, question) => {}
-                Target::Mixed(index) if self.mixed_is_beside(&self.mixed[index], question) => {}
-                _ => return false,
+            if let Some(index) = next.as_node() {
+                let node = &self.nodes[index];
+                let met = lanes(question.hull.meets(node));
+                waiting.extend(met.map(|lane| node.children[lane]));
+                continue;
+            }
+            let beside = match next.leaf() {
+                Leaf::Triangles(index) => self.block_is_beside(index, question),
+                Leaf::Mixed(index) => self.mixed_is_beside(&self.mixed[index], question),
+            };
+            if !beside {
+                return false;
             }
         }
         false

@@ -1,6 +1,6 @@
 //! A ray's way through the tree.
 
-use super::node::{Node, NodeRef, Target};
+use super::node::{Leaf, Node, NodeRef};
 use super::space::LocalRay;
 use super::triangles::{Sheared, Triangles};
 use super::waiting::{Order, Waiting};
@@ -51,20 +51,21 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     pub fn step<O: Order>(&mut self, view: &View, waiting: &mut Waiting<O>) -> bool {
         let best = self.search.best.t;
-        match self.next.target() {
-            Target::Node(index) => {
-                let node = &view.nodes[index];
-                let (hits, entries) = node.intersect(&self.local);
-                if hits != 0 {
-                    let coming = |child: NodeRef| child.prefetch(view);
-                    self.next = O::enter(waiting, &mut self.waiting, hits, entries, &node.children, coming);
-                    return true;
-                }
+        if let Some(index) = self.next.as_node() {
+            let node = &view.nodes[index];
+            let (hits, entries) = node.intersect(&self.local);
+            if hits != 0 {
+                let coming = |child: NodeRef| child.prefetch(view);
+                self.next = O::enter(waiting, &mut self.waiting, hits, entries, &node.children, coming);
+                return true;
             }
-            Target::Triangles(index) => view.triangles[index].intersect(&self.sheared, &mut self.search),
-            Target::Mixed(index) => {
-                let mixed = &view.accel.mixed[index];
-                view.accel.intersect_mixed::<O>(mixed, &self.sheared, &mut self.search);
+        } else {
+            match self.next.leaf() {
+                Leaf::Triangles(index) => view.triangles[index].intersect(&self.sheared, &mut self.search),
+                Leaf::Mixed(index) => {
+                    let mixed = &view.accel.mixed[index];
+                    view.accel.intersect_mixed::<O>(mixed, &self.sheared, &mut self.search);
+                }
             }
         }
         if O::ANY && self.search.found() {
