@@ -55,7 +55,7 @@ impl Metal {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, point: &SurfacePoint, λ: &Wavelengths) -> Reflector {
         let index = self.index.as_ref().map(|(eta, k)| (eta.eval(point.uv, λ), k.eval(point.uv, λ)));
         Reflector { index, reflectance: self.reflectance.eval(point.uv, λ) }

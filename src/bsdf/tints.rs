@@ -25,7 +25,7 @@ impl Tints {
     /// Those of reflection and of transmission at a point.
     #[inline]
     pub fn at(&self, point: &SurfacePoint, λ: &Wavelengths) -> [Spectrum; 2] {
-        [&self.reflectance, &self.transmittance].map(|tint| tint.eval(point.uv, λ))
+        [self.reflectance.eval(point.uv, λ), self.transmittance.eval(point.uv, λ)]
     }
 
     pub fn varies(&self) -> bool {
