@@ -89,9 +89,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 }
                 _ => 0.0,
             };
-            // What light paths make as well is weighed for this pixel alone.
-            let alone = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
-            let shares = F & Features::REUSE != 0 && state.shares && !alone;
+            let casts = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
+            let shares =
+                F & Features::REUSE != 0 && state.shares && (!casts || shared.receives_casters(scene));
             let throughput = if shares { state.throughput } else { state.own_throughput::<F>(shared) };
             let owner = (index, shares);
             for which in 0..samples {
@@ -105,15 +105,14 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                     let factor = || state.tail.factor(&vertex, vertex.to_local(light.wi), density);
                     state.tail.rivals(scene, factor, end, -light.wi)
                 };
-                let rivals = if F & Features::REUSE != 0 && shares { rivals() } else { None };
+                let rivals = if F & Features::REUSE != 0 && shares && !casts { rivals() } else { None };
                 match rivals {
                     Some(rivals) => shadows.contest(index, rivals, ray, throughput * radiance),
                     None => shadows.push(owner, ray, throughput * radiance),
                 }
             }
         }
-        // What casters throw is for the pixel alone if light paths make it as well.
-        let casts_to_all = F & Features::REUSE != 0 && state.shares && scene.caustics.is_none();
+        let casts_to_all = F & Features::REUSE != 0 && state.shares && shared.receives_casters(scene);
         let throughput = if casts_to_all { state.throughput } else { state.own_throughput::<F>(shared) };
         let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
         let asks = F & Features::CAUSTICS != 0 && side.traits.smooth;

@@ -89,7 +89,10 @@ impl Path {
                 if F & Features::REUSE == 0 || !state.shares {
                     path.radiance += light;
                 } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
-                    path.radiance += shared.own * light;
+                    match shared.receives_casters(scene) {
+                        true => shared.radiance += light,
+                        false => path.radiance += shared.own * light,
+                    }
                 } else {
                     let end = EmitterPoint { emitter: emitter as usize, p: point.p, n: point.ng };
                     let factor = || 1.0 / (1.0 + by_emitter);

@@ -31,7 +31,7 @@
 //!
 //! What stays with its own path: all light up to yᵢ, and to a rough yᵢ; paths by surfaces of any other kind;
 //! and beyond yᵢ the light that light paths bring as well ([`caustics`](crate::integrator::caustics)), whose
-//! weights depend on the pixel.
+//! weights depend on the pixel. They bring none to pixels that see xᵢ by mirrors or glass, which share all.
 
 mod connections;
 mod exchange;

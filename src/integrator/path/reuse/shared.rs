@@ -99,6 +99,13 @@ impl Shared {
     pub const NOTHING: Self =
         Self { receiver: None, source: None, own: Spectrum::ZERO, radiance: Spectrum::ZERO };
 
+    /// Whether what casters throw is shared as well. What light paths make too is weighed for the pixel alone,
+    /// but they do not reach the camera by mirrors or glass.
+    #[inline(always)]
+    pub fn receives_casters(&self, scene: &Scene) -> bool {
+        scene.caustics.is_none() || self.receiver.as_ref().is_some_and(|receiver| receiver.edges > 0)
+    }
+
     /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is
     /// shared.
     pub fn arrive<B: Bsdf>(
