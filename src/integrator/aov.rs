@@ -127,7 +127,8 @@ impl Aov {
                     let (shape, local) = scene.shape_of(hit.primitive);
                     [f64::from(shape.geometry.mitsuba_primitive(local, &point)), 0.0, 0.0]
                 }
-                Property::ShapeIndex => [scene.index_of(shape) as f64, 0.0, 0.0],
+                // From 1, for 0 is where nothing is seen.
+                Property::ShapeIndex => [scene.index_of(shape) as f64 + 1.0, 0.0, 0.0],
             };
             for (value, to) in v.iter().zip(values.by_ref().take(suffixes.len())) {
                 *to = *value;

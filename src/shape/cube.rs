@@ -150,8 +150,7 @@ mod tests {
             }
             triangles.extend([[first, first + 1, first + 2], [first + 3, first, first + 2]]);
         }
-        let data =
-            MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles, surface_points: None };
+        let data = MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles };
         Geometry::Mesh(Mesh::new(data, to_world, flip, false))
     }
 

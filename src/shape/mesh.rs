@@ -56,10 +56,7 @@ impl Mesh {
                 let place = |n: &[f32; 3]| single(to_world.normal(double(*n)).normalize_or_zero() * side);
                 Some(normals.iter().map(place).collect())
             }
-            None => {
-                let points = data.surface_points.as_deref();
-                Some(smooth_normals(&positions, &data.triangles, points, side))
-            }
+            None => Some(smooth_normals(&positions, &data.triangles, side)),
         };
         let (triangles, uvs) = (data.triangles, data.uvs);
         Self {
@@ -198,15 +195,9 @@ impl Mesh {
     }
 }
 
-/// Vertex normals weighted by the angle of each triangle at the vertex (Thürmer & Wüthrich 1998), summed over
-/// all vertices that are the same point of the surface.
-fn smooth_normals(
-    positions: &[[f32; 3]],
-    triangles: &[[u32; 3]],
-    points: Option<&[u32]>,
-    side: f64,
-) -> Vec<[f32; 3]> {
-    let point_of = |vertex: u32| points.map_or(vertex, |p| p[vertex as usize]) as usize;
+/// Vertex normals weighted by the angle of each triangle at the vertex (Thürmer & Wüthrich 1998). As in
+/// Mitsuba, a point that a file splits into vertices for its texture coordinates has a crease there.
+fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]], side: f64) -> Vec<[f32; 3]> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     for triangle in triangles {
         let p = triangle.map(|i| double(positions[i as usize]));
@@ -215,12 +206,11 @@ fn smooth_normals(
             let (a, b) = (p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]);
             let cos = a.dot(b) / (length(a) * length(b));
             if n != DVec3::ZERO && cos.is_finite() {
-                sums[point_of(triangle[i])] += n * acos(cos.clamp(-1.0, 1.0));
+                sums[triangle[i] as usize] += n * acos(cos.clamp(-1.0, 1.0));
             }
         }
     }
-    let normal = |vertex| single(sums[point_of(vertex)].normalize_or_zero() * side);
-    (0..positions.len() as u32).map(normal).collect()
+    sums.into_iter().map(|sum| single(sum.normalize_or_zero() * side)).collect()
 }
 
 #[cfg(test)]
@@ -233,7 +223,6 @@ mod tests {
             normals: normals.then(|| vec![[0.0, 0.0, 1.0]; 3]),
             uvs: Some(vec![[0.0, 0.0], [2.0, 0.0], [0.0, 4.0]]),
             triangles: vec![[0, 1, 2]],
-            surface_points: None,
         }
     }
 
@@ -285,7 +274,6 @@ mod tests {
             normals: None,
             uvs: None,
             triangles: vec![[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]],
-            surface_points: None,
         };
         let n = Mesh::new(corner, &Transform::IDENTITY, false, false).point::<true>(0, 0.0, 0.0).ns;
         assert!(length(n - DVec3::splat(1.0 / 3f64.sqrt())) < 1e-6, "{n}");

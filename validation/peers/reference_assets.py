@@ -99,6 +99,28 @@ def write_obj(path, mesh):
     path.write_text("\n".join(lines) + "\n")
 
 
+def write_seamed_obj(path, sides=8):
+    """A closed barrel without normals, whose points have several texture coordinates where its pieces meet."""
+    heights, radii = (-0.8, 0.0, 0.8), (0.5, 0.7, 0.5)
+    lines = ["# texture coordinates that part along a line and at the lids, and no normals"]
+    for y, radius in zip(heights, radii):
+        angles = (2 * math.pi * i / sides for i in range(sides))
+        lines += ["v %.9g %.9g %.9g" % (radius * math.cos(a), y, -radius * math.sin(a)) for a in angles]
+    lines += ["v 0 -1 0", "v 0 1 0"]
+    lines += ["vt %.9g %.9g" % (i / sides, j / 2) for j in range(3) for i in range(sides + 1)]
+    lines += ["vt 0.5 0.5"]
+    around, uv = [*range(sides), 0], lambda j, i: j * (sides + 1) + i + 1
+    for j in range(2):
+        for i in range(sides):
+            corners = [(j, i), (j, i + 1), (j + 1, i + 1), (j + 1, i)]
+            lines.append("f " + " ".join(f"{j * sides + around[i] + 1}/{uv(j, i)}" for j, i in corners))
+    for i in range(sides):
+        a, b, middle = around[i + 1] + 1, around[i] + 1, 3 * (sides + 1) + 1
+        lines.append(f"f {a}/{middle} {b}/{middle} {3 * sides + 1}/{middle}")
+        lines.append(f"f {2 * sides + b}/{middle} {2 * sides + a}/{middle} {3 * sides + 2}/{middle}")
+    path.write_text("\n".join(lines) + "\n")
+
+
 def write_ply(path, mesh):
     """Binary, little-endian: float32 x y z nx ny nz u v; faces are lists of a uchar count and int32 indices."""
     points, normals, uvs, faces = mesh
@@ -181,6 +203,7 @@ def main():
     MESHES.mkdir(parents=True, exist_ok=True)
     TEXTURES.mkdir(parents=True, exist_ok=True)
     write_obj(MESHES / "vase.obj", vase())
+    write_seamed_obj(MESHES / "barrel.obj")
     write_ply(MESHES / "ball.ply", icosphere())
     write_ascii_ply(MESHES / "octahedron.ply", *OCTAHEDRON)
     points, normals, uvs, faces = torus()

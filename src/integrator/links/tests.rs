@@ -45,7 +45,6 @@ fn bowl(height: f64, bend: f64) -> MeshData {
         normals: Some(places.iter().map(normal).collect()),
         uvs: None,
         triangles: (0..SIDE).flat_map(|j| (0..SIDE).flat_map(move |i| halves(i, j))).collect(),
-        surface_points: None,
     }
 }
 

@@ -124,7 +124,7 @@ mod tests {
                 }
             }
         }
-        let data = MeshData { positions, normals: None, uvs: None, triangles, surface_points: None };
+        let data = MeshData { positions, normals: None, uvs: None, triangles };
         Geometry::Mesh(Mesh::new(data, place, false, true))
     }
 

@@ -29,7 +29,7 @@ fn ball(rings: u32, scale: f64, centre: DVec3) -> Geometry {
     }
     let place = Transform::translate(centre).after(&Transform::scale(DVec3::splat(scale)).unwrap());
     Geometry::Mesh(Mesh::new(
-        MeshData { positions, normals: None, uvs: None, triangles, surface_points: None },
+        MeshData { positions, normals: None, uvs: None, triangles },
         &place,
         false,
         true,
@@ -328,7 +328,6 @@ fn rays_that_leave_a_needle_do_not_meet_its_neighbour() {
         normals: None,
         uvs: None,
         triangles: vec![[0, 1, 2], [1, 3, 2]],
-        surface_points: None,
     };
     let w = f64::from(w);
     let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true));
@@ -353,13 +352,7 @@ fn of_surfaces_in_one_place_the_first_is_met() {
     let patch = || Geometry::Patch(Patch::new(&Transform::IDENTITY, false, Outline::Square));
     let triangle = || {
         let positions = vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
-        let data = MeshData {
-            positions,
-            normals: None,
-            uvs: None,
-            triangles: vec![[0, 1, 2]],
-            surface_points: None,
-        };
+        let data = MeshData { positions, normals: None, uvs: None, triangles: vec![[0, 1, 2]] };
         Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true))
     };
     let mut rng = Pcg32::new(5, 5);

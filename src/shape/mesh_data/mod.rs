@@ -21,8 +21,8 @@ use std::{fmt, fs, path::Path};
 
 /// A triangle mesh as a file holds it: object space, before any transform.
 ///
-/// What the readers promise: at least one triangle, every index in range, every number finite, and `normals`,
-/// `uvs` and `surface_points` as long as `positions`.
+/// What the readers promise: at least one triangle, every index in range, every number finite, and `normals`
+/// and `uvs` as long as `positions`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// One point per vertex, in the file's own unit of length.
@@ -33,10 +33,6 @@ pub struct MeshData {
     pub uvs: Option<Vec<[f32; 2]>>,
     /// Three vertex numbers per triangle, counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// For each vertex the first vertex at the same point of the surface, where a file tells: an OBJ vertex
-    /// that is split for its texture coordinates is still one point, and normals computed for a mesh without
-    /// any must be summed over the point, or the seam shows. `None`: every vertex is a point of its own.
-    pub surface_points: Option<Vec<u32>>,
 }
 
 impl MeshData {
@@ -137,13 +133,6 @@ mod tests {
         if let Some(uvs) = &mesh.uvs {
             assert_eq!(uvs.len(), count);
             assert!(uvs.iter().flatten().all(|number| number.is_finite()));
-        }
-        if let Some(points) = &mesh.surface_points {
-            assert_eq!(points.len(), count);
-            for (vertex, &point) in points.iter().enumerate() {
-                assert!(point as usize <= vertex);
-                assert_eq!(mesh.positions[vertex], mesh.positions[point as usize]);
-            }
         }
     }
 

@@ -115,7 +115,6 @@ impl Reader {
             positions: corners.iter().map(|corner| self.positions[corner[0] as usize]).collect(),
             uvs: has(1).then(|| corners.iter().map(uv).collect()),
             normals: has(2).then(|| corners.iter().map(normal).collect()),
-            surface_points: self.vertices.surface_points(),
             triangles: self.triangles,
         })
     }
@@ -151,11 +150,6 @@ impl Vertices {
         }
         self.corners.push(corner);
         Ok(next)
-    }
-
-    fn surface_points(&self) -> Option<Vec<u32>> {
-        let points = || self.corners.iter().map(|corner| self.first[corner[0] as usize]).collect();
-        (!self.further.is_empty()).then(points)
     }
 }
 
@@ -210,7 +204,6 @@ mod tests {
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]);
         assert_eq!(mesh.positions[4..], [[1., 0., 0.], [1., 0., -1.], [1., 1., -1.], [1., 1., 0.]]);
         assert_eq!(mesh.uvs.as_ref().unwrap()[..4], [[0., 1.], [1., 0.75], [1., 0.], [0., 0.]]);
-        assert_eq!(mesh.surface_points, Some(vec![0, 1, 2, 3, 1, 5, 6, 2]));
         assert_eq!(mesh.normals, None);
         assert_valid(&mesh);
         let upright = parse(CORNER_OF_A_BOX.as_bytes(), false).unwrap();
