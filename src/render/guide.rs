@@ -4,16 +4,14 @@
 //! do not, a picture of a few samples hardly shows what it misses, for scattering finds that light in single
 //! pixels of fire. So variances of a pilot cannot tell, but photons can: they know how much light comes by
 //! which ways, and what part of it no link would make. A few camera paths say whether any surface is seen
-//! that would ask. Both are functions of the scene alone and their samples are thrown away, so the choice
-//! cannot bias an image, and every part of a render makes the same.
+//! that would ask. Neither are samples of the image, so the choice cannot bias it; both are functions of the
+//! scene alone, so every part of a render makes the same.
 
-use super::all_over;
-use super::sample::Camera;
-
+use super::{all_over, pilot_camera};
+use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::guide::{Guide, Photon, photons};
 use crate::integrator::links::Where;
-use crate::integrator::{Counters, kernel_for};
 use crate::scene::Scene;
 
 /// Light paths for each pixel, and no more in all than these: a few tenths of a second.
@@ -63,7 +61,7 @@ fn pays(scene: &mut Scene, photons: Vec<Photon>) -> bool {
 
 /// How many guided samples the camera paths of the pilot take.
 fn guided_samples(scene: &Scene) -> u64 {
-    let camera = Camera::new(scene, 0, kernel_for(scene.features));
+    let camera = pilot_camera(scene);
     let mut counters = Counters::default();
     let which = all_over(scene.sensor.film.crop, CAMERA_SAMPLES);
     let mut values = vec![0.0; camera.channel_names().len() * which.len()];

@@ -189,6 +189,13 @@ fn scattered(i: u64, count: u64) -> u64 {
     ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
 }
 
+/// The camera of a pilot that settles how a scene is to be rendered. Its seed is unlikely to be an image's,
+/// whose samples must not be those that have settled it.
+fn pilot_camera(scene: &Scene) -> Camera<'_> {
+    const SEED: u32 = 0x5eed_ab1e;
+    Camera::new(scene, SEED, kernel_for(scene.features))
+}
+
 /// So many samples of pixels that lie all over a window, for a pilot.
 fn all_over(window: Window, samples: u64) -> Vec<((u32, u32), u64)> {
     let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);

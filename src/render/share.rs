@@ -5,15 +5,14 @@
 //! knows energies well, since either kind of path finds its own part of the light easily. So s is the root of
 //! the share of the image's light that light paths bring, as a power of two; and where they bring none they
 //! are left out. Where they would bring most of it, sampling emitters through glass
-//! ([`links`](crate::integrator::links)) relieves them first. The pilot's samples are thrown away and are a
-//! function of the scene alone, so the choice cannot bias an image, and every part of a render makes the
-//! same.
+//! ([`links`](crate::integrator::links)) relieves them first. The pilot has a seed of its own and its samples
+//! are thrown away, so the choice cannot bias an image; they are a function of the scene alone, so every part
+//! of a render makes the same.
 
-use super::all_over;
-use super::sample::Camera;
+use super::{all_over, pilot_camera};
+use crate::integrator::Counters;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::Where;
-use crate::integrator::{Counters, kernel_for};
 use crate::scene::Scene;
 
 /// Camera samples and light paths of the pilot: some milliseconds.
@@ -90,7 +89,7 @@ fn nearest_power_of_two(x: f64) -> f64 {
 /// The part of the light that light paths bring, averaged over tiles of the image, for a lamp in view must
 /// not outshine everything else; zero where they were not seen to bring any.
 fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
-    let camera = Camera::new(scene, 0, kernel_for(scene.features));
+    let camera = pilot_camera(scene);
     let mut counters = Counters::default();
     let film = scene.sensor.film.crop;
     let pixels = film.pixels() as u64;
