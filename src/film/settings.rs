@@ -4,7 +4,7 @@ use super::filter::{FILTERS, Profile};
 use super::filter_sampler::FilterSampler;
 use crate::image::Window;
 use crate::math::DVec2;
-use crate::scene::error::{SceneError, known};
+use crate::scene::error::{SceneError, Span, known};
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::{Entry, construct};
 use crate::spectrum::table::Tabulated;
@@ -37,6 +37,8 @@ pub struct Band {
     pub name: String,
     /// In the image.
     pub channel: String,
+    /// Where the scene file names it.
+    pub place: Span,
     pub response: Tabulated,
 }
 
@@ -198,7 +200,7 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
     }
     let mut bands = vec![];
     for element in params.objects("spectrum", "a response; its name is the channel's") {
-        let name = element.require("name")?.value.clone();
+        let name = element.require("name")?;
         let response = match AnyTexture::parse(element, params.loader, Usage::Unbounded)? {
             AnyTexture::Constant(SpectralFunction::Table(table)) => (*table).clone(),
             _ => {
@@ -209,8 +211,8 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
                 ));
             }
         };
-        let channel = channel_of(&name, &response);
-        bands.push(Band { name, channel, response });
+        let channel = channel_of(&name.value, &response);
+        bands.push(Band { name: name.value.clone(), channel, place: name.value_span.clone(), response });
     }
     if bands.is_empty() {
         return Err(SceneError::at(

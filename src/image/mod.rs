@@ -16,7 +16,7 @@ pub mod read;
 mod sheet;
 pub mod srgb;
 
-pub use self::exr::{read_exr, write_exr};
+pub use self::exr::{check_names, read_exr, write_exr};
 pub(crate) use atomic::write_file_with;
 pub use atomic::{check_outputs, check_writable};
 pub use merge::{merge, merge_files};

@@ -1,8 +1,9 @@
 //! Properties of what is seen, beside the image of another integrator.
 
 use super::{AnyIntegrator, Counters, INTEGRATORS};
+use crate::image::check_names;
 use crate::math::Ray;
-use crate::scene::error::{SceneError, Span, known};
+use crate::scene::error::{SceneError, known};
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::construct;
 use crate::scene::{Features, Scene};
@@ -56,10 +57,6 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
             let names: Vec<&str> = PROPERTIES.iter().map(|p| p.0).collect();
             SceneError::at(&list.value_span, format!("unknown property `{kind}`"), known(kind, &names))
         })?;
-        check_name(name, &list.value_span)?;
-        if outputs.iter().any(|(n, ..)| n == name) {
-            return Err(SceneError::at(&list.value_span, format!("the channel `{name}` is given twice"), ""));
-        }
         outputs.push((name.to_owned(), found.1, found.2));
     }
     if outputs.is_empty() {
@@ -69,31 +66,10 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         None => None,
         Some(element) => Some(construct(INTEGRATORS, element, params.loader, Usage::Unbounded)?),
     };
-    let aov = Aov { nested, outputs };
-    let names = aov.nested.as_ref().map(AnyIntegrator::extra_channels).unwrap_or_default();
-    if let Some(name) = aov.channels().iter().find(|name| names.contains(name)) {
-        let message = format!("the nested integrator has a channel `{name}` as well");
-        return Err(SceneError::at(&list.value_span, message, "expected another name"));
-    }
-    Ok(AnyIntegrator::Aov(Box::new(aov)))
-}
-
-/// Refuses what cannot stand before the name of a channel: OpenEXR has room for 255 bytes, and variances have
-/// names of their own.
-pub fn check_name(name: &str, place: &Span) -> Result<(), SceneError> {
-    const LONGEST: usize = 100;
-    if name.len() > LONGEST {
-        let message = format!("the name of a channel has {} bytes", name.len());
-        return Err(SceneError::at(place, message, format!("expected at most {LONGEST}")));
-    }
-    if name == "variance" || name.starts_with("variance.") {
-        return Err(SceneError::at(
-            place,
-            "`variance` is taken by the variances of channels",
-            "expected another name",
-        ));
-    }
-    Ok(())
+    let integrator = AnyIntegrator::Aov(Box::new(Aov { nested, outputs }));
+    check_names(&integrator.extra_channels())
+        .map_err(|(_, why)| SceneError::at(&list.value_span, why, "expected another name"))?;
+    Ok(integrator)
 }
 
 impl Aov {

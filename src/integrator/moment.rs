@@ -7,6 +7,7 @@
 //! not the same in another renderer.
 
 use super::{AnyIntegrator, INTEGRATORS};
+use crate::image::check_names;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::construct;
@@ -38,11 +39,12 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         return Err(SceneError::at(&element.span, message, "expected an integrator that fills R, G and B"));
     }
     let name = element.attribute("name").map_or(UNNAMED, |name| &name.value);
-    super::aov::check_name(name, &element.span)?;
     let means = nested.extra_channels().into_iter().chain(["X", "Y", "Z"].map(String::from));
     let means: Vec<String> = means.map(|channel| format!("{name}.{channel}")).collect();
     let squares = means.iter().map(|mean| format!("m2_{mean}"));
-    let channels = means.iter().cloned().chain(squares).collect();
+    let channels: Vec<String> = means.iter().cloned().chain(squares).collect();
+    check_names(&channels)
+        .map_err(|(_, why)| SceneError::at(&element.span, why, "expected another `name`"))?;
     Ok(AnyIntegrator::Moment(Box::new(Moment { nested, channels })))
 }
 

@@ -1,14 +1,26 @@
 //! Camera samples: from (seed, pixel, sample number) to the values of all channels.
 
-use crate::film::Band;
+use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
-use crate::integrator::{CameraPath, Counters, KernelEntry};
+use crate::integrator::{AnyIntegrator, CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
 use crate::sampler::{CAMERA, ManyNumbers, Numbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
 use std::ops::Range;
+
+/// The channels of an image: R, G, B, alpha, the spectral bands, and what the integrator adds.
+pub fn channel_names(film: &Film, integrator: &AnyIntegrator) -> Vec<String> {
+    let mut names: Vec<String> = vec![];
+    if integrator.has_radiance() {
+        names.extend(["R", "G", "B"].map(String::from));
+        names.extend(film.alpha.then(|| "A".to_owned()));
+        names.extend(film.bands.iter().map(|b| b.channel.clone()));
+    }
+    names.extend(integrator.extra_channels());
+    names
+}
 
 /// Everything that makes samples of a scene.
 pub struct Camera<'a> {
@@ -33,17 +45,9 @@ impl<'a> Camera<'a> {
         Self { scene, seed, kernel, radiance: scene.integrator.has_radiance(), extra, band_range }
     }
 
-    /// R, G, B, alpha, the spectral bands, and what the integrator adds.
+    /// The names of the channels that are filled; see [`channel_names`].
     pub fn channel_names(&self) -> Vec<String> {
-        let mut names: Vec<String> = vec![];
-        if self.radiance {
-            let film = &self.scene.sensor.film;
-            names.extend(["R", "G", "B"].map(String::from));
-            names.extend(film.alpha.then(|| "A".to_owned()));
-            names.extend(film.bands.iter().map(|b| b.channel.clone()));
-        }
-        names.extend(self.scene.integrator.extra_channels());
-        names
+        channel_names(&self.scene.sensor.film, &self.scene.integrator)
     }
 
     /// The values of camera samples, given by pixel and number: for each all channels, weighted by the

@@ -1,6 +1,6 @@
 //! From a document to a [`Scene`].
 
-use super::error::{SceneError, known};
+use super::error::{SceneError, Span, known};
 use super::hash::hash;
 use super::loader::Loader;
 use super::objects::Objects;
@@ -11,12 +11,14 @@ use super::xml::{self, Document};
 use super::{Features, Overrides, Scene, overrides};
 use crate::bsdf::Traits;
 use crate::emitter::Emitters;
-use crate::film::FILMS;
 use crate::film::filter::FILTERS;
+use crate::film::{FILMS, Film};
+use crate::image::check_names;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{Links, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::length;
+use crate::render::sample::channel_names;
 use crate::render::{guide, reuse, share};
 use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
@@ -26,18 +28,15 @@ use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::path::Path;
 
-/// Asks whether a file can hold the channels: OpenEXR has room for 255 bytes of a name, and tells channels by
-/// them.
-fn check_channels(integrator: &AnyIntegrator) -> Result<(), String> {
-    const LONGEST: usize = 255 - "variance.".len();
-    let names = integrator.extra_channels();
-    if let Some(name) = names.iter().find(|name| name.len() > LONGEST) {
-        return Err(format!("the name of a channel would have {} bytes, more than {LONGEST}", name.len()));
-    }
-    match (0..names.len()).find(|&i| names[..i].contains(&names[i])) {
-        Some(i) => Err(format!("two channels would have the name `{}`", names[i])),
-        None => Ok(()),
-    }
+/// Asks whether a file can hold all channels of the image. A model has seen to its own; this is about those of
+/// film and integrator together.
+fn check_channels(film: &Film, integrator: &AnyIntegrator, place: &Span) -> Result<(), SceneError> {
+    let names = channel_names(film, integrator);
+    check_names(&names).map_err(|(index, why)| {
+        let of_film = index < names.len() - integrator.extra_channels().len();
+        let band = film.bands.iter().rfind(|band| of_film && band.channel == names[index]);
+        SceneError::at(band.map_or(place, |band| &band.place), why, "expected another name")
+    })
 }
 
 /// What a scene holds.
@@ -110,15 +109,13 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     };
     let integrator = match integrators[..] {
         [] => AnyIntegrator::default(),
-        [one] => {
-            let integrator = construct(INTEGRATORS, one, &loader, Usage::Unbounded)?;
-            check_channels(&integrator).map_err(|message| SceneError::at(&one.span, message, ""))?;
-            integrator
-        }
+        [one] => construct(INTEGRATORS, one, &loader, Usage::Unbounded)?,
         [_, second, ..] => {
             return Err(SceneError::at(&second.span, "a second integrator", "expected only one"));
         }
     };
+    let place = integrators.first().map_or(&root.span, |one| &one.span);
+    check_channels(&sensor.film, &integrator, place)?;
     let hash = hash(document, &loader, mode)?;
     let features = features(&objects, &integrator);
     let choosing = |traits: Traits| traits.smooth && !traits.one_lobe;

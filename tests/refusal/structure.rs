@@ -231,11 +231,35 @@ fn channels_that_no_file_could_hold_are_refused() {
     let aov = |aovs: &str| {
         format!("<integrator type=\"aov\">\n<string name=\"aovs\" value=\"{aovs}\"/></integrator>")
     };
-    let long = "d".repeat(101) + ":depth";
+    let long = "d".repeat(245) + ":depth";
+    let sensor = |bands: &str| {
+        let bands: String = bands
+            .split('|')
+            .map(|band| band.split_once('=').unwrap_or((band, "400:1, 700:1")))
+            .map(|(name, nm)| format!("\n<spectrum name=\"{name}\" value=\"{nm}\"/>"))
+            .collect();
+        format!(
+            r#"<scene version="3.0.0"><sensor type="perspective"><film type="specfilm">{bands}</film></sensor></scene>"#
+        )
+    };
+    // Of two bands with one centroid the first keeps its name.
+    refused(&sensor("R|ω"), "name=\"R\"", &["two channels would have the name `R`"]);
+    refused(&sensor("|ω"), "name=\"\"", &["a channel would have no name"]);
+    refused(&sensor("variance.R|ω"), "name=\"variance.R\"", &["`variance` is taken"]);
+    refused(&sensor("λ|ω"), "name=\"λ\"", &["Latin-1"]);
+    refused(
+        &sensor("b.T|c").replace(
+            "</scene>",
+            &format!("\n{}</scene>", aov("b:depth").replace("/></int", "/><integrator type=\"path\"/></int")),
+        ),
+        "<integrator type=\"aov\"",
+        &["two channels would have the name `b.T`"],
+    );
     all_refused(&[
         ("name=\"aovs\"", &aov(""), &["no channel is asked for", "dd:depth"]),
-        (":depth", &aov(&long), &["101 bytes", "at most 100"]),
+        (":depth", &aov(&long), &["247 characters", "more than 246"]),
         ("name=\"aovs\"", &aov("variance.R:depth"), &["`variance` is taken"]),
+        ("name=\"aovs\"", &aov("d:depth,d:depth"), &["two channels would have the name `d.T`"]),
         ("moment", r#"<integrator type="moment"/>"#, &["no nested <integrator>"]),
         (
             "depth",

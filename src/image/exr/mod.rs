@@ -7,10 +7,12 @@
 //! part out is easy for every reader, so a shard looks like any other image to a viewer.
 
 pub(super) mod claim;
+mod names;
 mod read;
 mod samples;
 mod write;
 
+pub use names::check_names;
 pub use read::read_exr;
 pub(super) use read::read_head;
 pub use write::write_exr;
