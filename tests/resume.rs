@@ -168,7 +168,7 @@ fn what_ends_a_render_loses_nothing(name: &str, start: impl FnOnce(&Folder, &[&s
     let output = child.wait_with_output().unwrap();
     let error = text(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{error}");
-    assert!(error.contains("--checkpoint c --resume"), "{error}");
+    assert!(error.contains("--checkpoint c --json --resume"), "{error}");
     let document = json(&output);
     let samples = document["samples_per_pixel"].to_string();
     folder.done(&["-o", "short.exr", "--quiet", "--spp", &samples]);
@@ -182,6 +182,23 @@ fn what_ends_a_render_loses_nothing(name: &str, start: impl FnOnce(&Folder, &[&s
 #[test]
 fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
     what_ends_a_render_loses_nothing("-INT", Folder::start);
+}
+
+/// A pilot has chosen the samples, and must not choose again.
+#[cfg(unix)]
+#[test]
+fn the_command_that_is_printed_goes_on() {
+    let folder = Folder::new();
+    let child = begun(&folder, folder.start(&[&SAVED[..], &["--time", "3"]].concat()));
+    signal(&child, "-INT");
+    let error = text(&child.wait_with_output().unwrap().stderr);
+    let command = error.split('\n').find_map(|line| line.strip_prefix("go on with: etalon ")).expect(&error);
+    let mut etalon = Command::new(env!("CARGO_BIN_EXE_etalon"));
+    let output = etalon.current_dir(folder.0.path()).args(command.split(' ')).output().unwrap();
+    let samples = json(&output)["samples_per_pixel"].to_string();
+    assert!(command.contains(&format!("--spp {samples} ")), "{command}");
+    folder.done(&["-o", "whole.exr", "--quiet", "--spp", &samples]);
+    assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
 }
 
 #[cfg(target_os = "linux")]
@@ -247,7 +264,9 @@ fn places_that_cannot_be_written_are_refused_before_the_render() {
     folder.refused(&full, &["/dev/full: cannot write"]);
     let output = folder.run(&[&full[..], &["--checkpoint", "c"]].concat());
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("the render is kept in c; --resume writes the image"));
+    let command = "etalon render scene.xml -o /dev/full --spp 8 --threads 1 --checkpoint c --quiet --resume";
+    let kept = format!("the render is kept in c; this writes the image: {command}");
+    assert!(text(&output.stderr).contains(&kept), "{}", text(&output.stderr));
     folder.done(&["-o", "out.exr", "--spp", "8", "--quiet", "--checkpoint", "c", "--resume"]);
     folder.done(&["-o", "plain.exr", "--spp", "8", "--quiet"]);
     assert!(folder.bytes("out.exr") == folder.bytes("plain.exr"));

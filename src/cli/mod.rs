@@ -133,7 +133,7 @@ impl SceneArguments {
     }
 
     /// The words of a command line that mean the same scene.
-    fn words(&self) -> String {
+    fn words(&self) -> Vec<String> {
         let mut words = vec![self.scene.display().to_string()];
         let mut say = |option: &str, value: Option<String>| {
             words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));
@@ -152,11 +152,17 @@ impl SceneArguments {
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));
-        let plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "-_./=,".contains(c));
-        let quoted =
-            |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
-        words.into_iter().map(quoted).collect::<Vec<_>>().join(" ")
+        words
     }
+}
+
+/// Words as a shell takes them.
+fn quoted(words: &[String]) -> String {
+    let plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "-_./=,:".contains(c));
+    let quote = |word: &String| {
+        if plain(word) { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    };
+    words.iter().map(quote).collect::<Vec<_>>().join(" ")
 }
 
 fn definition(text: &str) -> Result<(String, String), String> {

@@ -1,9 +1,11 @@
 //! `etalon render`
 
+mod go_on;
+
 use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
 use super::watch::Watch;
-use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED, say};
+use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED, quoted, say};
 use etalon::image::{self, Image, Window};
 use etalon::integrator::kernel_for;
 use etalon::render::passes::Partial;
@@ -120,13 +122,8 @@ impl Arguments {
         self.warn(&summary);
         if summary.interrupted() {
             eprintln!("interrupted: the image has samples {:?} of {:?}", summary.samples(), settings.samples);
-            if let Some(path) = &self.checkpoint {
-                let count =
-                    if pilot.is_some() { format!("--spp {} ", settings.samples.end) } else { String::new() };
-                eprintln!(
-                    "go on with: the same scene and options, {count}--checkpoint {} --resume",
-                    path.display()
-                );
+            if self.checkpoint.is_some() {
+                eprintln!("go on with: {}", self.go_on(&settings.samples));
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
@@ -247,7 +244,7 @@ impl Arguments {
         eprintln!("warning: {} samples are not finite; the first:", report.non_finite);
         for found in &report.first_non_finite {
             let ((x, y), sample) = (found.pixel, found.sample);
-            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.words());
+            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", quoted(&self.scene.words()));
         }
     }
 }

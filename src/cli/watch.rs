@@ -137,7 +137,10 @@ impl<'a> Watch<'a> {
             return error.to_string();
         };
         match checkpoint::save(path, scene, settings, partial) {
-            Ok(()) => format!("{error}\nthe render is kept in {}; --resume writes the image", path.display()),
+            Ok(()) => {
+                let command = self.arguments.go_on(&settings.samples);
+                format!("{error}\nthe render is kept in {}; this writes the image: {command}", path.display())
+            }
             Err(also) => format!("{error}\nthe checkpoint neither: {also}"),
         }
     }
