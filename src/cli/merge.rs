@@ -23,9 +23,11 @@ impl Arguments {
     pub fn run(self) -> Outcome {
         image::check_outputs(&[], &[Some(&self.output), self.png.as_ref()])?;
         let merged = image::merge_files(self.parts)?;
+        // Both can be made before one is written.
+        let picture = self.png.as_ref().map(|_| image::develop(&merged)).transpose()?;
         image::write_exr(&self.output, &merged)?;
-        if let Some(path) = &self.png {
-            image::write_png(path, &image::develop(&merged)?.0)?;
+        if let (Some(path), Some((picture, _))) = (&self.png, &picture) {
+            image::write_png(path, picture)?;
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -7,10 +7,9 @@ use super::summary::{self, Summary};
 use super::watch::Watch;
 use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED, quoted, say};
 use etalon::image::{self, Image, Window};
-use etalon::integrator::kernel_for;
 use etalon::render::passes::Partial;
 use etalon::render::pilot::{self, NoCount, Pilot, Quality};
-use etalon::render::sample::Camera;
+use etalon::render::sample::channel_names;
 use etalon::render::{Progress, Report, Settings, check_threads, checkpoint, memory};
 use etalon::scene::Scene;
 use std::io;
@@ -78,10 +77,13 @@ impl Arguments {
         let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
         image::check_outputs(&scene.files, &outputs)?;
         check_threads(settings.threads)?;
-        let channels = Camera::new(&scene, settings.seed, kernel_for(scene.features)).channel_names().len();
+        let channels = channel_names(&scene.sensor.film, &scene.integrator);
+        if self.png.is_some() {
+            image::check_developable(&channels)?;
+        }
         let chosen = self.time.is_some() || self.target_error.is_some();
         let passes = self.in_passes() || chosen || scene.caustics.is_some();
-        memory::check(&settings, channels, passes, memory::available())?;
+        memory::check(&settings, channels.len(), passes, memory::available())?;
         let resumed = self.resumed(&scene, &settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();

@@ -47,6 +47,22 @@ pub fn encode_srgb(linear: f32) -> u8 {
     (255.0 * encoded + 0.5) as u8
 }
 
+/// What a picture shows.
+const SHOWN: [&str; 3] = ["R", "G", "B"];
+
+/// Finds out whether a picture can be made of an image with channels of these names.
+///
+/// # Errors
+/// With the name of one that is missing.
+pub fn check_developable(names: &[String]) -> Result<(), ImageError> {
+    match SHOWN.iter().find(|shown| !names.iter().any(|name| name == *shown)) {
+        None => Ok(()),
+        Some(missing) => Err(ImageError::new(format!(
+            "no picture can be made: the image has no channel `{missing}`, and R, G and B are expected"
+        ))),
+    }
+}
+
 /// The picture of an image's channels `R G B`, and how many pixels of it are not finite; these are shown in
 /// magenta.
 ///
@@ -57,7 +73,8 @@ pub fn develop(image: &Image) -> Result<(Rgb8, usize), ImageError> {
         let channel = image.channel(name).filter(|channel| channel.mean.len() == image.crop.pixels());
         channel.ok_or_else(|| ImageError::new(format!("the image has no channel `{name}`")))
     };
-    let (red, green, blue) = (plane("R")?, plane("G")?, plane("B")?);
+    let [r, g, b] = SHOWN;
+    let (red, green, blue) = (plane(r)?, plane(g)?, plane(b)?);
     let mut bad = 0;
     let mut pixel = |i: usize| {
         let linear = [red.mean[i], green.mean[i], blue.mean[i]];

@@ -141,6 +141,22 @@ fn command_lines_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn a_picture_of_an_image_without_colours_is_refused_before_the_render() {
+    let aov = "<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/></integrator>";
+    let folder = Folder::new(scene(aov).as_bytes());
+    let endless = ["--spp", "4000000000", "--png", "a.png"];
+    folder.refused_given(&endless, &["the image has no channel `R`", "R, G and B are expected"]);
+    let part = folder.path().join("part.exr");
+    let rendered = Command::new(env!("CARGO_BIN_EXE_etalon"))
+        .args(["render", "--quiet", "--samples", "0..4", "scene.xml", "-o"])
+        .arg(&part)
+        .current_dir(folder.path())
+        .status();
+    assert!(rendered.expect("it runs").success());
+    folder.command_refused(&["merge", "part.exr", "-o", "out.exr", "--png", "a.png"], &["no channel `R`"]);
+}
+
+#[test]
 fn no_output_is_written_over_another_or_over_the_scene() {
     let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
     let words = ["a file of the scene or another output has this place"];
