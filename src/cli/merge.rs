@@ -12,7 +12,7 @@ pub struct Arguments {
     #[arg(required = true)]
     parts: Vec<PathBuf>,
     /// OpenEXR file to write
-    #[arg(short, long, value_name = "OUT.exr")]
+    #[arg(short, long, value_name = "OUT.exr", value_parser = super::exr_file())]
     output: PathBuf,
     /// Also write an 8-bit picture
     #[arg(long, value_name = "OUT.png")]

@@ -11,6 +11,7 @@ mod tax;
 mod watch;
 
 use clap::Parser;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use etalon::integrator::links::Where;
 use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::scene::{self, Scene};
@@ -105,6 +106,21 @@ struct SceneArguments {
     /// Another seed, another noise; 0 by default, or the scene's
     #[arg(long, value_name = "S")]
     seed: Option<u32>,
+}
+
+/// Takes the name of an OpenEXR file, unless it is that of a file of another kind.
+fn exr_file() -> impl TypedValueParser<Value = PathBuf> {
+    const OTHERS: [&str; 5] = ["png", "jpg", "jpeg", "hdr", "xml"];
+    PathBufValueParser::new().try_map(|path| {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.filter(|extension| OTHERS.contains(&extension.as_str())) {
+            None => Ok(path),
+            Some(other) => {
+                let expected = path.with_extension("exr").display().to_string();
+                Err(format!("the file is OpenEXR, not .{other}: expected such as {expected}"))
+            }
+        }
+    })
 }
 
 /// Checks that a text is HOST:PORT.

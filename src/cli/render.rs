@@ -24,7 +24,7 @@ pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// OpenEXR file to write
-    #[arg(short, long, value_name = "OUT.exr")]
+    #[arg(short, long, value_name = "OUT.exr", value_parser = super::exr_file())]
     pub output: PathBuf,
     /// Also write an 8-bit picture
     #[arg(long, value_name = "OUT.png")]

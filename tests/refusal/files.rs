@@ -163,7 +163,7 @@ fn no_output_is_written_over_another_or_over_the_scene() {
     folder.refused_given(&["--png", "out.exr"], &words);
     folder.refused_given(&["--checkpoint", "./out.exr"], &words);
     folder.refused_given(&["--checkpoint", "out.exr.partial"], &words);
-    folder.command_refused(&["render", "scene.xml", "-o", "scene.xml"], &words);
+    folder.refused_given(&["--png", "scene.xml"], &words);
     folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &words);
     // Nor over what the scene is made of.
     let (mesh, part) = (folder.path().join("a.obj"), folder.path().join("part.xml"));
@@ -177,10 +177,27 @@ fn no_output_is_written_over_another_or_over_the_scene() {
     )
     .expect("written");
     for output in ["a.obj", "part.xml"] {
-        folder.command_refused(&["render", "scene.xml", "-o", output], &words);
+        folder.refused_given(&["--png", output], &words);
         folder.refused_given(&["--checkpoint", output], &words);
     }
+    folder.command_refused(&["render", "scene.xml", "-o", "a.obj"], &words);
     assert_eq!(std::fs::read_to_string(mesh).expect("it is there"), triangle);
+}
+
+#[test]
+fn an_image_is_not_given_the_name_of_another_kind_of_file() {
+    let folder = Folder::new(scene("").as_bytes());
+    for (name, expected) in [
+        ("a.png", "a.exr"),
+        ("A.JPG", "A.exr"),
+        ("a.b.jpeg", "a.b.exr"),
+        ("a.hdr", "a.exr"),
+        ("scene.xml", "scene.exr"),
+    ] {
+        let words = [name, "OpenEXR", &format!("expected such as {expected}")];
+        folder.command_refused(&["render", "scene.xml", "-o", name], &words);
+        folder.command_refused(&["merge", "out.exr", "-o", name], &words);
+    }
 }
 
 #[test]
