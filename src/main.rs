@@ -4,6 +4,8 @@ mod cli;
 mod out_of_memory;
 
 use clap::Parser;
+use etalon::scene::error::SceneError;
+use std::error::Error;
 use std::process::ExitCode;
 
 #[global_allocator]
@@ -16,10 +18,16 @@ fn main() -> ExitCode {
     match command.run() {
         Ok(code) => code,
         Err(error) => {
-            let error = error.to_string();
-            // Errors about a scene draw the place themselves and begin with the word.
-            eprintln!("{}{error}", if error.starts_with("error") { "" } else { "error: " });
+            print(&*error);
             ExitCode::from(cli::BAD_INPUT)
         }
+    }
+}
+
+/// Prints an error; those about a scene draw the place themselves, with the word before it.
+fn print(error: &(dyn Error + 'static)) {
+    match error.downcast_ref::<SceneError>() {
+        Some(located) => eprintln!("{located}"),
+        None => eprintln!("error: {error}"),
     }
 }

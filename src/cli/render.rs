@@ -155,7 +155,7 @@ impl Arguments {
         if !inside {
             let c = film.crop;
             let place = format!("{},{},{},{}", c.x, c.y, c.width, c.height);
-            return Err(format!("error: --crop is not inside the film's {place}"));
+            return Err(format!("--crop is not inside the film's {place}"));
         }
         let all = 0..u64::from(self.spp.unwrap_or(scene.sensor.sampler.samples));
         Ok(Settings {

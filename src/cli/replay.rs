@@ -24,7 +24,7 @@ impl Arguments {
         let scene = self.scene.load()?;
         let (film, (x, y)) = (scene.sensor.film.crop, self.pixel);
         if x < film.x || y < film.y || x >= film.x + film.width || y >= film.y + film.height {
-            return Err(format!("error: the pixel {x},{y} is not on the film").into());
+            return Err(format!("the pixel {x},{y} is not on the film").into());
         }
         let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features));
         let mut counters = Counters { log: Some(vec![]), ..Counters::default() };

@@ -102,7 +102,7 @@ const LISTED: usize = 8;
 /// Says how many cannot, and why.
 pub fn check_threads(threads: usize) -> Result<(), String> {
     let tried = pool(threads);
-    tried.map(drop).map_err(|error| format!("error: {threads} threads cannot be started: {error}"))
+    tried.map(drop).map_err(|error| format!("{threads} threads cannot be started: {error}"))
 }
 
 fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {

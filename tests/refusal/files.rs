@@ -129,6 +129,13 @@ fn command_lines_that_make_no_sense_are_refused() {
     for output in ["gone/out.exr", "scene.xml/out.exr", "sub", "."] {
         folder.command_refused(&["render", "scene.xml", "-o", output], &["cannot write", output]);
     }
+    // Whatever an error begins with, the word is before it, once.
+    folder.command_refused(
+        &["render", "scene.xml", "-o", "error-gone/out.exr"],
+        &["error: error-gone/out.exr: cannot write"],
+    );
+    folder.refused_given(&["--crop", "3,3,2,2"], &["error: --crop is not inside"]);
+    folder.command_refused(&["render", "error.xml", "-o", "out.exr"], &["error: cannot read error.xml"]);
     for pixel in ["4,0", "0,4", "-1,0", "x", "1"] {
         let pixel = format!("--pixel={pixel}");
         folder.command_refused(&["replay", "scene.xml", &pixel, "--sample", "0"], &[]);
