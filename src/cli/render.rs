@@ -77,6 +77,12 @@ impl Arguments {
         let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
         image::check_outputs(&scene.files, &outputs)?;
         check_threads(settings.threads)?;
+        if self.target_error.is_some() && !scene.integrator.has_radiance() {
+            return Err(
+                "--target-error: the integrator sees no light, and the error is that of light; use --spp"
+                    .into(),
+            );
+        }
         let channels = channel_names(&scene.sensor.film, &scene.integrator);
         if self.png.is_some() {
             image::check_developable(&channels)?;

@@ -70,10 +70,12 @@ impl Summary<'_> {
                 "relative standard error {:.4} % of the mean",
                 100.0 * quality.relative_standard_error_of_mean
             );
-        } else if [r, g, b].iter().any(|mean| *mean != 0.0) {
+        } else if r + g + b != 0.0 {
             say!("no relative standard error: that takes two blocks of four samples");
-        } else {
+        } else if self.scene.integrator.has_radiance() {
             say!("no relative standard error: no light was seen");
+        } else {
+            say!("no relative standard error: the mean is 0");
         }
         if let (Some(target), Some(attained)) = (self.target_error, self.attained()) {
             let words = if attained { "attained" } else { "NOT attained" };

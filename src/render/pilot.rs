@@ -18,7 +18,7 @@
 //! a few samples decide the estimate, and the samples that nobody has seen yet may be larger.
 
 use super::passes::{Partial, render_passes};
-use super::{Progress, REUSE, Settings};
+use super::{Progress, REUSE, Settings, pixel};
 use crate::film::BLOCK;
 use crate::image::{Attribute, Image, Window};
 use crate::integrator::path::reuse::correlated_edge;
@@ -41,14 +41,14 @@ const FEWEST: u64 = 4 * BLOCK;
 /// Uncertainty of the estimated variance that ends a pilot.
 const CERTAIN: f64 = 0.05;
 
-/// The image's mean and how well it is known, over its first three channels.
+/// The image's mean and how well it is known, over its first three channels, or as many as it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Mean of each channel.
+    /// Mean of each channel; 0 of one that the image does not have.
     pub mean: [f64; 3],
-    /// Root mean square over pixels of the standard error, relative to the image's mean.
+    /// Root mean square over pixels of the standard error, relative to the absolute value of the image's mean.
     pub relative_standard_error: f64,
-    /// Standard error of the image's mean, relative to it.
+    /// Standard error of the image's mean, relative to its absolute value.
     pub relative_standard_error_of_mean: f64,
     /// How many pixels, were they all alike, would make as uncertain a variance: (Σ v)²/Σ v².
     pub effective_pixels: f64,
@@ -60,6 +60,8 @@ pub struct Quality {
 /// of correlated pixels add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
+    /// How many channels it is about.
+    channels: usize,
     sum: [f64; 3],
     /// Of the values of pixels.
     variance: f64,
@@ -84,9 +86,10 @@ impl Noise {
         // it is just that.
         let mut squares = vec![0.0; columns * rows];
         for (sum, channel) in noise.sum.iter_mut().zip(channels) {
+            noise.channels += 1;
             let mut deviations = vec![0.0; columns * rows];
             for (i, (value, v)) in channel.into_iter().enumerate() {
-                let (x, y) = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
+                let (x, y) = pixel(window, i);
                 let square =
                     (y / edge - window.y / edge) as usize * columns + (x / edge - window.x / edge) as usize;
                 *sum += value;
@@ -101,6 +104,7 @@ impl Noise {
     }
 
     pub fn add(&mut self, other: &Self) {
+        self.channels = self.channels.max(other.channels);
         self.sum.iter_mut().zip(other.sum).for_each(|(sum, more)| *sum += more);
         self.variance += other.variance;
         self.of_sum += other.of_sum;
@@ -109,12 +113,14 @@ impl Noise {
 
     pub fn quality(&self, window: Window) -> Quality {
         let pixels = window.pixels();
+        let channels = self.channels as f64;
         let mean = self.sum.map(|sum| sum / pixels as f64);
-        let scale = mean.iter().sum::<f64>() / 3.0;
+        // Properties of what is seen, unlike light, may be negative.
+        let scale = mean.iter().sum::<f64>().abs() / channels;
         Quality {
             mean,
-            relative_standard_error: (self.variance / pixels as f64 / 3.0).sqrt() / scale,
-            relative_standard_error_of_mean: (self.of_sum / 3.0).sqrt() / pixels as f64 / scale,
+            relative_standard_error: (self.variance / pixels as f64 / channels).sqrt() / scale,
+            relative_standard_error_of_mean: (self.of_sum / channels).sqrt() / pixels as f64 / scale,
             effective_pixels: if self.fourth > 0.0 {
                 self.of_sum * self.of_sum / self.fourth
             } else {

@@ -151,6 +151,24 @@ fn few_pixels_with_all_the_variance_are_heavy_tails() {
 }
 
 #[test]
+fn errors_are_those_of_the_channels_that_there_are_and_positive() {
+    let window = Window { x: 0, y: 0, width: 10, height: 10 };
+    let quality = |value: f64, channels: usize| {
+        Quality::new(window, 1, vec![std::iter::repeat_n((value, 4.0), 100); channels])
+    };
+    let three = quality(5.0, 3);
+    assert!((three.relative_standard_error - 0.4).abs() < 1e-12);
+    assert!((three.relative_standard_error_of_mean - 0.04).abs() < 1e-12);
+    for channels in 1..=3 {
+        for sign in [1.0, -1.0] {
+            let found = quality(5.0 * sign, channels);
+            let mean = std::array::from_fn(|i| if i < channels { 5.0 * sign } else { 0.0 });
+            assert_eq!(found, Quality { mean, ..three }, "{channels} channels");
+        }
+    }
+}
+
+#[test]
 fn errors_of_pixels_that_share_paths_may_add_up() {
     let channel = || (0..24).map(|i| (2.0, f64::from(1 + i % 4)));
     let quality = |edge| Quality::new(Window { x: 3, y: 2, width: 6, height: 4 }, edge, [channel()]);
@@ -165,7 +183,7 @@ fn errors_of_pixels_that_share_paths_may_add_up() {
         })
     });
     let sum: f64 = rows.iter().flatten().map(|deviation| deviation * deviation).sum();
-    let expected = (sum / 3.0).sqrt() / 24.0 / (2.0 / 3.0);
+    let expected = sum.sqrt() / 24.0 / 2.0;
     assert!((together.relative_standard_error_of_mean / expected - 1.0).abs() < 1e-12);
     assert!(together.relative_standard_error_of_mean > 1.7 * alone.relative_standard_error_of_mean);
 }
