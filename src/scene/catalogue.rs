@@ -105,4 +105,12 @@ mod tests {
         let names: Vec<&str> = sphere.parameters.iter().map(|p| p.name).collect();
         assert_eq!(names, ["to_world", "flip_normals", "center", "radius"]);
     }
+
+    #[test]
+    fn what_stands_for_none_is_no_default() {
+        let models = catalogue();
+        let path = models.iter().find(|m| m.kind == "integrator" && m.name == "path").unwrap();
+        let default = |name| &path.parameters.iter().find(|p| p.name == name).unwrap().default;
+        assert_eq!(["emitter_samples", "first_emitter_samples"].map(default), ["1", "none"]);
+    }
 }

@@ -196,7 +196,7 @@ impl<'a, 'd> Params<'a, 'd> {
         number(&value.value).map(Some).ok_or_else(|| bad_value(name, value, "a finite number"))
     }
 
-    /// An integer within a range.
+    /// An integer within a range. A default outside stands for none that is given, and is listed as such.
     pub fn integer(
         &mut self,
         name: &'static str,
@@ -204,7 +204,8 @@ impl<'a, 'd> Params<'a, 'd> {
         range: std::ops::RangeInclusive<i64>,
         about: &'static str,
     ) -> Result<i64, SceneError> {
-        self.ask(name, "integer", default.to_string(), about);
+        let listed = if range.contains(&default) { default.to_string() } else { "none".into() };
+        self.ask(name, "integer", listed, about);
         let Some(value) = self.value(name, &["integer"])? else { return Ok(default) };
         let expected = format!("an integer from {} to {}", range.start(), range.end());
         value
