@@ -61,11 +61,7 @@ impl<'d> Loader<'d> {
         }
         element.only(&["id", "name"])?;
         let id = element.require("id")?;
-        let mut name = id.value.as_str();
-        // Each alias leads to another name, so a chain longer than the table is a circle.
-        for _ in 0..self.aliases.len() {
-            name = self.aliases.get(name).map_or(name, String::as_str);
-        }
+        let name = first_name(self.aliases, &id.value);
         self.ids.get(name).copied().ok_or_else(|| {
             let names: Vec<&str> = self.ids.keys().copied().collect();
             let help = super::error::known(&id.value, &names);
@@ -136,6 +132,15 @@ impl<'d> Loader<'d> {
         self.bitmaps.borrow_mut().insert(path.to_owned(), pixels.clone());
         Ok(pixels)
     }
+}
+
+/// The id behind a name that may be an alias.
+pub(super) fn first_name<'a>(aliases: &'a BTreeMap<String, String>, mut name: &'a str) -> &'a str {
+    // Each alias leads to another name, so a chain longer than the table is a circle.
+    for _ in 0..aliases.len() {
+        name = aliases.get(name).map_or(name, String::as_str);
+    }
+    name
 }
 
 fn count(element: &Element) -> usize {

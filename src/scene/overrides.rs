@@ -1,9 +1,12 @@
 //! What the command line says instead of the scene file, written into the document before anything reads it:
 //! so it takes the same path, gives the same errors, and is part of the scene's hash.
 
+mod place;
+
 use super::Overrides;
 use super::error::SceneError;
 use super::xml::{Attribute, Document, Element};
+use place::{Place, at, inner};
 
 pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), SceneError> {
     let root = &mut document.root;
@@ -12,70 +15,69 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
         let integrator = element(root, "integrator", &[("type", name)]);
         root.children.push(integrator);
     }
-    if let Some(depth) = overrides.max_depth {
-        let integrator = child(root, "integrator", "path")?;
-        set(integrator, "max_depth", &depth.to_string());
-    }
-    if let Some(share) = overrides.light_paths {
-        let integrator = child(root, "integrator", "path")?;
-        set_as("float", integrator, "light_paths", &share.to_string());
-    }
-    if let Some(pixels) = overrides.reuse {
-        set(child(root, "integrator", "path")?, "reuse", &pixels.to_string());
-    }
-    if let Some(count) = overrides.shared_light_paths {
-        set(child(root, "integrator", "path")?, "shared_light_paths", &count.to_string());
-    }
-    if let Some(place) = &overrides.links {
-        set_as("string", child(root, "integrator", "path")?, "links", place);
+    let settings = [
+        ("integer", "max_depth", overrides.max_depth.map(|depth| depth.to_string())),
+        ("float", "light_paths", overrides.light_paths.map(|share| share.to_string())),
+        ("integer", "reuse", overrides.reuse.map(|pixels| pixels.to_string())),
+        ("integer", "shared_light_paths", overrides.shared_light_paths.map(|count| count.to_string())),
+        ("string", "links", overrides.links.clone()),
+    ];
+    for (kind, name, value) in settings {
+        if let Some(value) = value {
+            set(kind, integrator(document), name, &value);
+        }
     }
     if let Some((width, height)) = overrides.size {
-        let film = child(child(root, "sensor", "")?, "film", "hdrfilm")?;
+        let film = of_sensor(document, "film", "hdrfilm")?;
         let crop = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];
         film.children.retain(|c| !c.name().is_some_and(|n| crop.contains(&n)));
-        set(film, "width", &width.to_string());
-        set(film, "height", &height.to_string());
+        set("integer", film, "width", &width.to_string());
+        set("integer", film, "height", &height.to_string());
     }
     if let Some(name) = &overrides.sampler {
-        let sampler = child(child(root, "sensor", "")?, "sampler", "sobol")?;
+        let sampler = of_sensor(document, "sampler", "sobol")?;
         for attribute in sampler.attributes.iter_mut().filter(|a| a.name == "type") {
             attribute.value.clone_from(name);
         }
     }
     if let Some(seed) = overrides.seed {
-        let sampler = child(child(root, "sensor", "")?, "sampler", "sobol")?;
-        set(sampler, "seed", &seed.to_string());
+        set("integer", of_sensor(document, "sampler", "sobol")?, "seed", &seed.to_string());
     }
     Ok(())
 }
 
-/// The child object of a kind, made where it is missing.
-fn child<'a>(parent: &'a mut Element, tag: &str, kind: &str) -> Result<&'a mut Element, SceneError> {
-    let found = parent.children.iter().position(|c| c.tag == tag);
-    let index = match found {
-        Some(index) => index,
-        None if kind.is_empty() => {
-            return Err(SceneError::at(
-                &parent.span,
-                format!("the scene has no {tag}"),
-                format!("add a <{tag}>"),
-            ));
-        }
-        None => {
-            let made = element(parent, tag, &[("type", kind)]);
-            parent.children.push(made);
-            parent.children.len() - 1
-        }
-    };
-    Ok(&mut parent.children[index])
+/// The integrator that makes the image: the innermost, within those that look at another one's.
+fn integrator(document: &mut Document) -> &mut Element {
+    let mut place = child_or_new(document, &[], "integrator", "path");
+    let mut seen = vec![];
+    // One that contains itself is refused by who reads it.
+    while let Some(nested) = inner(document, &place, "integrator").filter(|nested| !seen.contains(nested)) {
+        seen.push(nested.clone());
+        place = nested;
+    }
+    at(&mut document.root, &place)
 }
 
-/// Sets an integer parameter.
-fn set(parent: &mut Element, name: &str, value: &str) {
-    set_as("integer", parent, name, value);
+/// An object of the first sensor, made where it is missing.
+fn of_sensor<'a>(document: &'a mut Document, tag: &str, kind: &str) -> Result<&'a mut Element, SceneError> {
+    let sensor = inner(document, &[], "sensor")
+        .ok_or_else(|| SceneError::at(&document.root.span, "the scene has no sensor", "add a <sensor>"))?;
+    let place = child_or_new(document, &sensor, tag, kind);
+    Ok(at(&mut document.root, &place))
 }
 
-fn set_as(kind: &str, parent: &mut Element, name: &str, value: &str) {
+/// The object of a kind within another, made where it is missing.
+fn child_or_new(document: &mut Document, parent: &[usize], tag: &str, kind: &str) -> Place {
+    inner(document, parent, tag).unwrap_or_else(|| {
+        let parent_element = at(&mut document.root, parent);
+        let made = element(parent_element, tag, &[("type", kind)]);
+        parent_element.children.push(made);
+        [parent, &[parent_element.children.len() - 1]].concat()
+    })
+}
+
+/// Sets a parameter of a kind.
+fn set(kind: &str, parent: &mut Element, name: &str, value: &str) {
     parent.children.retain(|c| c.name() != Some(name));
     let parameter = element(parent, kind, &[("name", name), ("value", value)]);
     parent.children.push(parameter);
@@ -97,3 +99,6 @@ fn element(place: &Element, tag: &str, attributes: &[(&str, &str)]) -> Element {
         search: place.search.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,35 @@
+//! Where objects of a document stand, `<ref>`s followed.
+
+use crate::scene::loader::first_name;
+use crate::scene::xml::{Document, Element};
+
+/// The way from the root: at each level the number of a child.
+pub type Place = Vec<usize>;
+
+/// The element at a place.
+pub fn at<'a>(root: &'a mut Element, place: &[usize]) -> &'a mut Element {
+    place.iter().fold(root, |element, &child| &mut element.children[child])
+}
+
+/// The first object of a kind within another, or the one elsewhere that a `<ref>` there means.
+pub fn inner(document: &Document, parent: &[usize], tag: &str) -> Option<Place> {
+    let element = parent.iter().fold(&document.root, |element, &child| &element.children[child]);
+    element.children.iter().enumerate().find_map(|(number, child)| {
+        if child.tag == tag {
+            return Some([parent, &[number]].concat());
+        }
+        let id = child.attribute("id").filter(|_| child.tag == "ref")?;
+        with_id(&document.root, first_name(&document.aliases, &id.value), tag)
+    })
+}
+
+/// The object of a kind with this id.
+fn with_id(element: &Element, id: &str, tag: &str) -> Option<Place> {
+    element.children.iter().enumerate().find_map(|(number, child)| {
+        if child.tag == tag && child.attribute("id").is_some_and(|given| given.value == id) {
+            return Some(vec![number]);
+        }
+        let within = with_id(child, id, tag)?;
+        Some([&[number], &within[..]].concat())
+    })
+}

@@ -1,0 +1,59 @@
+use crate::scene::{Overrides, Scene, load};
+use crate::spectrum::ColorMode;
+
+const SENSOR: &str = r#"<sensor type="perspective"/>"#;
+
+/// A scene with these objects, loaded with what a command line says.
+fn loaded(objects: &str, overrides: &Overrides) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, format!(r#"<scene version="3.0.0">{objects}</scene>"#)).unwrap();
+    load(&path, &[], ColorMode::Spectral, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn settings_reach_the_integrator_within_others() {
+    let aov = r#"<integrator type="aov"><string name="aovs" value="d:depth"/>"#;
+    let path = r#"<integrator type="path"><integer name="max_depth" value="9"/></integrator>"#;
+    let overrides = Overrides {
+        max_depth: Some(3),
+        light_paths: Some(2.0),
+        reuse: Some(16),
+        shared_light_paths: Some(4),
+        links: Some("never".into()),
+        ..Overrides::default()
+    };
+    for integrator in [
+        String::new(),
+        path.into(),
+        format!("{aov}{path}</integrator>"),
+        format!(r#"<integrator type="moment">{aov}{path}</integrator></integrator>"#),
+    ] {
+        let scene = loaded(&[SENSOR, &integrator].concat(), &overrides);
+        let path = scene.integrator.path().expect(&integrator);
+        assert_eq!((path.max_depth, path.light_paths, path.reuse), (3, Some(2.0), 16), "{integrator}");
+        assert_eq!(path.shared_light_paths, 4, "{integrator}");
+    }
+}
+
+#[test]
+fn film_and_sampler_that_are_referred_to_are_those_that_change() {
+    let overrides = Overrides {
+        size: Some((5, 3)),
+        seed: Some(7),
+        sampler: Some("independent".into()),
+        ..Overrides::default()
+    };
+    let objects = r#"<film type="hdrfilm" id="f"><integer name="width" value="40"/><integer name="crop_width" value="9"/></film>
+        <sampler type="sobol" id="s"><integer name="sample_count" value="12"/></sampler>
+        <alias id="s" as="alias"/>"#;
+    for sensor in [
+        r#"<sensor type="perspective"><ref id="f"/><ref name="sampler" id="s"/></sensor>"#,
+        r#"<sensor type="perspective"><ref id="f"/><ref id="alias"/></sensor>"#,
+        SENSOR,
+    ] {
+        let sensor = loaded(&[sensor, objects].concat(), &overrides).sensor;
+        assert_eq!((sensor.film.size, sensor.film.crop.width, sensor.sampler.seed), ((5, 3), 5, 7));
+        assert_eq!(sensor.sampler.kind, crate::sampler::Kind::Independent);
+    }
+}
