@@ -49,6 +49,10 @@ pub struct Arguments {
 
 /// The study, as the command line asks for it.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
+    // Otherwise each renderer would be found to miss it, one after the other.
+    if !arguments.scene.is_file() {
+        return Err(format!("{}: there is no such file", arguments.scene.display()).into());
+    }
     let file = arguments.file.unwrap_or_else(renderers::file);
     let known = renderers::load(&file)?;
     if let Some(name) = arguments.renderers.iter().find(|name| !known.contains_key(*name)) {
@@ -307,5 +311,24 @@ impl Study {
         let scene = validation::html::escape(&self.scene.to_string_lossy());
         let about = format!("<p>{scene}; brackets and bands are 95 % intervals.</p>");
         page::frame("Error against run time", &(about + &page::curves(&lines) + &page::missing(&missing)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    #[test]
+    fn a_scene_that_does_not_exist_is_no_fault_of_a_renderer() {
+        let line = Line::parse_from(["converge", "gone.xml"]);
+        let error = run(line.arguments).map(|_| ()).unwrap_err().to_string();
+        assert_eq!(error, "gone.xml: there is no such file");
     }
 }
