@@ -7,8 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Replaces the file at `path` by one with these bytes, as [`write_file_with`] does.
-pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+/// Replaces the file at `path` by one with these bytes: it is the old one or the new one, never half of either.
+///
+/// # Errors
+/// With the reason why it cannot be written; a file that was there stays as it was.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     write_file_with(path, |file| file.write_all(bytes))
 }
 

@@ -18,7 +18,7 @@ pub mod srgb;
 
 pub use self::exr::{check_names, read_exr, write_exr};
 pub(crate) use atomic::write_file_with;
-pub use atomic::{check_outputs, check_writable};
+pub use atomic::{check_outputs, check_writable, write_file};
 pub use merge::{merge, merge_files};
 pub use png::{Rgb8, check_developable, develop, encode_srgb, write_png};
 pub use provenance::{Attribute, Provenance};

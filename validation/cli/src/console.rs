@@ -18,7 +18,7 @@ pub fn print(outcome: &Outcome) {
     say(format_args!("{:<13} {}: {}", outcome.verdict.to_string(), outcome.subject, outcome.message));
 }
 
-/// Writes a document to a file, if one is wanted.
+/// Writes a document to a file, if one is wanted: whole, or not at all.
 pub fn write(
     path: Option<&Path>,
     text: impl FnOnce() -> Result<String, Box<dyn Error>>,
@@ -28,7 +28,7 @@ pub fn write(
     if !text.ends_with('\n') {
         text.push('\n');
     }
-    Ok(std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?)
+    Ok(etalon::image::write_file(path, text.as_bytes())?)
 }
 
 /// Finds out before anything is done whether the documents that are wanted can be written, and what they are
@@ -45,4 +45,25 @@ pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> 
 pub fn percentage(text: &str) -> Result<f64, String> {
     let number = text.trim().trim_end_matches('%').parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
     number.map(|v| v / 100.0).ok_or_else(|| "expected such as 0.25%".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_that_cannot_be_written_leaves_the_old_one() {
+        let folder = std::env::temp_dir().join(format!("etalon-console-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("a.json");
+        let written = || write(Some(&path), || Ok("new".into())).map_err(|error| error.to_string());
+        assert_eq!(written(), Ok(()));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new\n");
+        std::fs::write(&path, "old").unwrap();
+        // Where the new one would be made beside the old.
+        std::fs::create_dir(folder.join("a.json.partial")).unwrap();
+        assert!(written().is_err_and(|error| error.contains("a.json: cannot write")));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -42,9 +42,10 @@ impl Effort {
     pub const QUICK: Self = Self { samples: 1 << 15, spp: 128, sparse: true };
 }
 
-/// Writes the page to `out`. What the JSON documents of `from` answer is not asked again. `say` hears each
+/// Writes the page to `out`, once it is known that it can be written there. What the JSON documents of `from` answer is not asked again. `say` hears each
 /// step.
 pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Verdict, String> {
+    etalon::image::check_writable(out).map_err(|e| e.to_string())?;
     let evidence = Evidence::gather(from, effort, say)?;
     say("histograms");
     let histograms = histogram::histograms(effort.samples)?;
@@ -54,6 +55,18 @@ pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> 
     let file = results();
     let findings = if file.exists() { Some(Findings::read(&file)?) } else { None };
     let page = page::page(&evidence, &histograms, (&pictures, &stills), findings.as_ref(), &machine::here());
-    std::fs::write(out, page).map_err(|e| format!("{}: {e}", out.display()))?;
+    etalon::image::write_file(out, page.as_bytes()).map_err(|e| e.to_string())?;
     Ok(evidence.verdict())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_that_cannot_be_written_is_refused_before_anything_is_asked() {
+        let out = Path::new("/nonexistent/report.html");
+        let refused = write(out, None, Effort::QUICK, |step| panic!("{step}"));
+        assert!(refused.is_err_and(|error| error.contains("report.html: cannot write")));
+    }
 }

@@ -51,7 +51,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
     if let Some(path) = markdown {
         let old = std::fs::read_to_string(&path).unwrap_or_default();
-        std::fs::write(path, updated(&old, &Provenance::here()?, &rows))?;
+        etalon::image::write_file(&path, updated(&old, &Provenance::here()?, &rows).as_bytes())?;
     }
     write(json.as_deref(), || Ok(to_json(&Made::here(&Document { cases: &rows })?)?))?;
     Ok(verdict(&rows))
