@@ -9,8 +9,8 @@ use crate::spectrum::materials::{self, Dispersion};
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::table::Tabulated;
 
-/// Indices of refraction that leave room for their squares and cubes.
-pub const RANGE: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
+/// Indices of refraction whose ratios leave room for their squares, also in `f32`.
+pub const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
 const INTERIOR: &str = "index of refraction inside, or the name of a material";
 const EXTERIOR: &str = "index of refraction outside, on the normal's side, or the name of a material";
@@ -54,7 +54,7 @@ fn scalar(element: &Element) -> Result<f64, SceneError> {
             Some(eta) => Ok(eta),
             None => {
                 let message = format!("`{}` is no index of refraction", value.value);
-                wrong(message, "expected a number above 0, from 1e-20 to 1e20")
+                wrong(message, "expected a number above 0, from 1e-9 to 1e9")
             }
         },
         "string" => materials::dielectric(&value.value)
@@ -105,7 +105,7 @@ pub fn dispersive(params: &mut Params, interior: &'static str) -> Result<Index, 
         return Err(params.error(
             given.first().unwrap_or(&"int_ior"),
             message,
-            "expected values from 1e-20 to 1e20 between 360 and 830 nm",
+            "expected values from 1e-9 to 1e9 between 360 and 830 nm",
         ));
     }
     Ok(Index::Dispersive(law, outside))
@@ -159,7 +159,7 @@ fn table(element: &Element, loader: &Loader) -> Result<Spread, SceneError> {
     };
     match (element.attribute("value"), element.attribute("filename")) {
         (Some(value), None) if !value.value.contains(':') => {
-            match number(&value.value).filter(|n| *n > 0.0) {
+            match number(&value.value).filter(|n| RANGE.contains(n)) {
                 Some(eta) => Ok(Spread::Even(eta)),
                 None => Err(bad(value, format!("`{}` is no index of refraction", value.value))),
             }

@@ -58,6 +58,16 @@ fn numbers_out_of_range_are_refused() {
             &["expected"],
         ),
         (
+            "int_ior",
+            "<bsdf type=\"plastic\">\n<float name=\"int_ior\" value=\"1e-19\"/></bsdf>",
+            &["from 1e-9 to 1e9"],
+        ),
+        (
+            "int_ior",
+            "<bsdf type=\"dielectric\">\n<spectrum name=\"int_ior\" value=\"1e160\"/></bsdf>",
+            &["no index of refraction"],
+        ),
+        (
             "max_depth",
             "<integrator type=\"path\">\n<integer name=\"max_depth\" value=\"-2\"/></integrator>",
             &["expected"],

@@ -92,12 +92,21 @@ impl Material for Principled {
         let clearcoat = share("clearcoat", 0.0, "brightness of a second, colourless reflection")?;
         let clearcoat_gloss = share("clearcoat_gloss", 0.0, "α of the coat: 0.1 at 0, 0.001 at 1")?;
         let eta = index(params, spec_trans.constant() != Some(0.0))?;
-        let mut rate =
-            |name, about| params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0);
+        // A lobe that is never sampled would be lost.
+        let mut rate = |name, about| {
+            let rate = params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0)?;
+            Ok(rate.clamp(0.01, 100.0))
+        };
         let rates = Rates {
-            diffuse: rate("diffuse_reflectance_sampling_rate", "how readily the matte lobe is sampled")?,
-            specular: rate("main_specular_sampling_rate", "how readily microfacets are sampled")?,
-            coat: rate("clearcoat_sampling_rate", "how readily the coat is sampled")?,
+            diffuse: rate(
+                "diffuse_reflectance_sampling_rate",
+                "how readily the matte lobe is sampled, within 0.01 and 100",
+            )?,
+            specular: rate(
+                "main_specular_sampling_rate",
+                "how readily microfacets are sampled, within 0.01 and 100",
+            )?,
+            coat: rate("clearcoat_sampling_rate", "how readily the coat is sampled, within 0.01 and 100")?,
         };
         let luminance = (!base.varies()).then(|| base.luminance(SurfacePoint::flat().uv));
         Ok(Self {
@@ -200,7 +209,7 @@ fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
     let about = "index of refraction inside over that outside, instead of `specular`";
     if params.has("eta") {
         params.float_where("specular", 0.5, SPECULAR, "", |_| true)?;
-        let eta = params.float_where("eta", 1.5, about, "a number above 0, from 1e-20 to 1e20", |eta| {
+        let eta = params.float_where("eta", 1.5, about, "a number above 0, from 1e-9 to 1e9", |eta| {
             super::ior::RANGE.contains(&eta)
         })?;
         return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
@@ -212,3 +221,38 @@ fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
 }
 
 const SPECULAR: &str = "reflectance at normal incidence, in units of 0.08";
+
+#[cfg(test)]
+mod tests {
+    use crate::render::{Progress, Settings, render};
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    /// Rates say how lobes are sampled, not what they do.
+    #[test]
+    fn a_rate_of_zero_leaves_no_lobe_out() {
+        let brightness = |rate: &str| {
+            let text = format!(
+                r#"<scene version="3.0.0"><integrator type="path"/>
+                <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+                    <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
+                <emitter type="constant"/><shape type="rectangle"><transform name="to_world"><scale value="9"/></transform>
+                    <bsdf type="principled"><float name="spec_trans" value="1"/><float name="eta" value="1.5"/>
+                    <float name="roughness" value="0.6"/><float name="main_specular_sampling_rate" value="{rate}"/></bsdf></shape></scene>"#
+            );
+            let scene = load_text("sheet.xml", &text, ColorMode::Rgb).unwrap();
+            let settings = Settings {
+                samples: 0..4096,
+                seed: 0,
+                window: scene.sensor.film.crop,
+                threads: 1,
+                shard: false,
+                kernel: None,
+            };
+            let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+            image.channels.iter().map(|of| of.mean.iter().sum::<f32>()).sum::<f32>()
+        };
+        let (usual, seldom) = (brightness("1"), brightness("0"));
+        assert!((seldom / usual - 1.0).abs() < 0.01, "{usual} {seldom}");
+    }
+}
