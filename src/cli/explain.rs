@@ -17,7 +17,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(0)?;
         let kernel = kernel_for(scene.features);
         let left_out = Features(Features::ALL & !kernel.features.0);
         let mut materials: Vec<&str> = scene.materials.iter().map(|m| m.name()).collect();

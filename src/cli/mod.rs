@@ -131,9 +131,8 @@ fn address(text: &str) -> Result<String, String> {
 }
 
 impl SceneArguments {
-    fn load(&self) -> Result<Scene, Box<dyn Error>> {
-        // Meshes and trees are made by as many threads as there are processors.
-        etalon::render::check_threads(0)?;
+    /// Reads the scene by so many threads; 0 means one for each processor.
+    fn load(&self, threads: usize) -> Result<Scene, Box<dyn Error>> {
         let overrides = scene::Overrides {
             integrator: self.integrator.clone(),
             max_depth: self.max_depth,
@@ -145,7 +144,8 @@ impl SceneArguments {
             shared_light_paths: self.shared_light_paths,
             links: self.links.clone(),
         };
-        Ok(scene::load(&self.scene, &self.define, self.color, &overrides)?)
+        let load = || scene::load(&self.scene, &self.define, self.color, &overrides);
+        Ok(etalon::render::with_threads(threads, load)??)
     }
 
     /// The words of a command line that mean the same scene.

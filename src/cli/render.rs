@@ -10,7 +10,7 @@ use etalon::image::{self, Image, Window};
 use etalon::render::passes::Partial;
 use etalon::render::pilot::{self, NoCount, Pilot, Quality};
 use etalon::render::sample::channel_names;
-use etalon::render::{Progress, Report, Settings, check_threads, checkpoint, memory};
+use etalon::render::{Progress, Report, Settings, checkpoint, memory};
 use etalon::scene::Scene;
 use std::io;
 use std::ops::Range;
@@ -71,12 +71,11 @@ pub struct Arguments {
 impl Arguments {
     pub fn run(self) -> Outcome {
         let start = Instant::now();
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(usize::from(self.threads))?;
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
         let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
         image::check_outputs(&scene.files, &outputs)?;
-        check_threads(settings.threads)?;
         if self.target_error.is_some() && !scene.integrator.has_radiance() {
             return Err(
                 "--target-error: the integrator sees no light, and the error is that of light; use --spp"

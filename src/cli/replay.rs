@@ -21,7 +21,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(0)?;
         let (film, (x, y)) = (scene.sensor.film.crop, self.pixel);
         if x < film.x || y < film.y || x >= film.x + film.width || y >= film.y + film.height {
             return Err(format!("the pixel {x},{y} is not on the film").into());

@@ -96,13 +96,15 @@ pub struct Progress {
 /// How many non-finite samples are listed.
 const LISTED: usize = 8;
 
-/// Finds out whether so many threads can be started.
+/// Does some work with so many threads; 0 means one for each processor.
 ///
 /// # Errors
-/// Says how many cannot, and why.
-pub fn check_threads(threads: usize) -> Result<(), String> {
-    let tried = pool(threads);
-    tried.map(drop).map_err(|error| format!("{threads} threads cannot be started: {error}"))
+/// Says how many cannot be started, and why.
+pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, String> {
+    match pool(threads) {
+        Ok(pool) => Ok(pool.install(work)),
+        Err(error) => Err(format!("{threads} threads cannot be started: {error}")),
+    }
 }
 
 fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
@@ -110,7 +112,7 @@ fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
 }
 
 /// Renders. `None` if `progress` was told to stop, or if the threads could not be started, which
-/// [`check_threads`] tells before.
+/// [`with_threads`] tells before.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
     if scene.caustics.is_some() {
