@@ -21,6 +21,7 @@ pub struct Constant {
 
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let radiance = params.texture("radiance", 1.0, Usage::Emission, "radiance in W·m⁻²·sr⁻¹·nm⁻¹")?;
+    params.transform("to_world", "ignored: it looks the same from all sides")?;
     if radiance.varies() {
         return Err(params.error(
             "radiance",
