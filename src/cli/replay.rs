@@ -6,7 +6,8 @@ use etalon::integrator::{CameraPath, Counters, kernel_for};
 use etalon::render::sample::Camera;
 use std::process::ExitCode;
 
-/// Prints the vertices of one path, bit for bit the one that was rendered
+/// Prints one sample as it was rendered, bit for bit: what it adds to each channel, and the vertices of its
+/// path if the integrator is `path`
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -46,8 +47,10 @@ impl Arguments {
             say!("  radiance so far {:?}", event.radiance.0);
         }
         say!("radiance {:?}", radiance.0);
-        let rgb = λ.to_rgb(radiance);
-        say!("filter weight {weight:?}, linear sRGB {:?}", rgb.map(|v| v * weight));
+        say!("filter weight {weight:?}");
+        for (name, value) in camera.channel_names().iter().zip(camera.values(self.pixel, self.sample)) {
+            say!("channel {name} {value:?}");
+        }
         let paths = camera.light_paths();
         let numbers = self.sample * paths..(self.sample + 1) * paths;
         let mut additions = vec![];

@@ -152,8 +152,25 @@ impl<'a> Camera<'a> {
         if self.scene.integrator.reuse() == 1 {
             return alone;
         }
-        let together: Vec<_> = reuse::cell(pixel, sample, self.scene.sensor.film.size).collect();
-        run(&together, &mut Counters::default())
+        run(&self.together(pixel, sample), &mut Counters::default())
+    }
+
+    /// What one sample adds to each channel of the image, before its pixel is divided by the filter's weights.
+    pub fn values(&self, pixel: (u32, u32), sample: u64) -> Vec<f64> {
+        let which = self.together(pixel, sample);
+        let width = self.channel_names().len();
+        let mut values = vec![0.0; width * which.len()];
+        self.samples(&which, &mut Counters::default(), &mut values);
+        let mine = which.iter().position(|of| of.0 == pixel).unwrap_or_default();
+        values[width * mine..][..width].to_vec()
+    }
+
+    /// The samples without which this one would be another: of the pixels that may share with it.
+    fn together(&self, pixel: (u32, u32), sample: u64) -> Vec<((u32, u32), u64)> {
+        match self.scene.integrator.reuse() {
+            1 => vec![(pixel, sample)],
+            _ => reuse::cell(pixel, sample, self.scene.sensor.film.size).collect(),
+        }
     }
 
     fn generate(&self, which: &[((u32, u32), u64)]) -> (Vec<CameraPath>, Vec<f64>) {
