@@ -241,14 +241,9 @@ mod tests {
                     <float name="roughness" value="0.6"/><float name="main_specular_sampling_rate" value="{rate}"/></bsdf></shape></scene>"#
             );
             let scene = load_text("sheet.xml", &text, ColorMode::Rgb).unwrap();
-            let settings = Settings {
-                samples: 0..4096,
-                seed: 0,
-                window: scene.sensor.film.crop,
-                threads: 1,
-                shard: false,
-                kernel: None,
-            };
+            let window = scene.sensor.film.crop;
+            let settings =
+                Settings { samples: 0..4096, seed: 0, window, threads: 1, shard: false, kernel: None };
             let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
             image.channels.iter().map(|of| of.mean.iter().sum::<f32>()).sum::<f32>()
         };

@@ -42,8 +42,8 @@ impl Effort {
     pub const QUICK: Self = Self { samples: 1 << 15, spp: 128, sparse: true };
 }
 
-/// Writes the page to `out`, once it is known that it can be written there. What the JSON documents of `from` answer is not asked again. `say` hears each
-/// step.
+/// Writes the page to `out`, once it is known that it can be written there. What the JSON documents of `from`
+/// answer is not asked again. `say` hears each step.
 pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Verdict, String> {
     etalon::image::check_writable(out).map_err(|e| e.to_string())?;
     let evidence = Evidence::gather(from, effort, say)?;
