@@ -77,15 +77,7 @@ impl Direct {
         let side = side_towards(shape, point.ns.dot(-ray.direction));
         let frame = point.frame(side.traits.anisotropic);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
-        let mut vertex = Vertex {
-            point: &point,
-            primitive: hit.primitive,
-            frame: &frame,
-            bsdf: &bsdf,
-            wo: DVec3::ZERO,
-            side,
-        };
-        vertex.wo = vertex.to_local(-ray.direction);
+        let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
         let n = vertex.gathers_about();
         if side.traits.smooth {

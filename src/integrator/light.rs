@@ -28,11 +28,24 @@ pub struct Vertex<'a, B> {
     pub primitive: u32,
     pub frame: &'a Frame,
     pub bsdf: &'a B,
+    /// Where the path came from, in the local frame of the side.
     pub wo: DVec3,
     pub side: Side,
 }
 
-impl<B> Vertex<'_, B> {
+impl<'a, B> Vertex<'a, B> {
+    /// `wo` in world space.
+    #[inline]
+    pub fn new(
+        (point, primitive): (&'a SurfacePoint, u32),
+        frame: &'a Frame,
+        bsdf: &'a B,
+        side: Side,
+        wo: DVec3,
+    ) -> Self {
+        Self { point, primitive, frame, bsdf, wo: side.turn(frame.to_local(wo)), side }
+    }
+
     /// World direction to the local frame of the side.
     #[inline]
     pub fn to_local(&self, w: DVec3) -> DVec3 {

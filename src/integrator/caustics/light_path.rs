@@ -6,8 +6,8 @@ use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, density_of_samples, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
-use crate::integrator::path::{side_towards, survival};
-use crate::math::{DVec2, DVec3, Ray};
+use crate::integrator::path::{roulette, side_towards};
+use crate::math::{DVec2, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene};
 use crate::shape::{Hit, SurfacePoint};
@@ -85,9 +85,8 @@ impl Caustics {
         let λ = path.λ;
         let frame = point.frame(side.traits.anisotropic);
         let bsdf = scene.materials[side.material as usize].at(&point, &λ);
-        let (primitive, wo) = (hit.primitive, DVec3::ZERO);
-        let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
-        vertex.wo = vertex.to_local(to_light);
+        let primitive = hit.primitive;
+        let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);
         // The density of emitter samples by the same surfaces from here, over the chance that what scatters
         // takes the same turns.
         let asked = side.traits.smooth && scene.links.as_ref().is_some_and(|links| links.everywhere);
@@ -148,13 +147,7 @@ impl Caustics {
             path.λ.collapse();
         }
         if edges >= self.settings.rr_depth {
-            let survival = survival(path.λ.mean(path.throughput) as f64, edges);
-            if survival < 1.0 {
-                if u.one(6) >= survival {
-                    return None;
-                }
-                path.throughput *= (1.0 / survival) as f32;
-            }
+            path.throughput *= roulette(path.λ.mean(path.throughput) as f64, edges, u.one(6))?;
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
     }

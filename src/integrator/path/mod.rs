@@ -1,6 +1,8 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
+mod gather;
 pub mod reuse;
+mod roulette;
 mod scatter;
 mod shadows;
 mod stream;
@@ -12,6 +14,7 @@ use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;
+pub use roulette::roulette;
 pub use vertex::{Arrival, environment, side_towards};
 
 pub const NAME: &str = "path";
@@ -25,16 +28,6 @@ pub const EXAMPLES: &[&str] = &[
 /// No path goes on beyond this many vertices. Roulette ends paths long before, except where nothing is ever
 /// absorbed; such paths are counted and reported.
 pub const MAX_VERTICES: u32 = 1 << 20;
-
-/// From this many edges on no path is sure to survive roulette, not even one that has lost nothing: where
-/// nothing is absorbed and nothing leads out, it would go on to [`MAX_VERTICES`]. With so many edges hardly a
-/// path of a scene that light can leave is concerned: the few that come through such roulette are bright.
-const LONG: u32 = 1 << 16;
-
-/// With which chance a path of so many edges goes on that carries this part of what it might.
-pub fn survival(carried: f64, depth: u32) -> f64 {
-    if depth < LONG { carried } else { carried.min(0.95) }
-}
 
 /// The settings, with Mitsuba's meaning of each.
 #[derive(Clone, Copy, Debug)]

@@ -59,6 +59,24 @@ impl State {
     pub fn own_throughput<const F: u32>(&self, shared: &Shared) -> Spectrum {
         if F & Features::REUSE != 0 && self.shares { self.throughput * shared.own } else { self.throughput }
     }
+
+    /// What light from here on is multiplied with, and whether pixels share it: what a caster `casts` they do
+    /// not all.
+    #[inline(always)]
+    pub fn delivers<const F: u32>(&self, scene: &Scene, shared: &Shared, casts: bool) -> (Spectrum, bool) {
+        let shares = F & Features::REUSE != 0 && self.shares && (!casts || shared.receives_casters(scene));
+        (if shares { self.throughput } else { self.own_throughput::<F>(shared) }, shares)
+    }
+}
+
+/// One path of a stream, and what belongs to it.
+pub struct InFlight<'a> {
+    /// Its place in the stream.
+    pub index: usize,
+    pub path: &'a mut CameraPath,
+    pub state: &'a mut State,
+    pub shared: &'a mut Shared,
+    pub way: &'a mut Way,
 }
 
 /// What a stream of paths needs on its way, kept for the next.
@@ -165,15 +183,15 @@ impl Path {
             let mut kept = 0;
             for i in 0..count {
                 let index = alive[i];
-                let (path, state) = (&mut paths[index], &mut states[index]);
-                let onward = self.step::<F>(
-                    scene,
-                    (index, path, state, &mut shared[index], &mut ways[index]),
-                    (&rays[i], hits[i]),
-                    numbers.of(i),
-                    shadows,
-                    counters,
-                );
+                let flight = InFlight {
+                    index,
+                    path: &mut paths[index],
+                    state: &mut states[index],
+                    shared: &mut shared[index],
+                    way: &mut ways[index],
+                };
+                let arrived = (&rays[i], hits[i], numbers.of(i));
+                let onward = self.step::<F>(scene, flight, arrived, shadows, counters);
                 if let Some(ray) = onward {
                     (alive[kept], rays[kept]) = (index, ray);
                     kept += 1;

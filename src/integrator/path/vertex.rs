@@ -1,14 +1,13 @@
 //! What happens where a path has arrived: light that it meets, and what the surface there is.
 
-use super::reuse::{Contested, Shared};
+use super::reuse::Contested;
 use super::scatter::Scatter;
 use super::shadows::Shadows;
-use super::stream::State;
+use super::stream::InFlight;
 use super::{MAX_VERTICES, Path};
 use crate::emitter::EmitterPoint;
 use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
-use crate::integrator::links::Way;
-use crate::integrator::{CameraPath, Counters, Event};
+use crate::integrator::{Counters, Event};
 use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Shape, Side};
@@ -39,9 +38,8 @@ impl Path {
     pub fn step<const F: u32>(
         &self,
         scene: &Scene,
-        (index, path, state, shared, way): (usize, &mut CameraPath, &mut State, &mut Shared, &mut Way),
-        (ray, hit): (&Ray, Option<Hit>),
-        u: Numbers,
+        InFlight { index, path, state, shared, way }: InFlight,
+        (ray, hit, u): (&Ray, Option<Hit>, Numbers),
         shadows: &mut Shadows,
         counters: &mut Counters,
     ) -> Option<Ray> {
@@ -114,18 +112,14 @@ impl Path {
         let onward = scene.materials[side.material as usize].visit(Scatter::<F> {
             settings: self,
             scene,
-            index,
-            path,
-            state,
-            shared,
-            way,
-            counters,
+            flight: InFlight { index, path, state, shared, way },
             wo: -ray.direction,
             primitive: hit.primitive,
             point: &point,
             side,
             u,
             shadows,
+            counters,
         })?;
         if state.depth >= MAX_VERTICES {
             counters.cut += 1;

@@ -7,7 +7,7 @@ use crate::bsdf::Bsdf;
 use crate::emitter::EmitterPoint;
 use crate::integrator::caustics::further;
 use crate::integrator::light::{Vertex, density_of_samples};
-use crate::integrator::path::{side_towards, survival};
+use crate::integrator::path::{roulette, side_towards};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{LIGHT_SOURCES, Numbers, Sampler};
 use crate::scene::{Features, Scene};
@@ -88,9 +88,8 @@ impl LightPath {
         }
         let frame = point.frame(side.traits.anisotropic);
         let bsdf = scene.materials[side.material as usize].at(&point, &self.λ);
-        let (primitive, wo) = (hit.primitive, DVec3::ZERO);
-        let mut vertex = Vertex { point: &point, primitive, frame: &frame, bsdf: &bsdf, wo, side };
-        vertex.wo = vertex.to_local(to_light);
+        let primitive = hit.primitive;
+        let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);
         let cos_light = point.ng.dot(to_light).abs();
         let by_emitter = match edges {
             1 => density_of_samples(scene, self.end, &vertex, (to_light, hit.t)),
@@ -130,11 +129,10 @@ impl LightPath {
             return false;
         }
         if edges >= SURE_EDGES {
-            let survival = survival(self.λ.mean(self.throughput) as f64, edges);
-            if u.one(6) >= survival {
+            let Some(factor) = roulette(self.λ.mean(self.throughput) as f64, edges, u.one(6)) else {
                 return false;
-            }
-            self.throughput *= (1.0 / survival.min(1.0)) as f32;
+            };
+            self.throughput *= factor;
         }
         self.ray = Ray::leaving(point.p, to_camera, f64::INFINITY, primitive);
         true

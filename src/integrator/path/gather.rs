@@ -1,0 +1,185 @@
+//! Light that a vertex asks for: of the emitters, and of those that only mirrors and glass lead to.
+
+use super::Path;
+use super::reuse::Shared;
+use super::shadows::Shadows;
+use super::stream::State;
+use crate::bsdf::{Bsdf, Sample};
+use crate::emitter::{DirectSample, EmitterPoint};
+use crate::integrator::guide::{self, Directions};
+use crate::integrator::light::{self, Proposal, Sampled, Vertex};
+use crate::integrator::links::{self, Link, Links};
+use crate::integrator::{Counters, caustics};
+use crate::math::{DVec3, Ray};
+use crate::sampler::{Numbers, Sampler};
+use crate::scene::{Features, Scene};
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// A vertex that asks for light, and what the path has brought there.
+pub struct Gather<'s, 'a, B, const F: u32> {
+    pub settings: &'a Path,
+    pub scene: &'s Scene,
+    pub index: usize,
+    pub vertex: &'a Vertex<'a, B>,
+    pub state: &'a State,
+    pub λ: &'a Wavelengths,
+    pub sampler: &'a Sampler,
+    pub u: Numbers,
+    /// World, towards where the path came from.
+    pub wo: DVec3,
+    /// The camera's ray, at the first vertex.
+    pub first: Option<Ray>,
+}
+
+/// What finds ways to emitters by mirrors and through glass, if anything does.
+#[derive(Clone, Copy)]
+pub struct Ways<'s> {
+    links: Option<&'s Links>,
+    /// The directions in which light paths have seen such ways begin.
+    pub seen: Option<&'s Directions>,
+}
+
+impl Ways<'_> {
+    pub fn any(&self) -> bool {
+        self.links.is_some() || self.seen.is_some()
+    }
+}
+
+impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
+    /// Takes `count` emitter samples; `n` is what the vertex gathers light about.
+    #[inline(always)]
+    pub fn by_emitters(&self, count: u32, n: DVec3, shared: &Shared, shadows: &mut Shadows) {
+        let Self { scene, vertex, state, λ, .. } = *self;
+        let focuses = state.depth > 0 && vertex.side.traits.focuses();
+        let ratio = if focuses { state.light_ratio } else { 0.0 };
+        let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.caustics {
+            Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
+                let here = self.ratio(vertex.to_local(light.wi), 1.0);
+                ratio * here * caustics.last(scene, self.end(emitter, light), -light.wi) / own
+            }
+            _ => 0.0,
+        };
+        let casts = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
+        let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
+        for which in 0..count {
+            let u = self.numbers(which, count);
+            let (u, counts) = ((u.pair(0), u.one(4)), (f64::from(count), 1.0));
+            let found = light::sample_emitter(scene, vertex, n, u, counts, λ, light_paths);
+            let Some((Proposal { ray, radiance }, sampled)) = found else { continue };
+            let rivals = || {
+                let Sampled { emitter, light, density } = sampled;
+                let factor = || state.tail.factor(vertex, vertex.to_local(light.wi), density);
+                state.tail.rivals(scene, factor, self.end(emitter, &light), -light.wi)
+            };
+            let rivals = if F & Features::REUSE != 0 && shares && !casts { rivals() } else { None };
+            match rivals {
+                Some(rivals) => shadows.contest(self.index, rivals, ray, throughput * radiance),
+                None => shadows.push((self.index, shares), ray, throughput * radiance),
+            }
+        }
+    }
+
+    /// What is to look here for ways by mirrors and through glass: everywhere, or where light paths cannot
+    /// help.
+    #[inline(always)]
+    pub fn ways(&self) -> Ways<'s> {
+        let Self { scene, vertex, state, .. } = *self;
+        let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
+        let asks = F & Features::CAUSTICS != 0 && vertex.side.traits.smooth;
+        Ways {
+            links: scene.links.as_ref().filter(|links| asks && (links.everywhere || unaided)),
+            seen: scene.guide.as_ref().filter(|_| asks && unaided).map(|guide| guide.at(vertex.point.p)),
+        }
+    }
+
+    /// Takes emitter samples along such ways. What needs no test for visibility goes to `radiance`, which is
+    /// the pixel's, or to what is shared.
+    #[inline(always)]
+    pub fn by_ways(
+        &self,
+        ways: Ways,
+        shared: &mut Shared,
+        radiance: &mut Spectrum,
+        shadows: &mut Shadows,
+        counters: &mut Counters,
+    ) {
+        let Self { settings, scene, vertex, state, λ, .. } = *self;
+        let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
+        if !ways.any() || most == 0 {
+            return;
+        }
+        let (throughput, shares) = state.delivers::<F>(scene, shared, true);
+        if let Some(links) = ways.links {
+            let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.caustics {
+                Some(caustics) if state.light_ratio > 0.0 => {
+                    let here = self.ratio(vertex.to_local(link.direction), pdf);
+                    state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
+                }
+                _ => 0.0,
+            };
+            let effort = (settings.emitter_samples as f64, most);
+            for which in 0..settings.emitter_samples {
+                let u = self.numbers(which, settings.emitter_samples);
+                for mirror in links.techniques(vertex.point.p, u.one(7)) {
+                    let which = (mirror, u.pair(0), u.one(4));
+                    let found = links::sample_emitter(scene, vertex, which, effort, λ, light_paths, counters);
+                    if let Some(light) = found {
+                        shadows.push((self.index, shares), light.ray, throughput * light.radiance);
+                    }
+                }
+            }
+        }
+        if let Some(seen) = ways.seen {
+            let numbers = (self.sampler, state.depth, most as u32);
+            let found = guide::sample_emitters(scene, vertex, seen, numbers, λ, counters);
+            let sum = if shares { &mut shared.radiance } else { radiance };
+            *sum += throughput * found;
+        }
+    }
+
+    /// The state's ratio of light paths behind this vertex, where the path goes on with this sample.
+    #[inline(always)]
+    pub fn ratio_behind(&self, sample: &Sample) -> f64 {
+        let Self { scene, state, .. } = *self;
+        let traits = self.vertex.side.traits;
+        if F & Features::CAUSTICS == 0 || scene.caustics.is_none() || state.light_ratio == 0.0 {
+            return state.light_ratio;
+        }
+        state.light_ratio
+            * match sample.delta {
+                _ if traits.one_way => 0.0,
+                true if traits.relief || state.depth == 0 => 0.0,
+                true => 1.0 / (sample.eta * sample.eta),
+                false => self.ratio(sample.wi, sample.pdf),
+            }
+    }
+
+    /// The factor of r (see [`caustics`]) that the vertex brings with a direction to the light (local) that
+    /// was sampled with density `pdf`.
+    fn ratio(&self, to_light: DVec3, pdf: f64) -> f64 {
+        let Self { scene, vertex, wo, .. } = *self;
+        let point = vertex.point;
+        let cos_light = point.ng.dot(vertex.to_world(to_light)).abs();
+        let cos_camera = point.ng.dot(wo).abs();
+        match self.first {
+            Some(ray) => caustics::first(pdf, cos_light, scene.pixels_per_area(&ray, point.p) * cos_camera),
+            None => {
+                let to_camera = vertex.bsdf.evaluate(to_light, vertex.wo).pdf;
+                caustics::further(to_camera, pdf, cos_camera, cos_light)
+            }
+        }
+    }
+
+    /// The point of an emitter that was sampled from here.
+    fn end(&self, emitter: usize, light: &DirectSample) -> EmitterPoint {
+        EmitterPoint { emitter, p: self.vertex.point.p + light.wi * light.distance, n: light.n }
+    }
+
+    /// The numbers of one of `count` emitter samples.
+    fn numbers(&self, which: u32, count: u32) -> Numbers {
+        match count {
+            1 => self.u,
+            count => self.sampler.emitter_sample(self.state.depth, which, count),
+        }
+    }
+}
