@@ -107,14 +107,7 @@ fn frames(criterion: &mut Criterion) {
         let overrides = Overrides { size: Some((64, 48)), ..Overrides::default() };
         let scene =
             scene::load(&path, &[], ColorMode::Spectral, &overrides).expect("the scene is the project's own");
-        let settings = Settings {
-            samples: 0..16,
-            seed: 0,
-            window: scene.sensor.film.crop,
-            threads: 1,
-            shard: false,
-            kernel: None,
-        };
+        let settings = Settings::of(&scene, 0..16);
         group.bench_function(name, |b| {
             b.iter_batched(
                 Progress::default,

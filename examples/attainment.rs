@@ -84,8 +84,7 @@ struct Run {
 }
 
 fn run(scene: &Scene, seed: u32, target: f64) -> Result<Run, String> {
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..BLOCK, seed, window, threads: 1, shard: false, kernel: None };
+    let settings = Settings { seed, ..Settings::of(scene, 0..BLOCK) };
     let progress = Progress::default();
     let pilot = for_error(scene, &settings, target, &progress).map_err(|why| format!("{why:?}"))?;
     let settings = Settings { samples: 0..pilot.count, ..settings };

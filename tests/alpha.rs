@@ -13,14 +13,7 @@ fn alpha(integrator: &str, content: &str) -> f64 {
         <string name="pixel_format" value="RGBA"/><rfilter type="box"/></film></sensor>{content}</scene>"#
     );
     let scene = load_text("alpha.xml", &text, ColorMode::Rgb).unwrap();
-    let settings = Settings {
-        samples: 0..4096,
-        seed: 0,
-        window: scene.sensor.film.crop,
-        threads: 1,
-        shard: false,
-        kernel: None,
-    };
+    let settings = Settings::of(&scene, 0..4096);
     let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
     let channel = image.channels.iter().find(|channel| channel.name == "A").unwrap();
     f64::from(channel.mean[0])

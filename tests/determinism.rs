@@ -52,14 +52,7 @@ fn load(trial: &Trial, units: Units) -> Scene {
 }
 
 fn settings(scene: &Scene) -> Settings {
-    Settings {
-        samples: 0..SAMPLES,
-        seed: scene.sensor.sampler.seed,
-        window: scene.sensor.film.crop,
-        threads: 2,
-        shard: false,
-        kernel: None,
-    }
+    Settings { threads: 2, ..Settings::of(scene, 0..SAMPLES) }
 }
 
 fn image(scene: &Scene, settings: &Settings) -> Image {
@@ -214,15 +207,13 @@ fn powers_of_two_of_length_change_no_bit() {
 fn replay_prints_what_was_rendered() {
     for trial in SCENES {
         let folder = folder(trial);
-        // What light paths bring is no part of the path that is replayed.
-        let alone = ["--light-paths", "0"];
-        render_file(folder.path(), trial, "out.exr", &[&alone[..], &["--samples", "0..1"]].concat());
+        render_file(folder.path(), trial, "out.exr", &["--samples", "0..1"]);
         let image = read_exr(&folder.path().join("out.exr")).unwrap();
         for (x, y) in [(0, 0), (12, 10), (7, 15), (23, 19)] {
             let pixel = format!("{x},{y}");
             let mode = trial.mode.name();
             let arguments = ["replay", "scene.xml", "--color", mode, "--pixel", &pixel, "--sample", "0"];
-            let printed = etalon(folder.path(), &[&arguments[..], &alone].concat());
+            let printed = etalon(folder.path(), &arguments);
             let values = printed.lines().filter_map(|line| line.strip_prefix("channel ")?.rsplit_once(' '));
             let values: Vec<(&str, f32)> =
                 values.map(|(name, v)| (name, v.parse::<f64>().unwrap() as f32)).collect();

@@ -25,14 +25,7 @@ fn radiance(integrator: &str) -> (f64, f64) {
         </scene>"#
     );
     let scene = load_text("enclosure.xml", &text, ColorMode::Rgb).unwrap();
-    let settings = Settings {
-        samples: 0..64,
-        seed: 0,
-        window: scene.sensor.film.crop,
-        threads: 1,
-        shard: false,
-        kernel: None,
-    };
+    let settings = Settings::of(&scene, 0..64);
     let (image, report) = render(&scene, &settings, &Progress::default()).unwrap();
     assert_eq!(report.non_finite, 0);
     let green = image.channel("G").unwrap();

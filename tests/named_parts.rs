@@ -30,8 +30,7 @@ fn picture(named: bool) -> Vec<u32> {
     );
     let scene = load_text("parts.xml", &text, ColorMode::Spectral).unwrap();
     assert_eq!(scene.emitters.list.len(), 1);
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..16, seed: 0, window, threads: 1, shard: false, kernel: None };
+    let settings = Settings::of(&scene, 0..16);
     let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
     image.channels.iter().flat_map(|channel| channel.mean.iter().map(|v| v.to_bits())).collect()
 }

@@ -43,8 +43,7 @@ fn divide((window, samples): Part, cuts: &mut impl Iterator<Item = (u8, f64)>, d
 }
 
 fn part(scene: &Scene, (window, samples): Part) -> Image {
-    let seed = scene.sensor.sampler.seed;
-    let settings = Settings { samples, seed, window, threads: 1, shard: true, kernel: None };
+    let settings = Settings { window, shard: true, ..Settings::of(scene, samples) };
     render(scene, &settings, &Progress::default()).unwrap().0
 }
 

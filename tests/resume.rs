@@ -272,15 +272,3 @@ fn places_that_cannot_be_written_are_refused_before_the_render() {
     assert!(folder.bytes("out.exr") == folder.bytes("plain.exr"));
     assert_eq!(names(folder.0.path()), ["out.exr", "plain.exr", "scene.xml"]);
 }
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_film_that_does_not_fit_is_refused_before_the_render() {
-    // The largest film there is, with exact sums: 2^27 pixels, three channels, at least 88 bytes each.
-    if etalon::render::memory::available().is_none_or(|bytes| bytes > 35 << 30) {
-        return;
-    }
-    let folder = Folder::new();
-    let vast = ["-o", "out.exr", "--size", "16384x8192", "--samples", "0..4"];
-    folder.refused(&vast, &["16384 × 8192 pixels", "GiB are available", "--crop"]);
-}

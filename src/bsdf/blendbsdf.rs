@@ -1,6 +1,6 @@
 //! A mixture of two materials.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Laws, Material, Sample, Traits, rescale};
+use super::{AnyMaterial, Bsdf, Evaluation, Material, Sample, Traits, rescale};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -45,7 +45,10 @@ impl Material for Blend {
             <float name="weight" value="1"/><bsdf type="diffuse"/><bsdf type="plastic"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
+    const WHITE: &'static [&'static str] = &[
+        r#"<bsdf type="blendbsdf"><float name="weight" value="0.3"/><bsdf type="dielectric"/><bsdf type="twosided">
+            <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></bsdf></bsdf>"#,
+    ];
     type Bsdf<'a> = Mixture<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

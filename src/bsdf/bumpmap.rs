@@ -1,7 +1,7 @@
 //! Normals from heights.
 
 use super::shading_normal::{Adapter, Perturbed};
-use super::{Laws, Material, Traits};
+use super::{Material, Traits};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -28,7 +28,7 @@ impl Material for BumpMap {
             <bsdf type="roughconductor"><float name="alpha_u" value="0.4"/><float name="alpha_v" value="0.2"/></bsdf></bsdf>"#,
     ];
     // As in `normalmap`.
-    const LAWS: Laws = Laws::NOT_RECIPROCAL;
+    const RECIPROCAL: bool = false;
     type Bsdf<'a> = Perturbed<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

@@ -1,7 +1,7 @@
 //! A smooth metal: the mirror direction, times Fresnel's reflectance at each wavelength.
 
 use super::metal::{Metal, Reflector};
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, mirror};
+use super::{Bsdf, Evaluation, Material, Sample, Traits, mirror};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -30,7 +30,9 @@ impl Material for Conductor {
             <rgb name="specular_reflectance" value="0.9, 0.7, 0.5"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
+    const WHITE: &'static [&'static str] = &[
+        r#"<bsdf type="twosided"><bsdf type="conductor"><string name="material" value="none"/></bsdf></bsdf>"#,
+    ];
     type Bsdf<'a> = Mirror;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

@@ -6,7 +6,7 @@
 use super::fresnel::{self, Interface};
 use super::ior::{self, Index};
 use super::tints::Tints;
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, mirror};
+use super::{Bsdf, Evaluation, Material, Sample, Traits, mirror};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -49,7 +49,11 @@ impl Material for Dielectric {
         r#"<bsdf type="dielectric"><string name="dispersion" value="sf11"/></bsdf>"#,
         r#"<bsdf type="dielectric"><spectrum name="int_ior" value="360:1.7, 500:1.55, 830:1.5"/></bsdf>"#,
     ];
-    const LAWS: Laws = Laws::LOSSLESS;
+    const WHITE: &'static [&'static str] = &[
+        r#"<bsdf type="dielectric"/>"#,
+        r#"<bsdf type="dielectric"><string name="fresnel" value="schlick"/></bsdf>"#,
+        r#"<bsdf type="dielectric"><string name="dispersion" value="sf11"/></bsdf>"#,
+    ];
     type Bsdf<'a> = Pane;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

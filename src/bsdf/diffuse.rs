@@ -1,6 +1,6 @@
 //! Lambert's law: light leaves equally in every direction, f = ρ/π.
 
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits};
+use super::{Bsdf, Evaluation, Material, Sample, Traits};
 use crate::math::{DVec2, DVec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -34,7 +34,9 @@ impl Material for Diffuse {
         r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.9, 0.2, 0.1"/></bsdf>"#,
         r#"<bsdf type="diffuse"><spectrum name="reflectance" value="400:0.1, 700:0.9"/></bsdf>"#,
     ];
-    const LAWS: Laws = Laws::LOSSLESS;
+    const WHITE: &'static [&'static str] = &[
+        r#"<bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></bsdf>"#,
+    ];
     type Bsdf<'a> = Lambert;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

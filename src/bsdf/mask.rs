@@ -1,6 +1,6 @@
 //! Holes: a share of the surface is the nested material, the rest is not there.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Laws, Material, Sample, Traits, rescale};
+use super::{AnyMaterial, Bsdf, Evaluation, Material, Sample, Traits, rescale};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -40,7 +40,8 @@ impl Material for Mask {
             <bsdf type="diffuse"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
+    const WHITE: &'static [&'static str] = &[r#"<bsdf type="mask"><float name="opacity" value="0.3"/>
+            <bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></bsdf></bsdf>"#];
     type Bsdf<'a> = Veil<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

@@ -29,24 +29,6 @@ use crate::scene::xml::Element;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// Promises that the validation suite holds a model to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Laws {
-    /// f(ω, ω′)/η² is symmetric.
-    pub reciprocal: bool,
-    /// With all reflectances at 1 nothing is absorbed: the sampled weights average 1.
-    pub lossless: bool,
-}
-
-impl Laws {
-    /// Reciprocal, and may absorb.
-    pub const PHYSICAL: Self = Self { reciprocal: true, lossless: false };
-    /// Reciprocal, and absorbs nothing.
-    pub const LOSSLESS: Self = Self { reciprocal: true, lossless: true };
-    /// Known not to be reciprocal; the model's documentation says why.
-    pub const NOT_RECIPROCAL: Self = Self { reciprocal: false, lossless: false };
-}
-
 /// What a scene file declares.
 pub trait Material: Sized {
     /// The `type` in scene files.
@@ -55,7 +37,10 @@ pub trait Material: Sized {
     const ABOUT: &'static str;
     /// Scene-file snippets that span the parameters.
     const EXAMPLES: &'static [&'static str];
-    const LAWS: Laws = Laws::PHYSICAL;
+    /// Snippets that absorb nothing, from either side.
+    const WHITE: &'static [&'static str] = &[];
+    /// Whether f(ω, ω′)/η² is symmetric. Where it is not, the model's documentation says why.
+    const RECIPROCAL: bool = true;
 
     /// The model at a point.
     type Bsdf<'a>: Bsdf
@@ -84,7 +69,7 @@ pub struct Traits {
     /// Samples do not depend on the number that chooses between lobes.
     pub one_lobe: bool,
     /// All that it does is to reflect, in the frame that it is given and with a density.
-    pub rough: bool,
+    pub only_rough: bool,
     /// Lets light through.
     pub transmits: bool,
     /// Has a lobe that is narrow, but not without density.
@@ -109,21 +94,22 @@ impl Traits {
         !self.one_way && (self.glossy || !self.smooth && !self.relief)
     }
 
-    /// What is true of either.
+    /// Of what is made of both: it has what either has, and is all that it does only if that is all that
+    /// both do.
     pub fn or(self, other: Self) -> Self {
         Self {
             smooth: self.smooth || other.smooth,
             anisotropic: self.anisotropic || other.anisotropic,
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
-            one_lobe: self.one_lobe && other.one_lobe,
-            rough: self.rough && other.rough,
             transmits: self.transmits || other.transmits,
             glossy: self.glossy || other.glossy,
-            refracts: self.refracts && other.refracts,
-            mirrors: self.mirrors && other.mirrors,
             relief: self.relief || other.relief,
             one_way: self.one_way || other.one_way,
+            one_lobe: self.one_lobe && other.one_lobe,
+            only_rough: self.only_rough && other.only_rough,
+            refracts: self.refracts && other.refracts,
+            mirrors: self.mirrors && other.mirrors,
         }
     }
 }
@@ -229,8 +215,9 @@ macro_rules! materials {
                 match self { $(Self::$Model(material) => material.traits()),* }
             }
 
-            pub fn laws(&self) -> Laws {
-                match self { $(Self::$Model(_) => <$module::$Model as Material>::LAWS),* }
+            /// See [`Material::RECIPROCAL`].
+            pub fn is_reciprocal(&self) -> bool {
+                match self { $(Self::$Model(_) => <$module::$Model as Material>::RECIPROCAL),* }
             }
 
             pub fn name(&self) -> &'static str {
@@ -262,6 +249,10 @@ macro_rules! materials {
             examples: <$module::$Model as Material>::EXAMPLES,
             parse: |params| <$module::$Model as Material>::parse(params).map(AnyMaterial::$Model),
         }),*];
+
+        /// The names of all materials, and their snippets that absorb nothing.
+        pub static WHITE: &[(&str, &[&str])] =
+            &[$((<$module::$Model as Material>::NAME, <$module::$Model as Material>::WHITE)),*];
     };
 }
 

@@ -1,7 +1,7 @@
 //! Normals from an image.
 
 use super::shading_normal::{Adapter, Perturbed};
-use super::{Laws, Material, Traits};
+use super::{Material, Traits};
 use crate::math::DVec3;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -31,7 +31,7 @@ impl Material for NormalMap {
     ];
     // The cosine is the bump's, the other direction's is not: f(ω, ω′)·cos/cos is not symmetric (Veach 1997,
     // §5.3.2).
-    const LAWS: Laws = Laws::NOT_RECIPROCAL;
+    const RECIPROCAL: bool = false;
     type Bsdf<'a> = Perturbed<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

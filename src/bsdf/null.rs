@@ -1,6 +1,6 @@
 //! No surface at all.
 
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits};
+use super::{Bsdf, Evaluation, Material, Sample, Traits};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -14,7 +14,7 @@ impl Material for Null {
     const NAME: &'static str = "null";
     const ABOUT: &'static str = "An invisible surface, for the boundary of a medium.";
     const EXAMPLES: &'static [&'static str] = &[r#"<bsdf type="null"/>"#];
-    const LAWS: Laws = Laws::LOSSLESS;
+    const WHITE: &'static [&'static str] = &[r#"<bsdf type="null"/>"#];
     type Bsdf<'a> = &'a Null;
 
     fn parse(_params: &mut Params) -> Result<Self, SceneError> {

@@ -3,7 +3,7 @@
 
 use super::coat::{Coat, Coated};
 use super::fresnel::Interface;
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, mirror};
+use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, mirror};
 use crate::math::{DVec2, DVec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -36,7 +36,6 @@ impl Material for Plastic {
         </bsdf>"#,
         r#"<bsdf type="plastic"><float name="int_ior" value="1.3"/><string name="ext_ior" value="water"/></bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
     type Bsdf<'a> = Glazed;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

@@ -2,7 +2,7 @@
 
 use super::metal::{Metal, Reflector};
 use super::microfacet::{Distribution, Roughness, reflect};
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits};
+use super::{Bsdf, Evaluation, Material, Sample, Traits};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
@@ -48,7 +48,6 @@ impl Material for RoughConductor {
             <boolean name="sample_visible" value="false"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
     type Bsdf<'a> = RoughMirror;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
@@ -64,7 +63,7 @@ impl Material for RoughConductor {
         Traits {
             smooth: true,
             one_lobe: true,
-            rough: true,
+            only_rough: true,
             glossy: self.roughness.narrow(),
             anisotropic: self.roughness.anisotropic(),
             textured: self.metal.varies() || self.roughness.varies(),

@@ -6,7 +6,7 @@
 use super::dielectric::seen;
 use super::microfacet::{Distribution, Roughness, reflect};
 use super::tints::Tints;
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, ior};
+use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
@@ -57,7 +57,6 @@ impl Material for RoughDielectric {
             <float name="alpha" value="0.25"/><boolean name="sample_visible" value="false"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
     type Bsdf<'a> = Frosted;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
@@ -85,8 +84,8 @@ impl Material for RoughDielectric {
 }
 
 impl Frosted {
-    /// Value and density, both without tint, for directions with wo.z > 0 that meet at a facet `m`; `sampled`
-    /// is the distribution that facets are drawn from, and `eta` = η far / η near.
+    /// Value and density, both without tint, for directions with wo.z > 0 that meet at a facet `m`; `eta` =
+    /// η far / η near.
     #[inline]
     fn at_facet(&self, wo: DVec3, wi: DVec3, m: DVec3, eta: f64) -> (f64, f64) {
         let (o, i) = (wo.dot(m), wi.dot(m));

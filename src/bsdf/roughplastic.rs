@@ -3,7 +3,7 @@
 use super::coat::{Coat, Coated};
 use super::microfacet::{Distribution, parse_shape, reflect};
 use super::transmittance::{Transmittance, internal_reflectance};
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, ior};
+use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, warp};
 use crate::scene::error::SceneError;
@@ -47,7 +47,6 @@ impl Material for RoughPlastic {
             <boolean name="sample_visible" value="false"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
     type Bsdf<'a> = Satin<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
@@ -72,7 +71,7 @@ impl Material for RoughPlastic {
     }
 
     fn traits(&self) -> Traits {
-        Traits { smooth: true, rough: true, textured: self.coat.varies(), ..Traits::default() }
+        Traits { smooth: true, only_rough: true, textured: self.coat.varies(), ..Traits::default() }
     }
 }
 

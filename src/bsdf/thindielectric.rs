@@ -2,7 +2,7 @@
 //! transmission.
 
 use super::tints::Tints;
-use super::{Bsdf, Evaluation, Laws, Material, Sample, Traits, fresnel, ior, mirror};
+use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior, mirror};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -34,7 +34,7 @@ impl Material for ThinDielectric {
             <rgb name="specular_transmittance" value="0.7, 0.8, 0.9"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::LOSSLESS;
+    const WHITE: &'static [&'static str] = &[r#"<bsdf type="thindielectric"/>"#];
     type Bsdf<'a> = Window;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

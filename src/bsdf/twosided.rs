@@ -1,6 +1,6 @@
 //! Gives a one-sided material a back: the same again, or another.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Laws, Material, Sample, Traits};
+use super::{AnyMaterial, Bsdf, Evaluation, Material, Sample, Traits};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -33,7 +33,6 @@ impl Material for TwoSided {
         r#"<bsdf type="twosided"><bsdf type="roughplastic"><float name="alpha" value="0.2"/></bsdf></bsdf>"#,
         r#"<bsdf type="twosided"><bsdf type="conductor"/></bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
     type Bsdf<'a> = Sides<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {

@@ -70,6 +70,7 @@ impl Arguments {
             say!("{document}");
             return Ok(ExitCode::SUCCESS);
         }
+        let width = document.as_object().into_iter().flatten().map(|(key, _)| key.len()).max().unwrap_or(0);
         for (key, value) in document.as_object().into_iter().flatten() {
             let value = match value {
                 serde_json::Value::String(text) => text.clone(),
@@ -81,14 +82,14 @@ impl Arguments {
                 serde_json::Value::Null => "none".into(),
                 other => other.to_string(),
             };
-            say!("{:<17} {value}", key.replace('_', " "));
+            say!("{:<width$} {value}", key.replace('_', " "));
         }
         let figure = |(feature, percent): &(&str, Option<f64>)| match percent {
             Some(percent) => format!("{feature} {percent:+.2} %"),
             None => format!("{feature} not measured"),
         };
         let tax: Vec<String> = tax.iter().map(figure).collect();
-        say!("{:<15} {}", "tax", tax.join(", "));
+        say!("{:<width$} {}", "tax", tax.join(", "));
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -207,11 +207,3 @@ fn color(text: &str) -> Result<ColorMode, String> {
         _ => Err("expected `spectral` or `rgb`".into()),
     }
 }
-
-/// The most memory this process has held, in bytes, where the system tells.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(kilobytes * 1024)
-}

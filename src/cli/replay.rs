@@ -2,7 +2,7 @@
 
 use super::size::parse_pixel;
 use super::{Outcome, SceneArguments, say};
-use etalon::integrator::{CameraPath, Counters, kernel_for};
+use etalon::integrator::{CameraPath, kernel_for};
 use etalon::render::sample::Camera;
 use std::process::ExitCode;
 
@@ -28,13 +28,12 @@ impl Arguments {
             return Err(format!("the pixel {x},{y} is not on the film").into());
         }
         let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features));
-        let mut counters = Counters { log: Some(vec![]), ..Counters::default() };
-        let (path, weight) = camera.replay(self.pixel, self.sample, &mut counters);
-        let CameraPath { ray, λ, radiance, .. } = path;
+        let replay = camera.replay(self.pixel, self.sample);
+        let CameraPath { ray, λ, radiance, .. } = replay.path;
         say!("pixel {x},{y} sample {}", self.sample);
         say!("wavelengths {:?} nm", λ.nm);
         say!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
-        for (i, event) in counters.log.iter().flatten().enumerate() {
+        for (i, event) in replay.vertices.iter().enumerate() {
             let (shape, local) = scene.shape_of(event.hit.primitive);
             let index = scene.index_of(shape);
             say!(
@@ -47,20 +46,12 @@ impl Arguments {
             say!("  radiance so far {:?}", event.radiance.0);
         }
         say!("radiance {:?}", radiance.0);
-        say!("filter weight {weight:?}");
-        for (name, value) in camera.channel_names().iter().zip(camera.values(self.pixel, self.sample)) {
-            say!("channel {name} {value:?}");
+        say!("filter weight {:?}", replay.weight);
+        for (number, added) in &replay.light_paths {
+            say!("light path {number} adds {added:?}");
         }
-        let paths = camera.light_paths();
-        let numbers = self.sample * paths..(self.sample + 1) * paths;
-        let mut additions = vec![];
-        camera.trace_light(numbers, &mut Counters::default(), |number, pixel, values| {
-            if pixel == self.pixel {
-                additions.push(format!("light path {number} adds {values:?}"));
-            }
-        });
-        for addition in additions {
-            say!("{addition}");
+        for (name, value) in camera.channel_names().iter().zip(&replay.values) {
+            say!("channel {name} {value:?}");
         }
         Ok(ExitCode::SUCCESS)
     }

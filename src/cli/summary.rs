@@ -1,9 +1,9 @@
 //! What is said of a render when it is over.
 
-use super::{peak_memory, say};
+use super::say;
 use etalon::image::Image;
-use etalon::render::Report;
 use etalon::render::pilot::{Pilot, Quality};
+use etalon::render::{Report, memory};
 use etalon::scene::Scene;
 use std::io;
 use std::ops::Range;
@@ -97,7 +97,7 @@ impl Summary<'_> {
             "rays": report.rays,
             "kernel": report.kernel,
             "threads": report.threads,
-            "peak_memory_bytes": peak_memory(),
+            "peak_memory_bytes": memory::peak(),
             "mean": quality.mean,
             "relative_standard_error": quality.relative_standard_error,
             "relative_standard_error_of_mean": quality.relative_standard_error_of_mean,

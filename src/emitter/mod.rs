@@ -132,8 +132,8 @@ impl AnyEmitter {
         }
     }
 
-    /// Power over power density at any scale, to choose between emitters: in W·nm⁻¹, averaged over the
-    /// visible range. `radius` is that of the scene.
+    /// Power to choose between emitters by, averaged over the visible range: in W·nm⁻¹ if lengths are in
+    /// metres. `radius` is that of the scene.
     pub fn power(&self, shape: Option<&Geometry>, radius: f64) -> f64 {
         let disk = std::f64::consts::PI * radius * radius;
         match self {

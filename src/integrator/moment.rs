@@ -93,9 +93,7 @@ mod tests {
     fn rendered(samples: u64) -> (Vec<String>, Vec<Vec<f64>>) {
         let scene = load_text("scene.xml", SCENE, ColorMode::Rgb).unwrap();
         assert!(scene.caustics.is_some());
-        let window = scene.sensor.film.crop;
-        let settings =
-            Settings { samples: 0..samples, seed: 0, window, threads: 1, shard: false, kernel: None };
+        let settings = Settings::of(&scene, 0..samples);
         let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
         let mean = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect();
         image.channels.iter().map(|c| (c.name.clone(), mean(&c.mean))).unzip()

@@ -1,8 +1,9 @@
 //! Four `f64` at once: AVX registers where the build has them, an array where it has not.
 //!
 //! Both do the same IEEE operation to each lane, never a fused one, so they give the same bits; the tests
-//! hold the intrinsics to the array. All `unsafe` of the program is here and in the folder of this name: each
-//! call is of an intrinsic that the `cfg` above it guarantees.
+//! hold the intrinsics to the array. All `unsafe` of the renderer is here and in the folder of this name: each
+//! call is of an intrinsic that the `cfg` above it guarantees. (The program has one more, the allocator of
+//! `out_of_memory.rs`.)
 
 mod floats;
 mod lanewise;

@@ -1,5 +1,7 @@
 //! Whether a render fits into memory, asked before it begins.
 
+mod control_group;
+
 use super::Settings;
 use crate::film::ChannelAccumulator;
 use std::fs;
@@ -25,12 +27,15 @@ pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
 pub fn available() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
-    let number = |name: &str| read(&format!("/sys/fs/cgroup/{name}"))?.trim().parse::<u64>().ok();
-    let group = number("memory.max").map(|limit| limit.saturating_sub(number("memory.current").unwrap_or(0)));
     let taken = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"));
     let space = read("/proc/self/limits").and_then(|text| address_space(&text));
     let space = space.map(|limit| limit.saturating_sub(taken.unwrap_or(0)));
-    machine.into_iter().chain(group).chain(space).min()
+    machine.into_iter().chain(control_group::available()).chain(space).min()
+}
+
+/// The most memory that this process has held, in bytes, where the system tells.
+pub fn peak() -> Option<u64> {
+    kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
 /// Bytes, of a line such as `MemAvailable:   23068672 kB`.

@@ -8,6 +8,7 @@ pub mod memory;
 pub mod passes;
 pub mod pilot;
 pub mod preview;
+mod replay;
 pub mod reuse;
 pub mod sample;
 pub mod share;
@@ -50,6 +51,15 @@ pub struct Settings {
     pub shard: bool,
     /// Run this kernel instead of the least sufficient one.
     pub kernel: Option<&'static KernelEntry>,
+}
+
+impl Settings {
+    /// These samples of all that the scene's film shows, by the scene's seed, on one thread.
+    pub fn of(scene: &Scene, samples: Range<u64>) -> Self {
+        let sensor = &scene.sensor;
+        let (seed, window) = (sensor.sampler.seed, sensor.film.crop);
+        Self { samples, seed, window, threads: 1, shard: false, kernel: None }
+    }
 }
 
 /// A camera sample whose value is not a number or infinite.

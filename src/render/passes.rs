@@ -199,8 +199,7 @@ mod tests {
     #[test]
     fn a_render_can_be_ended_between_passes_and_stopped_within() {
         let scene = load_text("scene.xml", SCENE, ColorMode::Spectral).expect("it loads");
-        let window = scene.sensor.film.crop;
-        let settings = Settings { samples: 0..64, seed: 0, window, threads: 1, shard: false, kernel: None };
+        let settings = Settings::of(&scene, 0..64);
         let progress = Progress::default();
         let begun = || Partial::new(&scene, &settings);
         let ended = render_passes(&scene, &settings, begun(), &progress, |_| ControlFlow::Break(()));

@@ -51,8 +51,13 @@ impl<'a> Camera<'a> {
     }
 
     /// The values of camera samples, given by pixel and number: for each all channels, weighted by the
-    /// reconstruction filter.
-    pub fn samples(&self, which: &[((u32, u32), u64)], counters: &mut Counters, values: &mut [f64]) {
+    /// reconstruction filter. Also their paths, and those weights.
+    pub fn samples(
+        &self,
+        which: &[((u32, u32), u64)],
+        counters: &mut Counters,
+        values: &mut [f64],
+    ) -> (Vec<CameraPath>, Vec<f64>) {
         let (mut paths, weights) = self.generate(which);
         let channels = values.len() / which.len();
         let colors = channels - self.extra;
@@ -70,6 +75,7 @@ impl<'a> Camera<'a> {
                 self.colors((&path.λ, path.radiance, covered), *weight, &mut values[..colors]);
             }
         }
+        (paths, weights)
     }
 
     /// Fills the channels that follow from a sample's others, once light paths have been added to those.
@@ -136,40 +142,6 @@ impl<'a> Camera<'a> {
         }
         if !film.bands.is_empty() {
             respond(&film.bands, (λ, radiance), weight, bands);
-        }
-    }
-
-    /// A camera path as it was rendered, and the filter's weight of it, which its radiance does not include.
-    /// Its vertices are logged by themselves; what it shares with others is in its radiance only.
-    pub fn replay(&self, pixel: (u32, u32), sample: u64, counters: &mut Counters) -> (CameraPath, f64) {
-        let run = |which: &[((u32, u32), u64)], counters: &mut Counters| {
-            let (mut paths, weights) = self.generate(which);
-            (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
-            let mine = which.iter().position(|of| of.0 == pixel).unwrap_or_default();
-            (paths[mine], weights[mine])
-        };
-        let alone = run(&[(pixel, sample)], counters);
-        if self.scene.integrator.reuse() == 1 {
-            return alone;
-        }
-        run(&self.together(pixel, sample), &mut Counters::default())
-    }
-
-    /// What one sample adds to each channel of the image, before its pixel is divided by the filter's weights.
-    pub fn values(&self, pixel: (u32, u32), sample: u64) -> Vec<f64> {
-        let which = self.together(pixel, sample);
-        let width = self.channel_names().len();
-        let mut values = vec![0.0; width * which.len()];
-        self.samples(&which, &mut Counters::default(), &mut values);
-        let mine = which.iter().position(|of| of.0 == pixel).unwrap_or_default();
-        values[width * mine..][..width].to_vec()
-    }
-
-    /// The samples without which this one would be another: of the pixels that may share with it.
-    fn together(&self, pixel: (u32, u32), sample: u64) -> Vec<((u32, u32), u64)> {
-        match self.scene.integrator.reuse() {
-            1 => vec![(pixel, sample)],
-            _ => reuse::cell(pixel, sample, self.scene.sensor.film.size).collect(),
         }
     }
 

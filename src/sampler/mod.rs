@@ -1,8 +1,9 @@
 //! Numbers in [0, 1), each a function of (seed, pixel, sample, dimension) and of nothing else.
 //!
 //! Numbers come in blocks of eight: block 0 belongs to the camera, one further block to every vertex of a
-//! path. Within a block the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a sampler may stratify
-//! together.
+//! path; light paths of groups of pixels, guided and further emitter samples have ranges of their own beyond
+//! ([`LIGHT_SOURCES`], [`GUIDED`]). Within a block the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a
+//! sampler may stratify together.
 //!
 //! *How to add one*: write `sampler/<name>.rs` with a function that makes blocks; add a variant of [`Kind`]
 //! and its rows in [`SAMPLERS`].
@@ -75,23 +76,31 @@ pub struct Sampler {
     sample: u32,
 }
 
+/// How many pairs of numbers a block has.
+pub const PAIRS: usize = 4;
+
 /// The block of the camera.
 pub const CAMERA: u32 = 0;
 /// The blocks of the vertices begin here.
 pub const FIRST_VERTEX: u32 = 1;
-/// How many emitter samples a vertex can take.
-pub const MOST_EMITTER_SAMPLES: u32 = 1024;
-/// The blocks of emitter samples, where a vertex takes several, begin here, beyond any vertex.
-const EMITTER_SAMPLES: u32 = 1 << 30;
-
+/// No path has more vertices.
+pub const MOST_VERTICES: u32 = 1 << 20;
 /// The blocks of light paths for groups of pixels begin here.
 pub const LIGHT_SOURCES: u32 = 1 << 28;
-
-/// How many pairs of numbers a block has.
-pub const PAIRS: usize = 4;
-
-/// The blocks of guided emitter samples begin here.
+/// The blocks of guided emitter samples begin here, so many for each vertex.
 pub const GUIDED: u32 = 1 << 29;
+pub const GUIDED_OF_VERTEX: u32 = 1 << 5;
+/// The blocks of emitter samples, where a vertex takes several, begin here, so many for each.
+const EMITTER_SAMPLES: u32 = 1 << 30;
+/// How many emitter samples a vertex can take.
+pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
+
+// No two uses share a block.
+const _: () = assert!(
+    FIRST_VERTEX + MOST_VERTICES <= LIGHT_SOURCES
+        && GUIDED + MOST_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
+        && MOST_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
+);
 
 /// The eight numbers of a block, as parts of 2³².
 #[derive(Clone, Copy, Debug, Default)]

@@ -8,7 +8,7 @@ use super::owners::Owners;
 use super::params::Usage;
 use super::registry::construct;
 use super::xml::{self, Document};
-use super::{Features, Overrides, Scene, overrides};
+use super::{Features, Overrides, Scene, lamps, overrides};
 use crate::bsdf::Traits;
 use crate::emitter::Emitters;
 use crate::film::filter::FILTERS;
@@ -120,6 +120,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let features = features(&objects, &integrator);
     let choosing = |traits: Traits| traits.smooth && !traits.one_lobe;
     let several_lobes = objects.materials.iter().any(|material| choosing(material.traits()));
+    lamps::raise(&mut objects.shapes);
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
     let accel = Accel::with_instances(&geometries, objects.instances.trees());
     let (lo, hi) = accel.bounds();

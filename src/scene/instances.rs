@@ -247,9 +247,7 @@ mod tests {
     #[test]
     fn an_instance_looks_like_its_shapes() {
         let image = |scene: &Scene| {
-            let window = scene.sensor.film.crop;
-            let settings =
-                Settings { samples: 0..16, seed: 3, window, threads: 1, shard: false, kernel: None };
+            let settings = Settings { seed: 3, ..Settings::of(scene, 0..16) };
             render(scene, &settings, &Progress::default()).unwrap().0
         };
         let (a, b) = (image(&flattened()), image(&instanced()));

@@ -9,6 +9,7 @@ mod encoding;
 pub mod error;
 mod hash;
 pub mod instances;
+mod lamps;
 pub mod loader;
 mod objects;
 mod overrides;
@@ -236,8 +237,7 @@ impl Scene {
         all.position(|s| std::ptr::eq(s, shape)).unwrap_or(0)
     }
 
-    /// Bytes of geometry, search structure and textures are counted where they are largest: here, the first
-    /// two.
+    /// Bytes of the shapes and of what rays search them by; materials and textures are not counted.
     pub fn geometry_bytes(&self) -> usize {
         let all = self.shapes.iter().chain(self.instances.shapes());
         let meshes = all.map(|s| match &s.geometry {

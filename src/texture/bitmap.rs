@@ -55,7 +55,7 @@ enum Wrap {
 #[derive(Clone, Debug)]
 enum Texels {
     /// One number for all wavelengths.
-    Grey(Vec<f32>),
+    Grey(Arc<Vec<f32>>),
     /// Linear sRGB.
     Rgb(Vec<[f32; 3]>),
     /// Coefficients of a reflectance.
@@ -101,11 +101,11 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     });
     let scalar: Arc<Vec<f32>> = Arc::new(scalar.collect());
     let texels = if pixels.channels == 1 {
-        Texels::Grey(scalar.to_vec())
+        Texels::Grey(scalar.clone())
     } else if params.loader.mode == ColorMode::Rgb || params.usage == Usage::Vector {
         Texels::Rgb(texels().map(|i| pixels.linear(i, raw)).collect())
     } else if raw {
-        Texels::Grey(scalar.to_vec())
+        Texels::Grey(scalar.clone())
     } else {
         let upsampler = &params.loader.upsampler;
         Texels::Reflectance(texels().map(|i| upsampler.fit(pixels.linear(i, false))).collect())
@@ -229,8 +229,8 @@ mod tests {
         let scalar: Vec<f32> = (0..15).map(|i| ((i * i * 7) % 11) as f32 / 11.0).collect();
         let turn = Transform::rotate(DVec3::Z, 25.0).unwrap();
         let to_uv = Transform::scale(DVec3::new(2.0, 0.5, 1.0)).unwrap().after(&turn);
-        let texels = Texels::Grey(scalar.clone());
         let scalar = Arc::new(scalar);
+        let texels = Texels::Grey(scalar.clone());
         Bitmap { texels, scalar, width: 5, height: 3, nearest, wrap: Wrap::Repeat, to_uv }
     }
 

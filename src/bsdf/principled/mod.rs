@@ -11,7 +11,7 @@ mod gtr1;
 mod layers;
 
 use super::microfacet::{Distribution, NARROW, Shape};
-use super::{Laws, Material, Traits};
+use super::{Material, Traits};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::shape::SurfacePoint;
@@ -72,7 +72,6 @@ impl Material for Principled {
             <float name="diffuse_reflectance_sampling_rate" value="1.5"/>
         </bsdf>"#,
     ];
-    const LAWS: Laws = Laws::PHYSICAL;
     type Bsdf<'a> = Layers;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
@@ -190,7 +189,7 @@ impl Material for Principled {
             self.roughness.mean() * self.roughness.mean() * (1.0 - 0.9 * self.anisotropic.mean()).sqrt();
         Traits {
             smooth: true,
-            rough: !transmits,
+            only_rough: !transmits,
             transmits,
             glossy: bright && across < NARROW,
             anisotropic: self.anisotropic.constant() != Some(0.0),
@@ -241,9 +240,7 @@ mod tests {
                     <float name="roughness" value="0.6"/><float name="main_specular_sampling_rate" value="{rate}"/></bsdf></shape></scene>"#
             );
             let scene = load_text("sheet.xml", &text, ColorMode::Rgb).unwrap();
-            let window = scene.sensor.film.crop;
-            let settings =
-                Settings { samples: 0..4096, seed: 0, window, threads: 1, shard: false, kernel: None };
+            let settings = Settings::of(&scene, 0..4096);
             let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
             image.channels.iter().map(|of| of.mean.iter().sum::<f32>()).sum::<f32>()
         };

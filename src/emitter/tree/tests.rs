@@ -115,7 +115,6 @@ fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
             [scatter(&light, |i| tree.probability(i, at)), scatter(&light, |_| 1.0 / LAMPS as f64)];
         sums = [0, 1].map(|i| sums[i] + scatters[i] / 200.0);
     }
-    println!("by the tree {:.3}, by power {:.1}", sums[0], sums[1]);
     assert!(sums[0] < 0.4 && sums[1] > 40.0 * sums[0], "{sums:?}");
 }
 

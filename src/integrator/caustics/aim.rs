@@ -179,7 +179,7 @@ mod tests {
             const N: u32 = 1 << 18;
             let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
             for i in 0..N {
-                let u = Sampler::new(Kind::Independent, 7, (0, 0), i).block(0);
+                let u = Sampler::new(Kind::Independent, 0, (0, 0), i).block(0);
                 let w = aim.sample(p, n, u.pair(0), u.one(4));
                 let density = aim.density(p, n, w);
                 let cos = w.dot(n);

@@ -25,7 +25,7 @@ use super::light::{Vertex, power_heuristic};
 use super::path::side_towards;
 use crate::bsdf::{Bsdf, Sample};
 use crate::math::{DVec2, DVec3, Ray, bounds};
-use crate::sampler::{GUIDED, Sampler};
+use crate::sampler::{GUIDED, GUIDED_OF_VERTEX, Sampler};
 use crate::scene::{Features, Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -93,7 +93,7 @@ pub fn sample_emitters<B: Bsdf>(
 ) -> Spectrum {
     counters.guided += 1;
     // Eight numbers at a time: two for the direction, then one for each surface.
-    let block = |which: u32| sampler.block(GUIDED + depth * MOST_SURFACES + which);
+    let block = |which: u32| sampler.block(GUIDED + depth * GUIDED_OF_VERTEX + which);
     let mut u = block(0);
     let mut found = Spectrum::ZERO;
     let (w, density) = directions.sample(u.pair(0));
@@ -184,8 +184,8 @@ mod tests {
 
     #[test]
     fn cells_hold_the_photons_of_their_place() {
-        // West light comes from above, east light from below, more photons than a cell holds of each, and
-        // many in one place.
+        // Light comes to the west from below and to the east from above, by more photons than a cell holds of
+        // each, and many in one place.
         let photon = |i: usize| {
             let x = if i.is_multiple_of(3) { 0.25 } else { i as f64 / 3000.0 - 0.5 };
             Photon { p: DVec3::new(x, 0.0, 0.0), w: DVec3::Z * x.signum(), power: 1.0, left: 1.0 }

@@ -10,7 +10,7 @@ mod vertex;
 
 use super::AnyIntegrator;
 use super::links::Where;
-use crate::sampler::MOST_EMITTER_SAMPLES;
+use crate::sampler::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;
@@ -27,7 +27,7 @@ pub const EXAMPLES: &[&str] = &[
 
 /// No path goes on beyond this many vertices. Roulette ends paths long before, except where nothing is ever
 /// absorbed; such paths are counted and reported.
-pub const MAX_VERTICES: u32 = 1 << 20;
+pub const MAX_VERTICES: u32 = MOST_VERTICES;
 
 /// The settings, with Mitsuba's meaning of each.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! What no expectation shows: settings that change the noise alone.
 
-use super::LONG;
+use super::roulette::LONG;
 use crate::image::Image;
 use crate::render::{Progress, Report, Settings, render};
 use crate::scene::load_text;
@@ -9,8 +9,7 @@ use crate::spectrum::ColorMode;
 /// A scene in RGB with so many samples a pixel.
 fn rendered(text: &str, samples: u64) -> (Image, Report) {
     let scene = load_text("scene.xml", text, ColorMode::Rgb).unwrap();
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..samples, seed: 0, window, threads: 1, shard: false, kernel: None };
+    let settings = Settings::of(&scene, 0..samples);
     render(&scene, &settings, &Progress::default()).unwrap()
 }
 

@@ -17,8 +17,7 @@ fn scene(radius: f64) -> Scene {
 }
 
 fn settings(scene: &Scene) -> Settings {
-    let window = scene.sensor.film.crop;
-    Settings { samples: 4..53, seed: 3, window, threads: 1, shard: false, kernel: None }
+    Settings { seed: 3, ..Settings::of(scene, 4..53) }
 }
 
 fn go_on(scene: &Scene, settings: &Settings, partial: Partial, passes: u32) -> Partial {

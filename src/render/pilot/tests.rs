@@ -18,8 +18,7 @@ const LIT: &str = r#"<emitter type="constant"/>
       <emitter type="area"><rgb name="radiance" value="4"/></emitter></shape>"#;
 
 fn settings(scene: &Scene, seed: u32) -> Settings {
-    let window = scene.sensor.film.crop;
-    Settings { samples: 0..BLOCK, seed, window, threads: 1, shard: false, kernel: None }
+    Settings { seed, ..Settings::of(scene, 0..BLOCK) }
 }
 
 /// What `etalon render` prints of an image.

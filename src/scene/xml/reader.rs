@@ -111,14 +111,11 @@ impl Reader {
         for a in node.attributes() {
             let value_span = span(a.range_value());
             let mut value = self.parameters.substitute(a.value(), &value_span)?;
-            let name = if file.version < 2 && a.name() == "name" {
+            if file.version < 2 && a.name() == "name" {
                 value = upgrade::name(&value, node);
-                a.name()
-            } else {
-                a.name()
-            };
+            }
             attributes.push(Attribute {
-                name: name.into(),
+                name: a.name().into(),
                 value,
                 name_span: span(a.range_qname()),
                 value_span,

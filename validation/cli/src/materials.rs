@@ -2,7 +2,7 @@
 
 use crate::companions::Companion;
 use crate::trial::{ANGLES, Source, Trial, trials_of};
-use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS};
+use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS, WHITE};
 use etalon::math::DVec2;
 use etalon::scene::loader::Loader;
 use etalon::scene::xml;
@@ -34,11 +34,15 @@ impl Subject {
         // Alone in its path, so that dispersion does not make it stand for the lanes that go elsewhere.
         let mut λ = Wavelengths::sample_visible(HERO);
         λ.collapse();
-        let laws = Laws::default();
-        let mut subject = Self { laws, material, point: SurfacePoint::flat(), λ, limit: None };
-        let reciprocal = subject.material.laws().reciprocal;
-        subject.laws = Laws { reciprocal, eta: subject.index(), ..Laws::default() };
-        Ok(subject)
+        let laws = Laws { reciprocal: material.is_reciprocal(), ..Laws::default() };
+        let subject = Self { laws, material, point: SurfacePoint::flat(), λ, limit: None };
+        let laws = Laws { eta: subject.index(), ..laws };
+        Ok(Self { laws, ..subject })
+    }
+
+    /// The same subject, which claims that it absorbs nothing.
+    pub fn white(self) -> Self {
+        Self { laws: Laws { lossless: true, ..self.laws }, ..self }
     }
 
     /// The same subject, which claims that the flux it sends anywhere is within `within` of that of `limit`.
@@ -97,11 +101,19 @@ pub fn source(snippet: impl Into<String>) -> Source {
 
 /// All trials of the registry's materials, or those of one.
 pub fn trials(material: Option<&str>) -> Vec<Trial> {
-    let entries = MATERIALS.iter().filter(|e| material.is_none_or(|m| m == e.name));
-    let examples = entries.flat_map(|entry| (0..).zip(entry.examples).map(move |(i, e)| (entry.name, i, *e)));
-    examples
-        .flat_map(|(name, i, snippet): (&str, usize, &str)| {
-            trials_of(&format!("{name}[{i}]"), &source(snippet), &ANGLES, &["limits"])
-        })
-        .collect()
+    let asked = |name: &str| material.is_none_or(|m| m == name);
+    let mut trials = vec![];
+    for entry in MATERIALS.iter().filter(|entry| asked(entry.name)) {
+        for (i, snippet) in entry.examples.iter().enumerate() {
+            let name = format!("{}[{i}]", entry.name);
+            trials.extend(trials_of(&name, &source(*snippet), &ANGLES, &["limits"]));
+        }
+    }
+    for (name, snippets) in WHITE.iter().filter(|(name, _)| asked(name)) {
+        for (i, snippet) in snippets.iter().enumerate() {
+            let white: Source = Arc::new(|| Ok(Box::new(Subject::new(snippet)?.white())));
+            trials.extend(trials_of(&format!("{name}[white {i}]"), &white, &ANGLES, &["limits"]));
+        }
+    }
+    trials
 }

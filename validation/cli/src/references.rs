@@ -47,14 +47,7 @@ impl Reference {
         let overrides =
             Overrides { seed: Some(seed), sampler: Some("independent".into()), ..Overrides::default() };
         let scene = scene::load(&self.scene, &[], self.mode, &overrides).map_err(|e| e.to_string())?;
-        let settings = Settings {
-            samples: 0..u64::from(samples),
-            seed,
-            window: scene.sensor.film.crop,
-            threads: 0,
-            shard: false,
-            kernel: None,
-        };
+        let settings = Settings { seed, threads: 0, ..Settings::of(&scene, 0..u64::from(samples)) };
         let (rendered, _) = render(&scene, &settings, &Progress::default()).ok_or("the render stopped")?;
         let mut ours = image::Image {
             width: rendered.crop.width as usize,

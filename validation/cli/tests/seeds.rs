@@ -6,11 +6,13 @@
 use std::path::{Path, PathBuf};
 
 /// What a literal seed stands behind.
-const MARKS: [&str; 9] = [
+const MARKS: [&str; 11] = [
     "seed: ",
     "seed = ",
     "Some(seed",
     "Stream::new(",
+    "Sampler::new(Kind::Independent, ",
+    "Sampler::new(Kind::Sobol, ",
     "Pcg32::new(",
     "Pcg64::new(",
     "Pcg64Mcg::new(",

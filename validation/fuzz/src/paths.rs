@@ -45,15 +45,7 @@ pub fn follow(
             record.refused += 1;
             continue;
         };
-        let window = loaded.sensor.film.crop;
-        let settings = Settings {
-            samples: 0..SAMPLES,
-            seed: number as u32,
-            window,
-            threads: 1,
-            shard: false,
-            kernel: None,
-        };
+        let settings = Settings { seed: number as u32, ..Settings::of(&loaded, 0..SAMPLES) };
         let (image, report) = render(&loaded, &settings, &Progress::default())?;
         record.scenes += 1;
         record.paths += report.samples;

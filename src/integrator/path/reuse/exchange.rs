@@ -72,7 +72,8 @@ impl Exchange {
                 }
             }
             for lit in of_group(&lit, number) {
-                for (edges, receivers) in self.receivers.all_alike() {
+                for kind in 0..self.receivers.kinds() {
+                    let (edges, receivers) = self.receivers.of_kind(kind);
                     if edges + 2 + lit.edges <= max_depth {
                         let light = Light::ByLight(lit.radiance, lit.scale, lit.rivals);
                         let offer = Offer { source: &lit.source, light, own: None, receivers };

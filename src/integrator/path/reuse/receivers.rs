@@ -79,9 +79,14 @@ impl Receivers {
         self.alike.iter().find(|alike| alike.1 >> path & 1 == 1).map_or(0, |alike| alike.1)
     }
 
-    /// The same for each number of edges.
-    pub fn all_alike(&self) -> Vec<(u32, u64)> {
-        self.alike.clone()
+    /// How many numbers of edges there are before receivers.
+    pub fn kinds(&self) -> usize {
+        self.alike.len()
+    }
+
+    /// One of them, and a bit for each receiver that has as many.
+    pub fn of_kind(&self, kind: usize) -> (u32, u64) {
+        self.alike[kind]
     }
 
     /// A bit for each receiver that sees the source for sure.

@@ -127,14 +127,7 @@ impl ClosedForm {
         let mut images = vec![];
         for replicate in 0..REPLICATES {
             let seed = seed_for(&self.name, number * REPLICATES + replicate) as u32;
-            let settings = Settings {
-                samples: 0..self.samples * effort,
-                seed,
-                window: scene.sensor.film.crop,
-                threads: 1,
-                shard: false,
-                kernel: None,
-            };
+            let settings = Settings { seed, ..Settings::of(&scene, 0..self.samples * effort) };
             images.push(measured(&expose(&scene, &settings)?));
         }
         Ok(self.judge_images(&images, LEVEL))

@@ -27,6 +27,7 @@ mod transport;
 mod wavelengths;
 
 use crate::stage::{Family, TWICE, confirmed, expose, fault, gather, load, measured};
+use etalon::film::BLOCK;
 use etalon::image::{Window, merge};
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
@@ -67,12 +68,12 @@ impl Term {
     pub(crate) fn image(&self, samples: u64, seed: u32) -> Result<Image, String> {
         let scene = load(&self.scene, self.mode)?;
         let window = self.window.unwrap_or(scene.sensor.film.crop);
-        let settings = |samples, shard| Settings { samples, seed, window, threads: 1, shard, kernel: None };
+        let settings = |samples, shard| Settings { seed, window, shard, ..Settings::of(&scene, samples) };
         let rendered = if self.shards.is_empty() {
             expose(&scene, &settings(0..samples, false))?
         } else {
             // Shards begin at whole blocks of samples.
-            let ends = self.shards.iter().map(|share| (share * samples as f64) as u64 / 16 * 16);
+            let ends = self.shards.iter().map(|share| (share * samples as f64) as u64 / BLOCK * BLOCK);
             let mut parts = vec![];
             let mut start = 0;
             for end in ends.chain([samples]) {

@@ -114,8 +114,7 @@ fn closed_rooms() -> Vec<ClosedForm> {
 fn black() -> Result<f64, String> {
     let text = scene(&[&path(4), &camera(), &objects(&[]).concat(), &lamp(0.0)]);
     let scene = load(&text, ColorMode::Rgb)?;
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..16, seed: 1, window, threads: 1, shard: false, kernel: None };
+    let settings = Settings { seed: 1, ..Settings::of(&scene, 0..16) };
     let image = measured(&expose(&scene, &settings)?);
     Ok(image.channels.iter().flat_map(|c| c.mean.iter()).map(|v| v.abs()).fold(0.0, f64::max))
 }

@@ -92,8 +92,7 @@ fn dispersion() -> ClosedForm {
 
 fn empty() -> Result<f64, String> {
     let scene = load(&wall(&spectrum("radiance", "601, 602, 830", "0, 1, 1")), ColorMode::Spectral)?;
-    let window = scene.sensor.film.crop;
-    let settings = Settings { samples: 0..4096, seed: 1, window, threads: 1, shard: false, kernel: None };
+    let settings = Settings { seed: 1, ..Settings::of(&scene, 0..4096) };
     let image = measured(&expose(&scene, &settings)?);
     let [violet, green, red] = ["S0.365,000nm", "S0.550,000nm", "S0.825,000nm"].map(|name| of(&image, name));
     if red > 0.0 { Ok(worst_of(violet, green)) } else { Err(format!("the red band has {red}")) }

@@ -156,14 +156,7 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
     let loaded =
         etalon::scene::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
-    let settings = Settings {
-        samples: 0..u64::from(samples),
-        seed,
-        window: loaded.sensor.film.crop,
-        threads: 1,
-        shard: false,
-        kernel: None,
-    };
+    let settings = Settings { seed, ..Settings::of(&loaded, 0..u64::from(samples)) };
     let (image, report) = render(&loaded, &settings, &Progress::default()).ok_or("the render stopped")?;
     if report.non_finite > 0 {
         return Err(format!("{} samples are not finite: {:?}", report.non_finite, report.first_non_finite));
