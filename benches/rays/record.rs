@@ -38,7 +38,7 @@ pub fn record(folder: &Path, name: &str, subject: &Subject) -> Result<(), Box<dy
     let [mut primary, mut shadow, mut bounce] = [const { Vec::new() }; 3];
     for pixel in 0..SIDE * SIDE {
         let (x, y) = (pixel % SIDE, pixel / SIDE);
-        let u = Sampler::new(Kind::Independent, 2, (x, y), 0).block(0);
+        let u = Sampler::new(Kind::Independent, 1, (x, y), 0).block(0);
         let u: [f64; 6] = std::array::from_fn(|i| u.one(i));
         let film = DVec2::new(x as f64 + u[0], y as f64 + u[1]) / SIDE as f64 - 0.5;
         let direction = unit(camera.to_world(DVec3::new(film.x, film.y, 0.6)));

@@ -3,11 +3,11 @@
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
 use crate::scene::params::{Params, number};
+use crate::scene::spectrum::{self, Declared};
 use crate::scene::transform::numbers;
-use crate::scene::xml::{Attribute, Element};
+use crate::scene::xml::Element;
 use crate::spectrum::materials::{self, Dispersion};
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
-use crate::spectrum::table::Tabulated;
 
 /// Indices of refraction whose ratios leave room for their squares, also in `f32`.
 pub const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
@@ -89,8 +89,8 @@ pub fn dispersive(params: &mut Params, interior: &'static str) -> Result<Index, 
     let law = match (law, element) {
         (Some(law), _) => law,
         (None, Some(element)) if element.tag == "spectrum" => match table(element, params.loader)? {
-            Spread::Even(eta) => return Ok(Index::Constant(eta / outside)),
-            Spread::Table(table) => Dispersion::Table(table),
+            Declared::Number(eta) => return Ok(Index::Constant(eta / outside)),
+            Declared::Table(table) => Dispersion::Table(table),
         },
         (None, Some(element)) => return Ok(Index::Constant(scalar(element)? / outside)),
         (None, None) => {
@@ -146,41 +146,15 @@ fn law(params: &mut Params) -> Result<Option<Dispersion>, SceneError> {
     Ok(None)
 }
 
-enum Spread {
-    Even(f64),
-    Table(Tabulated),
-}
-
-/// A measured index: `<spectrum>` with one number, `nm:value` pairs or a file.
-fn table(element: &Element, loader: &Loader) -> Result<Spread, SceneError> {
-    element.only(&["name", "value", "filename"])?;
-    let bad = |place: &Attribute, why: String| {
-        SceneError::at(&place.value_span, why, "expected nm and index, increasing")
-    };
-    match (element.attribute("value"), element.attribute("filename")) {
-        (Some(value), None) if !value.value.contains(':') => {
-            match number(&value.value).filter(|n| RANGE.contains(n)) {
-                Some(eta) => Ok(Spread::Even(eta)),
-                None => Err(bad(value, format!("`{}` is no index of refraction", value.value))),
-            }
-        }
-        (Some(value), None) => {
-            // Pairs are lines of a table, written on one.
-            let words = value.value.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
-            let lines: Vec<String> = words.map(|word| word.replace(':', " ")).collect();
-            Tabulated::parse_spd(&lines.join("\n")).map(Spread::Table).map_err(|why| bad(value, why))
-        }
-        (None, Some(name)) => {
-            let path = crate::scene::xml::find(&element.search, &name.value);
-            let path = path.ok_or_else(|| bad(name, format!("there is no file `{}`", name.value)))?;
-            loader.depends_on(&path);
-            let table = crate::scene::xml::read_utf8(&path).and_then(|text| Tabulated::parse_spd(&text));
-            table.map(Spread::Table).map_err(|why| bad(name, why))
-        }
-        _ => Err(SceneError::at(
-            &element.span,
-            "a <spectrum> needs a value",
-            "expected either `value` or `filename`",
+/// A measured index: `<spectrum>`.
+fn table(element: &Element, loader: &Loader) -> Result<Declared, SceneError> {
+    let (declared, place) = spectrum::parse(element, loader)?;
+    match declared {
+        Declared::Number(eta) if !RANGE.contains(&eta) => Err(SceneError::at(
+            &place.value_span,
+            format!("`{}` is no index of refraction", place.value),
+            format!("expected {:e} to {:e}", RANGE.start(), RANGE.end()),
         )),
+        declared => Ok(declared),
     }
 }

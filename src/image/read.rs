@@ -1,15 +1,14 @@
 //! Reading image files that scenes refer to.
 
 use crate::texture::bitmap::Pixels;
-use exr::prelude::*;
 use image::ImageDecoder;
 use std::path::Path;
 
 /// Decodes EXR, PNG, JPEG, Radiance HDR or BMP; alpha is dropped. The error says what is wrong.
-pub fn pixels(path: &Path) -> std::result::Result<Pixels, String> {
+pub fn pixels(path: &Path) -> Result<Pixels, String> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let pixels = match extension.as_str() {
-        "exr" => exr_pixels(path)?,
+        "exr" => super::exr::colors::pixels(path)?,
         "hdr" | "rgbe" => hdr_pixels(path)?,
         _ => other_pixels(path)?,
     };
@@ -26,7 +25,7 @@ pub fn pixels(path: &Path) -> std::result::Result<Pixels, String> {
 }
 
 /// Many writers sign Radiance files in their own way, so the signature is not held against them.
-fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
+fn hdr_pixels(path: &Path) -> Result<Pixels, String> {
     let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
     let decoder = image::codecs::hdr::HdrDecoder::new_nonstrict(std::io::BufReader::new(file));
     let image = decoder.and_then(image::DynamicImage::from_decoder).map_err(|e| e.to_string())?;
@@ -38,7 +37,7 @@ fn hdr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
 /// 255 two bytes here.
 const PIXELS_A_BYTE: u64 = 512;
 
-fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
+fn other_pixels(path: &Path) -> Result<Pixels, String> {
     let reader =
         image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
     let pads = matches!(reader.format(), Some(image::ImageFormat::Jpeg | image::ImageFormat::Bmp));
@@ -63,25 +62,6 @@ fn other_pixels(path: &Path) -> std::result::Result<Pixels, String> {
         (1, image.into_luma8().into_raw().iter().map(|&v| v as f32 / 255.0).collect())
     };
     Ok(Pixels { width, height, channels, values, encoded: !is_float })
-}
-
-fn exr_pixels(path: &Path) -> std::result::Result<Pixels, String> {
-    super::exr::claim::check(path)?;
-    let image = read_first_flat_layer_from_file(path).map_err(|e| e.to_string())?;
-    let (width, height) = (image.layer_data.size.width(), image.layer_data.size.height());
-    let channel = |names: &[&str]| {
-        let mut list = image.layer_data.channel_data.list.iter();
-        let found = list.find(|c| names.contains(&c.name.to_string().as_str()));
-        found.map(|c| c.sample_data.values_as_f32().collect::<Vec<f32>>())
-    };
-    match (channel(&["R", "r"]), channel(&["G", "g"]), channel(&["B", "b"]), channel(&["Y", "y", "L"])) {
-        (Some(r), Some(g), Some(b), _) => {
-            let values = r.iter().zip(&g).zip(&b).flat_map(|((&r, &g), &b)| [r, g, b]).collect();
-            Ok(Pixels { width, height, channels: 3, values, encoded: false })
-        }
-        (_, _, _, Some(values)) => Ok(Pixels { width, height, channels: 1, values, encoded: false }),
-        _ => Err("the EXR has neither the channels R, G, B nor Y".into()),
-    }
 }
 
 #[cfg(test)]

@@ -3,15 +3,13 @@
 //! ([`crate::film`]).
 
 pub mod checkpoint;
-pub mod guide;
 pub mod memory;
 pub mod passes;
 pub mod pilot;
+pub mod plan;
 pub mod preview;
 mod replay;
-pub mod reuse;
 pub mod sample;
-pub mod share;
 mod splats;
 mod tile;
 
@@ -193,25 +191,6 @@ fn tiles(window: Window) -> impl Iterator<Item = Window> {
 /// Pixel `i` of a window, row by row, in coordinates of the film.
 fn pixel(window: Window, i: usize) -> (u32, u32) {
     (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
-}
-
-/// The i-th of numbers below `count` that lie all over: multiples of the golden ratio leave no gaps.
-fn scattered(i: u64, count: u64) -> u64 {
-    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
-}
-
-/// The camera of a pilot that settles how a scene is to be rendered. Its seed is unlikely to be an image's,
-/// whose samples must not be those that have settled it.
-fn pilot_camera(scene: &Scene) -> Camera<'_> {
-    const SEED: u32 = 0x5eed_ab1e;
-    Camera::new(scene, SEED, kernel_for(scene.features))
-}
-
-/// So many samples of pixels that lie all over a window, for a pilot.
-fn all_over(window: Window, samples: u64) -> Vec<((u32, u32), u64)> {
-    let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);
-    (0..samples).map(|i| (at(i), i)).collect()
 }
 
 /// Places the tiles; each pixel comes from exactly one.

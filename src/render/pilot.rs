@@ -50,9 +50,10 @@ pub struct Quality {
     pub relative_standard_error: f64,
     /// Standard error of the image's mean, relative to its absolute value.
     pub relative_standard_error_of_mean: f64,
-    /// How many pixels, were they all alike, would make as uncertain a variance: (Σ v)²/Σ v².
+    /// How many pixels, were they all alike, would make as uncertain a variance: (Σ v)²/Σ v². Of pixels that
+    /// share, how many squares of them.
     pub effective_pixels: f64,
-    /// Number of pixels.
+    /// Number of pixels, or of such squares.
     pub pixels: usize,
 }
 
@@ -68,6 +69,7 @@ pub struct Noise {
     /// Of the sum of pixels, and the sum of the squares of what its squares contribute.
     of_sum: f64,
     fourth: f64,
+    squares: usize,
 }
 
 impl Noise {
@@ -81,7 +83,7 @@ impl Noise {
     {
         let columns = ((window.x + window.width).div_ceil(edge) - window.x / edge) as usize;
         let rows = ((window.y + window.height).div_ceil(edge) - window.y / edge) as usize;
-        let mut noise = Self::default();
+        let mut noise = Self { squares: columns * rows, ..Self::default() };
         // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel
         // it is just that.
         let mut squares = vec![0.0; columns * rows];
@@ -109,6 +111,7 @@ impl Noise {
         self.variance += other.variance;
         self.of_sum += other.of_sum;
         self.fourth += other.fourth;
+        self.squares += other.squares;
     }
 
     pub fn quality(&self, window: Window) -> Quality {
@@ -124,9 +127,9 @@ impl Noise {
             effective_pixels: if self.fourth > 0.0 {
                 self.of_sum * self.of_sum / self.fourth
             } else {
-                pixels as f64
+                self.squares as f64
             },
-            pixels,
+            pixels: self.squares,
         }
     }
 }

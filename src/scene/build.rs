@@ -18,8 +18,8 @@ use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{Links, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::length;
+use crate::render::plan;
 use crate::render::sample::channel_names;
-use crate::render::{guide, reuse, share};
 use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
@@ -155,9 +155,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         files: [&document.files[..], &loader.files()].concat(),
     };
     scene.settle_caustics();
-    share::settle(&mut scene);
-    guide::settle(&mut scene);
-    reuse::settle(&mut scene);
+    plan::settle(&mut scene);
     Ok(scene)
 }
 

@@ -75,7 +75,7 @@ impl std::error::Error for SceneError {}
 /// "expected one of a, b, c" for a word that is none of them, the likeliest first when one is close.
 pub fn known(word: &str, names: &[&str]) -> String {
     let near = names.iter().filter(|n| distance(word, n) <= 2).min_by_key(|n| distance(word, n));
-    let list = names.join(", ");
+    let list = if names.is_empty() { "none".into() } else { names.join(", ") };
     match near {
         Some(near) => format!("did you mean `{near}`? known: {list}"),
         None => format!("known: {list}"),

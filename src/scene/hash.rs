@@ -13,7 +13,7 @@ pub fn hash(document: &Document, loader: &Loader, mode: ColorMode) -> Result<Str
     hash_element(&document.root, &mut hasher);
     for (alias, id) in &document.aliases {
         hash_text(alias, &mut hasher);
-        hash_text(id, &mut hasher);
+        hash_text(&id.value, &mut hasher);
     }
     for file in loader.files() {
         let bytes = std::fs::read(&file)

@@ -1,7 +1,7 @@
 //! What all parts of a scene share while it is being read.
 
-use super::error::SceneError;
-use super::xml::{Document, Element};
+use super::error::{SceneError, known};
+use super::xml::{Attribute, Document, Element};
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Pixels;
@@ -21,7 +21,8 @@ pub struct Loader<'d> {
     pub mode: ColorMode,
     pub upsampler: Arc<Upsampler>,
     ids: BTreeMap<&'d str, &'d Element>,
-    aliases: &'d BTreeMap<String, String>,
+    aliases: &'d BTreeMap<String, Attribute>,
+    search: &'d [PathBuf],
     /// The objects being read, outermost first: a second visit to one of them is a cycle.
     open: RefCell<Vec<*const Element>>,
     /// Those that have been read, and how often one of them was read again within two others and more.
@@ -40,11 +41,20 @@ impl<'d> Loader<'d> {
     pub fn new(document: &'d Document, mode: ColorMode) -> Result<Self, SceneError> {
         let mut ids = BTreeMap::new();
         collect(&document.root, &mut ids)?;
+        for (name, id) in &document.aliases {
+            if !ids.contains_key(first_name(&document.aliases, &id.value)) {
+                let message =
+                    format!("`{name}` is another name for nothing: no object has the id `{}`", id.value);
+                let names: Vec<&str> = ids.keys().copied().collect();
+                return Err(SceneError::at(&id.value_span, message, known(&id.value, &names)));
+            }
+        }
         Ok(Self {
             mode,
             upsampler: Upsampler::shared(),
             ids,
             aliases: &document.aliases,
+            search: &document.search,
             open: RefCell::default(),
             read: RefCell::default(),
             repeats: Cell::new(0),
@@ -64,7 +74,7 @@ impl<'d> Loader<'d> {
         let name = first_name(self.aliases, &id.value);
         self.ids.get(name).copied().ok_or_else(|| {
             let names: Vec<&str> = self.ids.keys().copied().collect();
-            let help = super::error::known(&id.value, &names);
+            let help = known(&id.value, &names);
             SceneError::at(&id.value_span, format!("there is no object with id `{}`", id.value), help)
         })
     }
@@ -106,6 +116,35 @@ impl<'d> Loader<'d> {
         self.open.borrow_mut().pop();
     }
 
+    /// The file that an attribute of an element names. As in Mitsuba, all of the scene file's folders come
+    /// first, wherever the name stands; then those of the file in which it stands, which Mitsuba does not know.
+    pub fn find(&self, element: &Element, name: &Attribute) -> Result<PathBuf, SceneError> {
+        let folders = || self.search.iter().chain(element.search.iter());
+        let path = folders().map(|folder| folder.join(&name.value)).find(|path| path.exists());
+        let (message, help) = match path {
+            Some(path) if path.is_file() => {
+                self.depends_on(&path);
+                return Ok(path);
+            }
+            Some(path) if path.is_dir() => {
+                (format!("`{}` is a folder", name.value), "expected a file".to_owned())
+            }
+            Some(_) => (format!("`{}` is no regular file", name.value), "expected a file".to_owned()),
+            None => {
+                let mut looked: Vec<String> = vec![];
+                for folder in folders() {
+                    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+                    let folder = format!("`{}`", folder.display());
+                    if !looked.contains(&folder) {
+                        looked.push(folder);
+                    }
+                }
+                (format!("there is no file `{}`", name.value), format!("looked in {}", looked.join(", ")))
+            }
+        };
+        Err(SceneError::at(&name.value_span, message, help))
+    }
+
     /// Notes a file that the scene depends on.
     pub fn depends_on(&self, path: &Path) {
         self.files.borrow_mut().push(path.to_owned());
@@ -135,10 +174,10 @@ impl<'d> Loader<'d> {
 }
 
 /// The id behind a name that may be an alias.
-pub(super) fn first_name<'a>(aliases: &'a BTreeMap<String, String>, mut name: &'a str) -> &'a str {
+pub(super) fn first_name<'a>(aliases: &'a BTreeMap<String, Attribute>, mut name: &'a str) -> &'a str {
     // Each alias leads to another name, so a chain longer than the table is a circle.
     for _ in 0..aliases.len() {
-        name = aliases.get(name).map_or(name, String::as_str);
+        name = aliases.get(name).map_or(name, |first| first.value.as_str());
     }
     name
 }
@@ -159,4 +198,50 @@ fn collect<'d>(element: &'d Element, ids: &mut BTreeMap<&'d str, &'d Element>) -
         ));
     }
     element.children.iter().try_for_each(|child| collect(child, ids))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::xml;
+    use std::fs;
+
+    /// As in Mitsuba, the folders of the scene file come first, wherever a name stands, and the nearest last.
+    #[test]
+    fn files_are_found_in_the_folders_of_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["parts", "more"] {
+            fs::create_dir(at(name)).unwrap();
+        }
+        let scene =
+            r#"<scene version="3.0.0"><include filename="parts/part.xml"/><path value="more"/></scene>"#;
+        fs::write(at("scene.xml"), scene).unwrap();
+        let part = r#"<scene version="3.0.0"><texture type="bitmap"/></scene>"#;
+        fs::write(at("parts/part.xml"), part).unwrap();
+        let found = || {
+            let document = xml::read(&at("scene.xml"), &[]).unwrap();
+            let element = &document.root.children[0];
+            let span = element.span.clone();
+            let name = Attribute {
+                name: "filename".into(),
+                value: "a.png".into(),
+                name_span: span.clone(),
+                value_span: span,
+            };
+            Loader::new(&document, ColorMode::Rgb).unwrap().find(element, &name)
+        };
+        let told = found().unwrap_err().to_string();
+        assert!(
+            told.contains("no file `a.png`") && told.contains("parts") && told.contains("more"),
+            "{told}"
+        );
+        for name in ["parts/a.png", "a.png", "more/a.png"] {
+            fs::write(at(name), "").unwrap();
+            assert_eq!(found().unwrap(), at(name));
+        }
+        fs::remove_file(at("more/a.png")).unwrap();
+        fs::create_dir(at("more/a.png")).unwrap();
+        assert!(found().unwrap_err().to_string().contains("is a folder"));
+    }
 }

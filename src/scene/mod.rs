@@ -16,6 +16,7 @@ mod overrides;
 mod owners;
 pub mod params;
 pub mod registry;
+pub mod spectrum;
 pub mod transform;
 mod upgrade;
 pub mod xml;
@@ -117,7 +118,7 @@ pub struct Scene {
     pub integrator: AnyIntegrator,
     /// How caustics are found, where light paths help.
     pub caustics: Option<Caustics>,
-    /// How light paths find sources for pixels that share, if they do; see [`crate::render::reuse`].
+    /// How light paths find sources for pixels that share, if they do; see [`crate::render::plan::reuse`].
     pub light_sources: Option<LightSources>,
     /// Where emitters are sampled through glass and by mirrors, if they are.
     pub links: Option<Links>,

@@ -300,14 +300,7 @@ impl<'a, 'd> Params<'a, 'd> {
         about: &'static str,
     ) -> Result<Option<(PathBuf, &'d Attribute)>, SceneError> {
         let Some(value) = self.string(name, about)? else { return Ok(None) };
-        let path = super::xml::find(&self.element.search, &value.value).filter(|p| p.is_file());
-        let path = path.ok_or_else(|| {
-            let looked: Vec<_> = self.element.search.iter().map(|p| format!("`{}`", p.display())).collect();
-            let message = format!("there is no file `{}`", value.value);
-            SceneError::at(&value.value_span, message, format!("looked in {}", looked.join(", ")))
-        })?;
-        self.loader.depends_on(&path);
-        Ok(Some((path, value)))
+        Ok(Some((self.loader.find(self.element, value)?, value)))
     }
 
     /// A colour, spectrum or texture; a constant where the file gives none.

@@ -21,7 +21,10 @@ pub fn name(name: &str, node: roxmltree::Node) -> String {
 /// Mitsuba 0.6 placed bitmaps by `uoffset`, `voffset`, `uscale`, `vscale`; later versions by one `to_uv`.
 pub fn texture_offsets(element: &mut Element) {
     let value = |name: &str| {
-        let child = element.children.iter().find(|c| c.name() == Some(name) && c.tag == "float")?;
+        let child = element
+            .children
+            .iter()
+            .find(|c| c.name() == Some(name) && ["float", "integer"].contains(&c.tag.as_str()))?;
         child.attribute("value").map(|a| a.value.clone())
     };
     let found = ["uoffset", "voffset", "uscale", "vscale"].map(value);
@@ -66,5 +69,13 @@ mod tests {
         assert_eq!(root.children[1].name(), Some("to_world"));
         assert_eq!(root.children[2].children[0].name(), Some("to_uv"));
         assert_eq!(root.children[2].children[0].children[1].attribute("x").unwrap().value, "4");
+    }
+
+    #[test]
+    fn parameters_keep_their_names_and_integers_scale_textures() {
+        let text = r#"<scene version="0.6.0"><default name="timesTwo" value="2"/>
+            <texture type="bitmap"><integer name="uscale" value="$timesTwo"/></texture></scene>"#;
+        let root = xml::read_text("t", text).unwrap().root;
+        assert_eq!(root.children[0].children[0].children[1].attribute("x").unwrap().value, "2");
     }
 }

@@ -29,7 +29,7 @@ use crate::scene::registry::Entry;
 pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use mesh::Mesh;
-pub use patch::Patch;
+pub use patch::{Outline, Patch};
 pub use sphere::Sphere;
 
 /// What a `<shape>` in a scene file may declare.
@@ -148,10 +148,13 @@ impl Geometry {
         }
     }
 
-    /// The number that Mitsuba gives to primitive `local` at a point of it: its cubes are of triangles.
+    /// The number that Mitsuba gives to primitive `local` at a point of it: its cubes and rectangles are of
+    /// triangles.
     pub fn mitsuba_primitive(&self, local: u32, point: &SurfacePoint) -> u32 {
+        let diagonal = point.uv.x + point.uv.y;
         match self {
-            Self::Cube(_) => 2 * local + u32::from(point.uv.x + point.uv.y < 1.0),
+            Self::Cube(_) => 2 * local + u32::from(diagonal < 1.0),
+            Self::Patch(Patch { outline: Outline::Square, .. }) => u32::from(diagonal > 1.0),
             _ => local,
         }
     }

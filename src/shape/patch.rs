@@ -122,6 +122,7 @@ pub fn on_circle(turn: f64) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::Geometry;
     use glam::DMat4;
 
     /// A shear keeps areas, though not the lengths of sides.
@@ -135,6 +136,17 @@ mod tests {
             let patch = Patch::new(&shear, false, outline);
             assert!((patch.area() - area).abs() < 1e-14, "{outline:?} {}", patch.area());
             assert_eq!(patch.sample_area(DVec2::new(0.2, 0.9)).pdf, 1.0 / patch.area());
+        }
+    }
+
+    /// As Mitsuba 3.9.1 numbers the triangles of its rectangle.
+    #[test]
+    fn a_rectangle_counts_as_two_triangles() {
+        for (outline, second) in [(Outline::Square, 1), (Outline::Circle, 0)] {
+            let patch = Patch::new(&Transform::IDENTITY, false, outline);
+            let number = |x, y| Geometry::Patch(patch).mitsuba_primitive(0, &patch.point::<true>(x, y));
+            assert_eq!([number(-0.5, 0.45), number(0.3, -0.35)], [0, 0]);
+            assert_eq!([number(-0.5, 0.55), number(0.35, -0.3)], [second, second]);
         }
     }
 }

@@ -4,6 +4,7 @@
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
 use crate::scene::params::{MOST, Usage, number};
+use crate::scene::spectrum::{self, Declared};
 use crate::scene::transform::numbers;
 use crate::scene::xml::{Attribute, Element};
 use crate::spectrum::table::Tabulated;
@@ -122,41 +123,12 @@ fn parse_spectrum<'d>(
     loader: &Loader<'d>,
     usage: Usage,
 ) -> Result<SpectralFunction, SceneError> {
-    element.only(&["name", "value", "filename"])?;
-    match (element.attribute("value"), element.attribute("filename")) {
-        (Some(value), None) if !value.value.contains(':') => {
-            let number = number(&value.value).ok_or_else(|| {
-                let message = format!("`{}` is no spectrum", value.value);
-                SceneError::at(&value.value_span, message, "expected a number or `nm:value` pairs")
-            })?;
-            check_range(&[number], value, usage)?;
-            Ok(uniform(number, usage, loader.mode))
+    match spectrum::parse(element, loader)? {
+        (Declared::Number(value), place) => {
+            check_range(&[value], place, usage)?;
+            Ok(uniform(value, usage, loader.mode))
         }
-        (Some(value), None) => from_table(parse_pairs(value)?, value, usage, loader),
-        (None, Some(name)) => {
-            let path = crate::scene::xml::find(&element.search, &name.value).ok_or_else(|| {
-                SceneError::at(
-                    &name.value_span,
-                    format!("there is no file `{}`", name.value),
-                    "expected an .spd file",
-                )
-            })?;
-            loader.depends_on(&path);
-            let table =
-                crate::scene::xml::read_utf8(&path).and_then(|t| Tabulated::parse_spd(&t)).map_err(|e| {
-                    SceneError::at(
-                        &name.value_span,
-                        format!("{}: {e}", path.display()),
-                        "expected lines of `nm value`",
-                    )
-                })?;
-            from_table(table, name, usage, loader)
-        }
-        _ => Err(SceneError::at(
-            &element.span,
-            "a <spectrum> needs a value",
-            "expected either `value` or `filename`",
-        )),
+        (Declared::Table(table), place) => from_table(table, place, usage, loader),
     }
 }
 
@@ -167,20 +139,6 @@ pub fn uniform(value: f64, usage: Usage, mode: ColorMode) -> SpectralFunction {
         return SpectralFunction::Rgb(observer::xyz_to_rgb([value; 3]).map(|v| v as f32));
     }
     SpectralFunction::Uniform(value as f32)
-}
-
-fn parse_pairs(attribute: &Attribute) -> Result<Tabulated, SceneError> {
-    let wrong =
-        |what: String| SceneError::at(&attribute.value_span, what, "expected `nm:value, nm:value, …`");
-    let (mut wavelengths, mut values) = (vec![], vec![]);
-    let words = attribute.value.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
-    for word in words {
-        let pair = word.split_once(':').and_then(|(λ, v)| Some((number(λ)?, number(v)?)));
-        let (λ, value) = pair.ok_or_else(|| wrong(format!("`{word}` is no pair of numbers")))?;
-        wavelengths.push(λ as f32);
-        values.push(value as f32);
-    }
-    Tabulated::new(wavelengths, values).map_err(wrong)
 }
 
 /// A measured spectrum: as it is, or as the colour that RGB mode makes of it.

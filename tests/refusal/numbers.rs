@@ -10,6 +10,10 @@ fn numbers_out_of_range_are_refused() {
     for value in ["-1", "0", "NaN", "inf", "-inf", "1e999", "", "one", "0x10", "1,5"] {
         all_refused(&[("name=\"radius\"", &sphere(value), &["`radius`", "expected a positive number"])]);
     }
+    for value in ["1.5", "1e3", "99999999999999999999", ""] {
+        let body = format!("<shape type=\"sphere\">\n<integer name=\"radius\" value=\"{value}\"/></shape>");
+        all_refused(&[("name=\"radius\"", &body, &["is no integer"])]);
+    }
     // 0 is accepted and means nearly smooth, as in Mitsuba.
     for (model, value) in
         ["roughconductor", "roughdielectric", "roughplastic"].iter().flat_map(|m| [(m, "-0.1"), (m, "nan")])

@@ -80,9 +80,14 @@ fn references_that_lead_nowhere_or_in_circles_are_refused() {
             &[],
         ),
         (
-            "<ref id=\"x\"",
+            "<alias id=\"x\"",
             "<alias id=\"x\" as=\"y\"/><alias id=\"y\" as=\"x\"/>\n<shape type=\"sphere\"><ref id=\"x\"/></shape>",
             &["`x`"],
+        ),
+        (
+            "\"whit\"",
+            "<bsdf type=\"diffuse\" id=\"white\"/>\n<alias id=\"whit\" as=\"w\"/>",
+            &["no object has the id `whit`", "did you mean `white`?"],
         ),
     ]);
 }

@@ -2,7 +2,7 @@
 
 Mitsuba reads the scene, and the renderers' own Python environments need not have it: `MITSUBA_PYTHON` names the
 interpreter that has (`python3` by default). A translation is kept beside the scene's other translations in the folder
-`ETALON_TRANSLATIONS` (the temporary folder by default), under the hash of the scene file.
+`ETALON_TRANSLATIONS` (the temporary folder by default), under the hash of the scene file and of what translates it.
 """
 import hashlib
 import json
@@ -16,7 +16,10 @@ from pathlib import Path
 
 def scene(path):
     """The neutral scene of a Mitsuba file; ends the program with the reason if there is none."""
-    name = hashlib.sha256(str(Path(path).resolve()).encode() + Path(path).read_bytes()).hexdigest()[:24]
+    here = Path(__file__).parent
+    translators = b"".join((here / name).read_bytes() for name in ("neutral_scene.py", "neutral_mesh.py"))
+    known = str(Path(path).resolve()).encode() + Path(path).read_bytes() + translators
+    name = hashlib.sha256(known).hexdigest()[:24]
     kept = Path(os.environ.get("ETALON_TRANSLATIONS", Path(tempfile.gettempdir()) / "etalon-translations"))
     folder = kept / name
     if not (folder / "scene.json").exists():

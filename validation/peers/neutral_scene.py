@@ -75,12 +75,12 @@ class Reader:
         mi.Bitmap(pixels).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True).write(str(path))
         return {"image": str(path.resolve()), "scale": scale}
 
-    def material(self, node):
+    def material(self, node, emits=False):
         if node is None:
-            return {"type": "diffuse", "reflectance": [0.5] * 3}
+            return {"type": "diffuse", "reflectance": [0.0 if emits else 0.5] * 3}
         plugin, props = node.props.plugin_name(), node.props
         if plugin == "twosided":
-            return self.material(self.child(node, mi.ObjectType.BSDF))
+            return self.material(self.child(node, mi.ObjectType.BSDF), emits)
         if plugin == "diffuse":
             return {"type": "diffuse", "reflectance": self.color(node, "reflectance", 0.5)}
         if plugin == "dielectric":
@@ -89,6 +89,10 @@ class Reader:
         if plugin in ("conductor", "roughconductor"):
             found = {"type": "metal", "roughness": 0.0, "reflectance": self.color(node, "specular_reflectance", 1.0)}
             if plugin == "roughconductor":
+                if props.get("distribution", "beckmann") != "ggx":
+                    refuse("a rough metal whose distribution is not `ggx`")
+                if "alpha_u" in props and props["alpha_u"] != props.get("alpha_v", 0.1):
+                    refuse("an anisotropic metal")
                 found["roughness"] = float(props.get("alpha", props.get("alpha_u", 0.1)))
             ideal = "eta" not in props and props.get("material", "none") == "none"
             return {**found, **({"eta": None, "k": None} if ideal else self.metal(node))}
@@ -154,8 +158,8 @@ class Reader:
         refuse(f"emitter {plugin!r}" + (" with a to_world" if plugin == "envmap" else ""))
 
     def shape(self, node, meshes):
-        material, mesh = self.material(self.child(node, mi.ObjectType.BSDF)), self.mesh(node)
         emitter = self.child(node, mi.ObjectType.Emitter)
+        material, mesh = self.material(self.child(node, mi.ObjectType.BSDF), emitter is not None), self.mesh(node)
         radiance = emitter and self.color(emitter, "radiance", 1.0, emits=True)
         if isinstance(radiance, dict):
             refuse("a textured area light")

@@ -84,6 +84,9 @@ def render_time(image):
 
 def main():
     engine, path, out, spp, seed, threads = sys.argv[1:7]
+    if int(spp) & int(spp) - 1:
+        # Between, its sampler gives neighbouring pixels the same numbers.
+        sys.exit(f"pbrt's sampler wants a power of two, not {spp} samples")
     start = time.perf_counter()
     program = os.environ.get("PBRT") or shutil.which("pbrt")
     if not program:

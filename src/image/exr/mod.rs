@@ -7,6 +7,7 @@
 //! part out is easy for every reader, so a shard looks like any other image to a viewer.
 
 pub(super) mod claim;
+pub(super) mod colors;
 mod names;
 mod read;
 mod samples;

@@ -147,7 +147,8 @@ impl Caustics {
             path.λ.collapse();
         }
         if edges >= self.settings.rr_depth {
-            path.throughput *= roulette(path.λ.mean(path.throughput) as f64, edges, u.one(6))?;
+            let carried = path.λ.mean(path.throughput) as f64;
+            path.throughput *= roulette(carried, edges, sample.delta, u.one(6))?;
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
     }

@@ -49,7 +49,7 @@ pub use emission::Emission;
 pub use light_path::Splat;
 
 /// Light paths to a camera path, until it is known how much of the light they bring; see
-/// [`crate::render::share`].
+/// [`crate::render::plan`].
 const LIGHT_PATHS: f64 = 0.25;
 
 /// What light paths need to know of a scene.
@@ -71,19 +71,19 @@ impl Caustics {
         emitters: &Emitters,
     ) -> Option<Self> {
         let settings = *integrator.path()?;
-        let share = settings.light_paths.unwrap_or(LIGHT_PATHS);
-        if settings.max_depth < 3 || share == 0.0 {
+        let ratio = settings.light_paths.unwrap_or(LIGHT_PATHS);
+        if settings.max_depth < 3 || ratio == 0.0 {
             return None;
         }
         let emission = Emission::new(emitters, shapes, instances)?;
         let mut caustics = Self { emission, settings, paths: 0 };
-        caustics.set_share(share, sensor.film.crop.pixels());
+        caustics.set_ratio(ratio, sensor.film.crop.pixels());
         Some(caustics)
     }
 
     /// Sets how many light paths there are to a camera path.
-    pub fn set_share(&mut self, share: f64, pixels: usize) {
-        self.paths = (share * pixels as f64).ceil().min(f64::from(u32::MAX)) as u32;
+    pub fn set_ratio(&mut self, ratio: f64, pixels: usize) {
+        self.paths = (ratio * pixels as f64).ceil().min(f64::from(u32::MAX)) as u32;
     }
 
     /// The factor of r from xₙ, where w is the direction back to xₙ₋₁.

@@ -49,7 +49,7 @@ pub struct Path {
     pub reuse: u32,
     /// Light paths of each group of pixels that share; see [`reuse`].
     pub shared_light_paths: u32,
-    /// What a pilot is to decide; see [`crate::render::reuse`].
+    /// What a pilot is to decide; see [`crate::render::plan::reuse`].
     pub free: Free,
     /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
     pub links: Where,

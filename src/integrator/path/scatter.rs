@@ -58,12 +58,12 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         };
         let emitter_samples =
             if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
-        let mut n = DVec3::ZERO;
+        let mut gathers_about = DVec3::ZERO;
         if side.traits.smooth {
             if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
-                n = vertex.gathers_about();
+                gathers_about = vertex.gathers_about();
             }
-            here.by_emitters(emitter_samples, n, shared, shadows);
+            here.by_emitters(emitter_samples, gathers_about, shared, shadows);
         }
         let ways = here.ways();
         here.by_ways(ways, shared, &mut path.radiance, shadows, counters);
@@ -92,7 +92,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;
-        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n, emitter_samples };
+        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about, emitter_samples };
         state.direct_view &= sample.null;
         state.mirrored &= sample.delta;
         state.depth += 1;
@@ -108,7 +108,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             // By the largest lane: a red path between red walls must not be punished for its other lanes.
             // What is shared must not end for want of colour in the path's own receiver: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;
-            state.throughput *= roulette(carried, state.depth, u.one(6))?;
+            state.throughput *= roulette(carried, state.depth, sample.delta, u.one(6))?;
         }
         Some(onward)
     }

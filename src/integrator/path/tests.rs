@@ -1,6 +1,6 @@
 //! What no expectation shows: settings that change the noise alone.
 
-use super::roulette::LONG;
+use super::roulette::ENDLESS;
 use crate::image::Image;
 use crate::render::{Progress, Report, Settings, render};
 use crate::scene::load_text;
@@ -90,7 +90,7 @@ fn paths_end_where_nothing_is_absorbed() {
         );
         let (image, report) = rendered(&text, 1);
         // In each of 16 pixels a ray and a shadow ray an edge; of the edges after so many, twenty on average.
-        assert!(report.cut == 0 && report.rays < 16 * 2 * u64::from(LONG + 1000), "{report:?}");
+        assert!(report.cut == 0 && report.rays < 16 * 2 * u64::from(ENDLESS + 1000), "{report:?}");
         assert!(image.channel("G").unwrap().mean.iter().all(|v| v.is_finite()));
     }
 }

@@ -147,6 +147,10 @@ fn few_pixels_with_all_the_variance_are_heavy_tails() {
     let heavy = quality(&outliers);
     assert!(heavy.heavy_tailed() && (heavy.effective_pixels - 3.0).abs() < 0.01);
     assert!(!quality(&[0.0; 100]).heavy_tailed());
+    // Nine squares of pixels that share, all alike, are few, but none of them stands out.
+    let channel = (0..24 * 24).map(|_| (1.0, 2.0));
+    let shared = Quality::new(Window { x: 0, y: 0, width: 24, height: 24 }, 8, [channel]);
+    assert!((shared.effective_pixels - 9.0).abs() < 1e-9 && !shared.heavy_tailed());
 }
 
 #[test]
@@ -209,7 +213,7 @@ fn the_count_is_that_of_the_last_look_with_its_margin() {
 fn an_image_whose_pixels_share_paths_knows_that_their_errors_are_correlated() {
     let mut scene = scene(LIT);
     scene.integrator.path_mut().unwrap().reuse = 16;
-    crate::render::reuse::settle(&mut scene);
+    crate::render::plan::reuse::settle(&mut scene);
     let settings = Settings { samples: 0..16, ..settings(&scene, 0) };
     let (image, _) = render(&scene, &settings, &Progress::default()).expect("it renders");
     let double = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<_>>();

@@ -67,10 +67,12 @@ impl Element {
 #[derive(Debug)]
 pub struct Document {
     pub root: Element,
-    /// `<alias id as>`: the second name of an object, and its first.
-    pub aliases: BTreeMap<String, String>,
+    /// `<alias id as>`: the second name of an object, and what says its first.
+    pub aliases: BTreeMap<String, Attribute>,
     /// The scene file and what it includes; none of a text.
     pub files: Vec<PathBuf>,
+    /// Where the scene file's own `<path>`s and its folder lead, wherever they stand in it.
+    pub search: Vec<PathBuf>,
 }
 
 /// Reads a scene file; `definitions` are the command line's `-D name=value`.

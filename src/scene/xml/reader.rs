@@ -17,12 +17,15 @@ const MOST_INCLUDES: usize = 1 << 12;
 /// What is known while files are read.
 pub struct Reader {
     parameters: Parameters,
-    aliases: BTreeMap<String, String>,
+    aliases: BTreeMap<String, Attribute>,
     /// The files being read, innermost last.
     open: Vec<PathBuf>,
     /// Those that were read, each as often as it was.
     files: Vec<PathBuf>,
+    /// Folders of the files being read and of their `<path>`s so far, the nearest last.
     search: Vec<PathBuf>,
+    /// Those of the scene file, when it has been read, the nearest first.
+    of_scene: Vec<PathBuf>,
 }
 
 /// What the elements of one file share.
@@ -40,13 +43,14 @@ impl Reader {
             open: vec![],
             files: vec![],
             search: vec![],
+            of_scene: vec![],
         }
     }
 
     /// The document of this root.
     pub fn finish(self, root: Element) -> Result<Document, SceneError> {
         self.parameters.finish()?;
-        Ok(Document { root, aliases: self.aliases, files: self.files })
+        Ok(Document { root, aliases: self.aliases, files: self.files, search: self.of_scene })
     }
 
     /// The root element of a file that is named at `from`.
@@ -100,6 +104,9 @@ impl Reader {
         let search = Arc::new(self.search.iter().rev().cloned().collect());
         let mut file = File { source: source.clone(), version, search };
         let element = self.element(root, &mut file);
+        if depth == 0 {
+            self.of_scene = self.search.iter().rev().cloned().collect();
+        }
         self.search.truncate(depth);
         element
     }
@@ -111,7 +118,8 @@ impl Reader {
         for a in node.attributes() {
             let value_span = span(a.range_value());
             let mut value = self.parameters.substitute(a.value(), &value_span)?;
-            if file.version < 2 && a.name() == "name" {
+            // A parameter of the file is called what the file calls it.
+            if file.version < 2 && a.name() == "name" && !node.has_tag_name("default") {
                 value = upgrade::name(&value, node);
             }
             attributes.push(Attribute {
@@ -122,6 +130,9 @@ impl Reader {
             });
         }
         let element_span = span(start_tag(node));
+        if node.has_tag_name("integer") {
+            check_integer(&attributes)?;
+        }
         let mut children = vec![];
         for child in node.children() {
             if child.is_text() && !child.text().unwrap_or("").trim().is_empty() {
@@ -182,7 +193,7 @@ impl Reader {
         let element = self.element(node, file)?;
         element.only(&["id", "as"])?;
         let (id, name) = (element.require("id")?, element.require("as")?);
-        if self.aliases.insert(name.value.clone(), id.value.clone()).is_some() {
+        if self.aliases.insert(name.value.clone(), id.clone()).is_some() {
             return Err(SceneError::at(
                 &name.value_span,
                 format!("`{}` is taken", name.value),
@@ -220,5 +231,16 @@ impl Reader {
             children.push(included);
         }
         Ok(())
+    }
+}
+
+/// Whoever asks may want any number, but what is declared an integer must be one.
+fn check_integer(attributes: &[Attribute]) -> Result<(), SceneError> {
+    match attributes.iter().find(|a| a.name == "value") {
+        Some(a) if a.value.trim().parse::<i64>().is_err() => {
+            let message = format!("`{}` is no integer", a.value);
+            Err(SceneError::at(&a.value_span, message, "expected an integer of 64 bits"))
+        }
+        _ => Ok(()),
     }
 }

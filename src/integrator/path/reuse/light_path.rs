@@ -129,7 +129,7 @@ impl LightPath {
             return false;
         }
         if edges >= SURE_EDGES {
-            let Some(factor) = roulette(self.λ.mean(self.throughput) as f64, edges, u.one(6)) else {
+            let Some(factor) = roulette(self.λ.mean(self.throughput) as f64, edges, false, u.one(6)) else {
                 return false;
             };
             self.throughput *= factor;

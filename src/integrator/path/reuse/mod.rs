@@ -52,7 +52,7 @@ pub use shared::Shared;
 /// Edge in pixels of the cells of the film within which pixels share paths.
 pub const CELL: u32 = 8;
 
-/// Instead of a number of pixels: a pilot decides, see [`crate::render::reuse`].
+/// Instead of a number of pixels: a pilot decides, see [`crate::render::plan::reuse`].
 pub const AUTO: u32 = 0;
 
 /// How many pixels can share their paths; 1 is none.

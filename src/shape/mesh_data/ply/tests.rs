@@ -29,6 +29,18 @@ fn text_gives_a_mesh_without_what_is_not_asked_for() {
     assert_eq!(parse(ASCII.as_bytes()).unwrap(), square());
 }
 
+/// As by Mitsuba.
+#[test]
+fn of_several_texture_coordinates_those_named_u_and_v_count() {
+    let text = ASCII.replace("property float t\n", "property float t\nproperty float u\nproperty float v\n");
+    let text = text
+        .replace("0.5 0 0\n", "0.5 0 0 5 6\n")
+        .replace("0.5 1 0\n", "0.5 1 0 5 6\n")
+        .replace("0.5 1 1\n", "0.5 1 1 5 6\n")
+        .replace("0.5 0 1\n", "0.5 0 1 5 6\n");
+    assert_eq!(parse(text.as_bytes()).unwrap().uvs, Some(vec![[5.0, 6.0]; 4]));
+}
+
 #[test]
 fn what_is_written_is_read_back() {
     let with_normals = MeshData { normals: Some(vec![[0.0, 0.0, 1.0]; 4]), ..square() };

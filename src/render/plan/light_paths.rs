@@ -3,7 +3,7 @@
 //! A pixel of relative cost 1 + s and variance V + W/s, with s light paths to a camera path, is best at s² =
 //! W/V: the variance that light paths leave against that of camera paths. A pilot too short to know variances
 //! knows energies well, since either kind of path finds its own part of the light easily. So s is the root of
-//! the share of the image's light that light paths bring, as a power of two; and where they bring none they
+//! the part of the image's light that light paths bring, as a power of two; and where they bring none they
 //! are left out. Where they would bring most of it, sampling emitters through glass
 //! ([`links`](crate::integrator::links)) relieves them first. The pilot has a seed of its own and its samples
 //! are thrown away, so the choice cannot bias an image; they are a function of the scene alone, so every part
@@ -58,18 +58,18 @@ pub fn settle(scene: &mut Scene) {
     }
 }
 
-fn set(scene: &mut Scene, share: f64) {
+fn set(scene: &mut Scene, ratio: f64) {
     let pixels = scene.sensor.film.crop.pixels();
-    let share = share.clamp(FEWEST, MOST).min(AT_ONCE / pixels as f64);
-    scene.caustics.iter_mut().for_each(|caustics| caustics.set_share(share, pixels));
+    let ratio = ratio.clamp(FEWEST, MOST).min(AT_ONCE / pixels as f64);
+    scene.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, pixels));
 }
 
 /// Gives a scene whose pixels share the more light paths that it then is best with, if its file leaves that
 /// open.
 pub fn raise(scene: &mut Scene) {
     let Some(caustics) = scene.caustics.as_ref().filter(|_| is_free(scene)) else { return };
-    let share = f64::from(caustics.paths) / scene.sensor.film.crop.pixels() as f64;
-    set(scene, MORE_WHERE_PIXELS_SHARE * share);
+    let ratio = f64::from(caustics.paths) / scene.sensor.film.crop.pixels() as f64;
+    set(scene, MORE_WHERE_PIXELS_SHARE * ratio);
 }
 
 /// Whether a scene's file leaves open how many light paths there are.
@@ -132,7 +132,7 @@ mod tests {
 
     /// Light paths to a camera path in a box whose lamp is behind glass or not, or that has no glass, or no
     /// lamp to aim from.
-    fn share(inside: &str, more: &str) -> f64 {
+    fn ratio(inside: &str, more: &str) -> f64 {
         let text = format!(
             r#"<scene version="3.0.0">
                 <integrator type="path"><integer name="max_depth" value="6"/>{more}</integrator>
@@ -157,14 +157,14 @@ mod tests {
         };
         let glass = r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><float name="radius" value="0.9"/>
             <bsdf type="dielectric"/></shape>"#;
-        let beside = share(&(lamp(r#"x="2" y="2" z="0""#, 0.5) + glass), "");
-        let within = share(&(lamp(r#"x="0" y="0" z="1""#, 0.5) + glass), "");
+        let beside = ratio(&(lamp(r#"x="2" y="2" z="0""#, 0.5) + glass), "");
+        let within = ratio(&(lamp(r#"x="0" y="0" z="1""#, 0.5) + glass), "");
         assert!(beside > 0.0 && within > 2.0 * beside, "{beside} beside, {within} within");
-        assert_eq!(share(&lamp(r#"x="2" y="2" z="0""#, 0.5), ""), 0.0);
+        assert_eq!(ratio(&lamp(r#"x="2" y="2" z="0""#, 0.5), ""), 0.0);
         let distant =
             r#"<emitter type="directional"><vector name="direction" x="0" y="-1" z="0"/></emitter>"#;
-        assert_eq!(share(&(distant.to_owned() + glass), ""), 0.0);
+        assert_eq!(ratio(&(distant.to_owned() + glass), ""), 0.0);
         let told = r#"<float name="light_paths" value="3"/>"#;
-        assert_eq!(share(&(lamp(r#"x="2" y="2" z="0""#, 0.5) + glass), told), 3.0);
+        assert_eq!(ratio(&(lamp(r#"x="2" y="2" z="0""#, 0.5) + glass), told), 3.0);
     }
 }

@@ -9,7 +9,7 @@
 //! own and its samples are thrown away, so the choice cannot bias an image; they are a function of the scene
 //! alone, so every part of a render makes the same.
 
-use super::{pilot_camera, scattered, share};
+use super::{light_paths, pilot_camera, scattered};
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::{CELL, LightSources, cell};
 use crate::sampler::MOST_EMITTER_SAMPLES;
@@ -72,7 +72,8 @@ pub fn settle(scene: &mut Scene) {
         let steps = PIXELS.map(|(pixels, worth)| (Choice { pixels, ..choice }, worth));
         let alone = (choice, measure(scene, choice));
         let mut best = climb(scene, alone, &steps);
-        let relieved = scene.links.as_ref().is_some_and(|links| links.everywhere) && share::is_free(scene);
+        let relieved =
+            scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
         if let Some(caustics) = scene.caustics.take_if(|_| relieved) {
             let without = climb(scene, best, &steps);
             if without.1 < best.1 {
@@ -104,7 +105,7 @@ pub fn settle(scene: &mut Scene) {
     }
     set(scene, choice);
     if choice.pixels > 1 {
-        share::raise(scene);
+        light_paths::raise(scene);
     }
 }
 
