@@ -115,27 +115,21 @@ impl Direct {
         counters: &mut Counters,
     ) -> Spectrum {
         counters.rays += 1;
-        let (emitted, pdf) = match scene.accel.closest(ray) {
-            None if F & Features::ENVIRONMENT == 0 => return Spectrum::ZERO,
-            None => {
-                let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
-                let found = scene.emitters.list[index].emitter.distant_radiance(ray.direction, n, λ);
-                let Some((radiance, pdf)) = found else { return Spectrum::ZERO };
-                (radiance, pdf * scene.emitters.probability(index, (ray.origin, n)))
-            }
-            Some(hit) => {
-                let (shape, point) = scene.surface::<F>(ray, &hit);
-                let Some(index) = shape.emitter else { return Spectrum::ZERO };
-                let emitter = &scene.emitters.list[index as usize].emitter;
-                let pdf = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
-                let radiance = emitter.surface_radiance(&point, -ray.direction, λ);
-                (radiance, pdf * scene.emitters.probability(index as usize, (ray.origin, n)))
-            }
+        let (pdf, delta) = (self.bsdf_samples as f64 * sample.pdf, sample.delta);
+        let Some(hit) = scene.accel.closest(ray) else {
+            let arrival = Arrival { pdf, delta, n, emitter_samples: self.emitter_samples };
+            let seen = F & Features::ENVIRONMENT != 0;
+            return if seen { environment(scene, ray, arrival, λ) } else { Spectrum::ZERO };
         };
-        if sample.delta {
+        let (shape, point) = scene.surface::<F>(ray, &hit);
+        let Some(index) = shape.emitter else { return Spectrum::ZERO };
+        let emitter = &scene.emitters.list[index as usize].emitter;
+        let emitted = emitter.surface_radiance(&point, -ray.direction, λ);
+        if delta {
             return emitted;
         }
-        let own = self.bsdf_samples as f64 * sample.pdf;
-        emitted * power_heuristic(own, self.emitter_samples as f64 * pdf) as f32
+        let chosen = scene.emitters.probability(index as usize, (ray.origin, n));
+        let rival = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point) * chosen;
+        emitted * power_heuristic(pdf, self.emitter_samples as f64 * rival) as f32
     }
 }

@@ -4,6 +4,7 @@
 //! are the functions of the `libm` crate; the one that every path needs several times, [`sin_cos_turn`], is a
 //! pair of polynomials.
 
+use super::INV_PI;
 pub use libm::{asin, atan, atan2, cos, cosh, exp, expm1, log as ln, pow, sin, sincos, sinh, tan, tanh};
 
 /// The arc cosine, as twice the angle whose tangent is √((1 − x)/(1 + x)). `libm`'s own holds an SSE root, at
@@ -48,6 +49,13 @@ pub fn sin_cos_turn(u: f64) -> (f64, f64) {
         2 => (-sin, -cos),
         _ => (-cos, sin),
     }
+}
+
+/// The angle of (x, y) from the x axis as a part of a turn, from 0 to 1.
+#[inline]
+pub fn turn(y: f64, x: f64) -> f64 {
+    let turn = 0.5 * INV_PI * atan2(y, x);
+    if turn < 0.0 { turn + 1.0 } else { turn }
 }
 
 #[cfg(test)]

@@ -5,14 +5,14 @@ mod place;
 
 use super::Overrides;
 use super::error::SceneError;
-use super::xml::{Attribute, Document, Element};
+use super::xml::{Document, Element};
 use place::{Place, at, inner};
 
 pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), SceneError> {
     let root = &mut document.root;
     if let Some(name) = &overrides.integrator {
         root.children.retain(|c| c.tag != "integrator");
-        let integrator = element(root, "integrator", &[("type", name)]);
+        let integrator = Element::made_at(root, "integrator", &[("type", name)]);
         root.children.push(integrator);
     }
     let settings = [
@@ -70,7 +70,7 @@ fn of_sensor<'a>(document: &'a mut Document, tag: &str, kind: &str) -> Result<&'
 fn child_or_new(document: &mut Document, parent: &[usize], tag: &str, kind: &str) -> Place {
     inner(document, parent, tag).unwrap_or_else(|| {
         let parent_element = at(&mut document.root, parent);
-        let made = element(parent_element, tag, &[("type", kind)]);
+        let made = Element::made_at(parent_element, tag, &[("type", kind)]);
         parent_element.children.push(made);
         [parent, &[parent_element.children.len() - 1]].concat()
     })
@@ -79,25 +79,8 @@ fn child_or_new(document: &mut Document, parent: &[usize], tag: &str, kind: &str
 /// Sets a parameter of a kind.
 fn set(kind: &str, parent: &mut Element, name: &str, value: &str) {
     parent.children.retain(|c| c.name() != Some(name));
-    let parameter = element(parent, kind, &[("name", name), ("value", value)]);
+    let parameter = Element::made_at(parent, kind, &[("name", name), ("value", value)]);
     parent.children.push(parameter);
-}
-
-/// A new element that claims to stand where `place` does.
-fn element(place: &Element, tag: &str, attributes: &[(&str, &str)]) -> Element {
-    let attribute = |(name, value): &(&str, &str)| Attribute {
-        name: (*name).into(),
-        value: (*value).into(),
-        name_span: place.span.clone(),
-        value_span: place.span.clone(),
-    };
-    Element {
-        tag: tag.into(),
-        attributes: attributes.iter().map(attribute).collect(),
-        children: vec![],
-        span: place.span.clone(),
-        search: place.search.clone(),
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What files of Mitsuba 0.6 say in other words, as Mitsuba itself upgrades them.
 
-use super::xml::{Attribute, Element};
+use super::xml::Element;
 
 /// Mitsuba 0.6 wrote `specularReflectance` where 2.0 and later write `specular_reflectance`.
 pub fn name(name: &str, node: roxmltree::Node) -> String {
@@ -18,41 +18,26 @@ pub fn name(name: &str, node: roxmltree::Node) -> String {
     if result == "diffuse_reflectance" && parent == Some("diffuse") { "reflectance".into() } else { result }
 }
 
-/// Mitsuba 0.6 placed bitmaps by `uoffset`, `voffset`, `uscale`, `vscale`; later versions by one `to_uv`.
+/// What placed a bitmap in Mitsuba 0.6; later versions have one `to_uv`.
+const PLACING: [&str; 4] = ["uoffset", "voffset", "uscale", "vscale"];
+
+/// Makes a `to_uv` of what placed a bitmap.
 pub fn texture_offsets(element: &mut Element) {
     let value = |name: &str| {
-        let child = element
-            .children
-            .iter()
-            .find(|c| c.name() == Some(name) && ["float", "integer"].contains(&c.tag.as_str()))?;
-        child.attribute("value").map(|a| a.value.clone())
+        let number = |c: &&Element| c.name() == Some(name) && ["float", "integer"].contains(&c.tag.as_str());
+        element.children.iter().find(number)?.attribute("value").map(|a| a.value.clone())
     };
-    let found = ["uoffset", "voffset", "uscale", "vscale"].map(value);
+    let found = PLACING.map(value);
     if found.iter().all(Option::is_none) {
         return;
     }
-    let [u, v, su, sv] = found;
-    let operation = |tag: &str, x: Option<String>, y: Option<String>, rest: &str| {
-        let attribute = |name: &str, value: String| Attribute {
-            name: name.into(),
-            value,
-            name_span: element.span.clone(),
-            value_span: element.span.clone(),
-        };
-        let values = [("x", x), ("y", y)];
-        let attributes = values.map(|(n, v)| attribute(n, v.unwrap_or_else(|| rest.into()))).to_vec();
-        Element { tag: tag.into(), attributes, children: vec![], ..element.clone() }
+    let [u, v, su, sv] = found.each_ref().map(Option::as_deref);
+    let step = |tag: &str, x: Option<&str>, y: Option<&str>, rest: &str| {
+        Element::made_at(element, tag, &[("x", x.unwrap_or(rest)), ("y", y.unwrap_or(rest))])
     };
-    let children = vec![operation("translate", u, v, "0"), operation("scale", su, sv, "1")];
-    let mut transform = Element { tag: "transform".into(), attributes: vec![], children, ..element.clone() };
-    transform.attributes = vec![Attribute {
-        name: "name".into(),
-        value: "to_uv".into(),
-        name_span: element.span.clone(),
-        value_span: element.span.clone(),
-    }];
-    let old = ["uoffset", "voffset", "uscale", "vscale"];
-    element.children.retain(|c| !c.name().is_some_and(|n| old.contains(&n)));
+    let mut transform = Element::made_at(element, "transform", &[("name", "to_uv")]);
+    transform.children = vec![step("translate", u, v, "0"), step("scale", su, sv, "1")];
+    element.children.retain(|c| !c.name().is_some_and(|name| PLACING.contains(&name)));
     element.children.push(transform);
 }
 

@@ -3,9 +3,9 @@
 use super::patch::on_circle;
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
-use crate::math::function::atan2;
+use crate::math::function::turn;
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Transform};
+use crate::math::{Bounds, DVec2, DVec3, Frame, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use std::f64::consts::PI;
@@ -79,8 +79,7 @@ impl Cylinder {
             return SurfacePoint::plain(p, n, n);
         }
         let (x, y) = (outward.dot(self.x), outward.dot(self.y));
-        let turn = 0.5 * INV_PI * atan2(y, x);
-        let uv = DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, z / self.length);
+        let uv = DVec2::new(turn(y, x), z / self.length);
         let dp_du = (self.y * x - self.x * y) * (2.0 * PI * self.radius);
         SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length }
     }

@@ -2,9 +2,9 @@
 
 use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
-use crate::math::function::{atan2, sin_cos_turn};
+use crate::math::function::{sin_cos_turn, turn};
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec2, DVec3, INV_PI, Transform, warp};
+use crate::math::{Bounds, DVec2, DVec3, Transform, warp};
 use std::f64::consts::PI;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,10 +76,9 @@ impl Patch {
             Outline::Square => (DVec2::new(0.5 * (x + 1.0), 0.5 * (y + 1.0)), self.e1 * 2.0, self.e2 * 2.0),
             Outline::Circle => {
                 let r = (x * x + y * y).sqrt();
-                let turn = 0.5 * INV_PI * atan2(y, x);
                 let radial = if r > 0.0 { self.e1 * (x / r) + self.e2 * (y / r) } else { self.e1 };
                 let around = (self.e2 * x - self.e1 * y) * (2.0 * PI);
-                (DVec2::new(r, if turn < 0.0 { turn + 1.0 } else { turn }), radial, around)
+                (DVec2::new(r, turn(y, x)), radial, around)
             }
         };
         SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du, dp_dv }

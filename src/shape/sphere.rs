@@ -2,7 +2,7 @@
 
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
-use crate::math::function::{acos, atan2};
+use crate::math::function::{acos, turn};
 use crate::math::ray::position_error;
 use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Transform, warp};
 use crate::scene::error::SceneError;
@@ -61,9 +61,7 @@ impl Sphere {
             return SurfacePoint::plain(p, n, n);
         }
         let local = DVec3::from(self.axes.map(|axis| axis.dot(outward)));
-        let turn = 0.5 * INV_PI * atan2(local.y, local.x);
-        let uv =
-            DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, INV_PI * acos(local.z.clamp(-1.0, 1.0)));
+        let uv = DVec2::new(turn(local.y, local.x), INV_PI * acos(local.z.clamp(-1.0, 1.0)));
         let dp_du = (self.axes[1] * local.x - self.axes[0] * local.y) * (2.0 * PI * self.radius);
         // With ρ the distance from the axis: ∂p/∂θ = (z cos φ, z sin φ, −ρ), and v = θ/π.
         let rho = (local.x * local.x + local.y * local.y).sqrt();

@@ -5,7 +5,7 @@ mod steps;
 
 use super::{AnyEmitter, DirectSample};
 use crate::math::frame::unit;
-use crate::math::function::{acos, atan2};
+use crate::math::function::{acos, turn};
 use crate::math::{DVec2, DVec3, INV_PI, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::{MOST, Params};
@@ -117,8 +117,7 @@ impl EnvironmentMap {
     /// normal `n`.
     pub fn radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
         let w = unit(self.to_local.vector(w));
-        let turn = 0.5 * INV_PI * atan2(w.x, -w.z);
-        let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+        let turn = turn(w.x, -w.z);
         let half_turns = INV_PI * acos(w.y.clamp(-1.0, 1.0));
         let place = self.directions.place(turn, half_turns, w.y);
         let corners = self.corners(place.cell);

@@ -82,7 +82,7 @@ impl Emission {
     }
 
     /// As [`Emission::sample`] makes them, in m⁻²·sr⁻¹.
-    pub fn density(&self, shapes: &[Shape], emitters: &Emitters, end: EmitterPoint, w: DVec3) -> f64 {
+    pub fn density(&self, emitters: &Emitters, shapes: &[Shape], end: EmitterPoint, w: DVec3) -> f64 {
         let area = |shape: u32| shapes[shape as usize].geometry.area();
         emitters.list[end.emitter].shape.map_or(0.0, |shape| self.density_at(end, 1.0 / area(shape), w))
     }

@@ -1,5 +1,6 @@
 //! Directions that were seen, as a density that can be sampled.
 
+use crate::math::function::turn;
 use crate::math::{BELOW_ONE, DVec2, DVec3, INV_PI, warp};
 
 /// A square is divided where so many directions lie in it.
@@ -71,8 +72,7 @@ impl Directions {
 
 /// Where [`warp::sphere`] takes a direction from.
 fn square(w: DVec3) -> DVec2 {
-    let turns = libm::atan2(w.y, w.x) * (0.5 * INV_PI);
-    DVec2::new(if turns < 0.0 { turns + 1.0 } else { turns }, 0.5 - 0.5 * w.z)
+    DVec2::new(turn(w.y, w.x), 0.5 - 0.5 * w.z)
 }
 
 fn quarter(place: DVec2) -> usize {

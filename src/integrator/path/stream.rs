@@ -24,7 +24,7 @@ pub struct State {
     /// must not take that for importance.
     pub eta2: f64,
     pub arrival: Arrival,
-    /// Edges behind it.
+    /// Vertices behind it: 0 at the first. Its ray is edge `depth` + 1.
     pub depth: u32,
     /// Whether the ray still goes straight from the camera.
     pub direct_view: bool,
@@ -130,9 +130,9 @@ impl Path {
         }
     }
 
-    /// How many pairs of numbers [`Scatter`](super::scatter::Scatter) needs at vertices with at most so many
-    /// edges behind them: for a place on an emitter and a direction; for more digits of a choice between many
-    /// emitters and one between lobes; for roulette and a choice between ways through glass.
+    /// How many pairs of numbers [`Scatter`](super::scatter::Scatter) needs at the end of so many edges: for a
+    /// place on an emitter and a direction; for more digits of a choice between many emitters and one between
+    /// lobes; for roulette and a choice between ways through glass.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
         /// The choice between so many takes four bits of 32 from the place.
         const FEW: usize = 16;

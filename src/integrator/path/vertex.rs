@@ -54,6 +54,7 @@ impl Path {
         };
         let (shape, point) = scene.surface::<F>(ray, &hit);
         if let Some(emitter) = shape.emitter {
+            // As in Mitsuba: behind a `null` surface emitters are seen again, surroundings are not.
             if self.hide_emitters && state.depth == 0 {
                 // Light paths do not see the camera through an emitter.
                 state.light_ratio = 0.0;

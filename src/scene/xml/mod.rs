@@ -34,6 +34,23 @@ pub struct Element {
 }
 
 impl Element {
+    /// A new one that claims to stand where `place` does.
+    pub fn made_at(place: &Element, tag: &str, attributes: &[(&str, &str)]) -> Self {
+        let attribute = |(name, value): &(&str, &str)| Attribute {
+            name: (*name).into(),
+            value: (*value).into(),
+            name_span: place.span.clone(),
+            value_span: place.span.clone(),
+        };
+        Self {
+            tag: tag.into(),
+            attributes: attributes.iter().map(attribute).collect(),
+            children: vec![],
+            span: place.span.clone(),
+            search: place.search.clone(),
+        }
+    }
+
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.name == name)
     }

@@ -49,7 +49,7 @@ impl LightSources {
 
     /// The factor of c from vₙ, where w is the direction back to vₙ₋₁.
     pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
-        let density = self.emission.density(&scene.shapes, &scene.emitters, end, w);
+        let density = self.emission.density(&scene.emitters, &scene.shapes, end, w);
         // No light leaves at a right angle, and no ratio is taken of it.
         if density > 0.0 { f64::from(self.paths) * density / end.n.dot(w).abs() } else { 0.0 }
     }

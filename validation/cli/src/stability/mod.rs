@@ -23,18 +23,15 @@ mod table;
 
 use crate::closed_forms::ClosedForm;
 use crate::metamorphic::{Relation, Term};
-use crate::stage::{TWICE, confirmed};
+use crate::stage::{Family, TWICE, confirmed, gather};
 use serde::Serialize;
 use std::fmt;
 pub use table::updated;
 use validation::statistics::seed_for;
 use validation::{Outcome, Verdict};
 
-/// A name and the cases that bear it.
-pub type Family = (&'static str, fn() -> Vec<Case>);
-
 /// All families, by name.
-pub const FAMILIES: &[Family] = &[
+pub const FAMILIES: &[Family<Case>] = &[
     ("scale_and_place", scale_and_place::cases),
     ("surfaces", surfaces::cases),
     ("self_hits", self_hits::cases),
@@ -107,11 +104,7 @@ pub struct Row {
 
 /// All cases, named `family::case`.
 pub fn cases() -> Vec<Case> {
-    let named = |&(family, cases): &Family| {
-        let rename = move |case: Case| Case { name: format!("{family}::{}", case.name), ..case };
-        cases().into_iter().map(rename).collect::<Vec<_>>()
-    };
-    FAMILIES.iter().flat_map(named).collect()
+    gather(FAMILIES, |case| &mut case.name)
 }
 
 impl Case {
