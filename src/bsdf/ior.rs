@@ -5,7 +5,7 @@ use crate::scene::loader::Loader;
 use crate::scene::params::{Params, number};
 use crate::scene::spectrum::{self, Declared};
 use crate::scene::transform::numbers;
-use crate::scene::xml::Element;
+use crate::scene::xml::{Attribute, Element};
 use crate::spectrum::materials::{self, Dispersion};
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 
@@ -50,13 +50,9 @@ fn scalar(element: &Element) -> Result<f64, SceneError> {
     let value = element.require("value")?;
     let wrong = |message: String, expected: &str| Err(SceneError::at(&value.value_span, message, expected));
     match element.tag.as_str() {
-        "float" | "integer" => match number(&value.value).filter(|n| RANGE.contains(n)) {
-            Some(eta) => Ok(eta),
-            None => {
-                let message = format!("`{}` is no index of refraction", value.value);
-                wrong(message, "expected a number above 0, from 1e-9 to 1e9")
-            }
-        },
+        "float" | "integer" => {
+            number(&value.value).filter(|n| RANGE.contains(n)).ok_or_else(|| no_index(value))
+        }
         "string" => materials::dielectric(&value.value)
             .or_else(|help| wrong(format!("unknown material `{}`", value.value), &help)),
         tag => wrong(format!("an index of refraction cannot be a <{tag}>"), "expected <float> or <string>"),
@@ -150,11 +146,12 @@ fn law(params: &mut Params) -> Result<Option<Dispersion>, SceneError> {
 fn table(element: &Element, loader: &Loader) -> Result<Declared, SceneError> {
     let (declared, place) = spectrum::parse(element, loader)?;
     match declared {
-        Declared::Number(eta) if !RANGE.contains(&eta) => Err(SceneError::at(
-            &place.value_span,
-            format!("`{}` is no index of refraction", place.value),
-            format!("expected {:e} to {:e}", RANGE.start(), RANGE.end()),
-        )),
+        Declared::Number(eta) if !RANGE.contains(&eta) => Err(no_index(place)),
         declared => Ok(declared),
     }
+}
+
+fn no_index(place: &Attribute) -> SceneError {
+    let expected = format!("expected a number above 0, from {:e} to {:e}", RANGE.start(), RANGE.end());
+    SceneError::at(&place.value_span, format!("`{}` is no index of refraction", place.value), expected)
 }

@@ -74,24 +74,16 @@ impl Moment {
 mod tests {
     use crate::render::{Progress, Settings, render};
     use crate::scene::load_text;
+    use crate::scene::trial::ball_of_glass;
     use crate::spectrum::ColorMode;
     use crate::spectrum::observer::luminance;
 
-    /// A lamp over a ball of glass, so that light paths take part.
-    const SCENE: &str = r#"<scene version="3.0.0">
-        <integrator type="moment"><integrator type="aov" name="it"><string name="aovs" value="d:depth"/>
-            <integrator type="path"><float name="light_paths" value="8"/></integrator></integrator></integrator>
-        <sensor type="perspective"><transform name="to_world"><lookat origin="0, 1, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
-            <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="6"/><rfilter type="box"/></film></sensor>
-        <shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
-        <shape type="sphere"><float name="radius" value="0.7"/><bsdf type="dielectric"/></shape>
-        <shape type="rectangle"><transform name="to_world"><scale value="0.2"/><rotate x="1" angle="90"/><translate y="3"/></transform>
-            <emitter type="area"><rgb name="radiance" value="90, 60, 30"/></emitter></shape>
-        </scene>"#;
+    const INTEGRATOR: &str = r#"<integrator type="moment"><integrator type="aov" name="it"><string name="aovs" value="d:depth"/>
+        <integrator type="path"><float name="light_paths" value="8"/></integrator></integrator></integrator>"#;
 
     /// Of so many samples: names of the channels and, channel by channel, the means.
     fn rendered(samples: u64) -> (Vec<String>, Vec<Vec<f64>>) {
-        let scene = load_text("scene.xml", SCENE, ColorMode::Rgb).unwrap();
+        let scene = load_text("scene.xml", &ball_of_glass(INTEGRATOR), ColorMode::Rgb).unwrap();
         assert!(scene.caustics.is_some());
         let settings = Settings::of(&scene, 0..samples);
         let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();

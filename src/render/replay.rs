@@ -57,24 +57,17 @@ mod tests {
     use crate::integrator::kernel_for;
     use crate::render::{Progress, Settings, render};
     use crate::scene::load_text;
+    use crate::scene::trial::ball_of_glass;
     use crate::spectrum::ColorMode;
-
-    /// A ball of glass under a lamp, alone, and by pixels that share; with channels that follow from others.
-    const SCENE: &str = r#"<scene version="3.0.0">
-        <integrator type="moment"><integrator type="path">
-            <float name="light_paths" value="8"/><integer name="reuse" value="$reuse"/></integrator></integrator>
-        <sensor type="perspective"><transform name="to_world"><lookat origin="0, 1, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
-            <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="6"/><rfilter type="box"/></film></sensor>
-        <shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
-        <shape type="sphere"><float name="radius" value="0.7"/><bsdf type="dielectric"/></shape>
-        <shape type="rectangle"><transform name="to_world"><scale value="0.2"/><rotate x="1" angle="90"/><translate y="3"/></transform>
-            <emitter type="area"><rgb name="radiance" value="90, 60, 30"/></emitter></shape>
-        </scene>"#;
 
     #[test]
     fn a_sample_is_what_an_image_of_it_shows() {
         for reuse in ["1", "16"] {
-            let text = SCENE.replace("$reuse", reuse);
+            // With channels that follow from others.
+            let text = ball_of_glass(&format!(
+                r#"<integrator type="moment"><integrator type="path"><float name="light_paths" value="8"/>
+                    <integer name="reuse" value="{reuse}"/></integrator></integrator>"#
+            ));
             let scene = load_text("scene.xml", &text, ColorMode::Spectral).unwrap();
             let window = scene.sensor.film.crop;
             let settings = Settings::of(&scene, 0..1);

@@ -5,6 +5,7 @@
 //! them. So flat lamps lie upon whatever they lie in.
 
 use super::Shape;
+use crate::math::DVec3;
 use crate::math::ray::position_error;
 use crate::shape::Geometry;
 
@@ -23,7 +24,7 @@ pub fn raise(shapes: &mut [Shape]) {
     if !shapes.iter().any(flat) {
         return;
     }
-    let Some(most) = shapes.iter().map(corner).reduce(|a, b| a.max(b)) else { return };
+    let most = shapes.iter().map(corner).fold(DVec3::ZERO, DVec3::max);
     let height = ERRORS * position_error(most);
     for shape in shapes.iter_mut().filter(|shape| shape.emitter.is_some()) {
         if let Geometry::Patch(patch) = &mut shape.geometry {

@@ -1,7 +1,7 @@
 //! What all parts of a scene share while it is being read.
 
 use super::error::{SceneError, known};
-use super::xml::{Attribute, Document, Element};
+use super::xml::{Attribute, Document, Element, find};
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Pixels;
@@ -119,8 +119,7 @@ impl<'d> Loader<'d> {
     /// The file that an attribute of an element names. As in Mitsuba, all of the scene file's folders come
     /// first, wherever the name stands; then those of the file in which it stands, which Mitsuba does not know.
     pub fn find(&self, element: &Element, name: &Attribute) -> Result<PathBuf, SceneError> {
-        let folders = || self.search.iter().chain(element.search.iter());
-        let path = folders().map(|folder| folder.join(&name.value)).find(|path| path.exists());
+        let path = find(self.search, &name.value).or_else(|| find(&element.search, &name.value));
         let (message, help) = match path {
             Some(path) if path.is_file() => {
                 self.depends_on(&path);
@@ -132,7 +131,7 @@ impl<'d> Loader<'d> {
             Some(_) => (format!("`{}` is no regular file", name.value), "expected a file".to_owned()),
             None => {
                 let mut looked: Vec<String> = vec![];
-                for folder in folders() {
+                for folder in self.search.iter().chain(element.search.iter()) {
                     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
                     let folder = format!("`{}`", folder.display());
                     if !looked.contains(&folder) {

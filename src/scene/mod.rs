@@ -18,6 +18,8 @@ pub mod params;
 pub mod registry;
 pub mod spectrum;
 pub mod transform;
+#[cfg(test)]
+pub(crate) mod trial;
 mod upgrade;
 pub mod xml;
 

@@ -28,6 +28,7 @@ impl Space {
         let is = |others: [[f64; 2]; 4]| {
             let apart =
                 places.as_flattened().iter().zip(others.as_flattened()).map(|(a, b)| (a - b) * (a - b));
+            // As near as Mitsuba takes them for the same; files have them to four digits.
             apart.sum::<f64>() < 1e-6
         };
         const THIRD: f64 = 1.0 / 3.0;
@@ -83,23 +84,16 @@ pub fn pixels(path: &Path) -> std::result::Result<Pixels, String> {
         let [a, b, c] = names.map(channel);
         Some([a?, b?, c?])
     };
-    let colours = |channels: [Vec<f32>; 3], to_srgb: &dyn Fn([f32; 3]) -> [f32; 3]| {
-        if channels.iter().any(|channel| channel.len() != width * height) {
-            return Err("its channels have fewer samples than there are pixels".to_owned());
-        }
-        let values = (0..width * height).flat_map(|i| to_srgb(channels.each_ref().map(|channel| channel[i])));
-        Ok(Pixels { width, height, channels: 3, values: values.collect(), encoded: false })
-    };
     let space = Space::of(image.attributes.chromaticities)?;
     if let Some(rgb) = three([["R", "r"], ["G", "g"], ["B", "b"]]) {
-        return colours(rgb, &|values| space.to_srgb(values));
+        return coloured((width, height), rgb, |values| space.to_srgb(values));
     }
     if let Some(xyz) = three([["X", "x"], ["Y", "y"], ["Z", "z"]]) {
-        return colours(xyz, &|values| Space::Xyz.to_srgb(values));
+        return coloured((width, height), xyz, |values| Space::Xyz.to_srgb(values));
     }
     if let Some(chroma) = three([["Y", "y"], ["RY", "ry"], ["BY", "by"]]) {
         let [of_red, of_green, of_blue] = space.luminance();
-        return colours(chroma, &|[luminance, ry, by]| {
+        return coloured((width, height), chroma, |[luminance, ry, by]| {
             let (r, b) = ((ry + 1.0) * luminance, (by + 1.0) * luminance);
             let g = (f64::from(luminance) - f64::from(r) * of_red - f64::from(b) * of_blue) / of_green;
             space.to_srgb([r, g as f32, b])
@@ -109,6 +103,18 @@ pub fn pixels(path: &Path) -> std::result::Result<Pixels, String> {
         Some(values) => Ok(Pixels { width, height, channels: 1, values, encoded: false }),
         None => Err("the EXR has neither the channels R, G, B nor X, Y, Z nor Y".into()),
     }
+}
+
+fn coloured(
+    (width, height): (usize, usize),
+    channels: [Vec<f32>; 3],
+    to_srgb: impl Fn([f32; 3]) -> [f32; 3],
+) -> std::result::Result<Pixels, String> {
+    if channels.iter().any(|channel| channel.len() != width * height) {
+        return Err("its channels have fewer samples than there are pixels".to_owned());
+    }
+    let values = (0..width * height).flat_map(|i| to_srgb(channels.each_ref().map(|channel| channel[i])));
+    Ok(Pixels { width, height, channels: 3, values: values.collect(), encoded: false })
 }
 
 #[cfg(test)]

@@ -142,7 +142,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     pub fn ratio_behind(&self, sample: &Sample) -> f64 {
         let Self { scene, state, .. } = *self;
         let traits = self.vertex.side.traits;
-        if F & Features::CAUSTICS == 0 || scene.caustics.is_none() || state.light_ratio == 0.0 {
+        if scene.caustics.is_none() || state.light_ratio == 0.0 {
             return state.light_ratio;
         }
         state.light_ratio

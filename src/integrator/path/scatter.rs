@@ -72,9 +72,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let sample = bsdf.sample(vertex.wo, lobe, u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
-        let light_ratio = here.ratio_behind(&sample);
         if F & Features::CAUSTICS != 0 {
-            state.light_ratio = light_ratio;
+            state.light_ratio = here.ratio_behind(&sample);
             // Whether or not light paths could make what is behind it: pixels that share must agree on what
             // they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
