@@ -3,6 +3,7 @@
 //! All of it is `f64` and uses only operations whose result IEEE 754 fixes, or functions of [`function`] that
 //! are built from those. The platform's mathematics library never decides a bit of an image.
 
+pub mod ball;
 pub mod bounds;
 pub mod cone;
 pub mod discrete;
@@ -16,6 +17,7 @@ pub mod simd;
 pub mod transform;
 pub mod warp;
 
+pub use ball::Ball;
 pub use bounds::Bounds;
 pub use discrete::Discrete;
 pub use frame::{Frame, length};

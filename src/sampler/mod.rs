@@ -138,12 +138,18 @@ impl Sampler {
         Self { sample, ..self }
     }
 
-    /// The numbers of one of `count` emitter samples at a vertex with so many edges behind it. Those of all
-    /// camera samples are one sequence, better spread than `count` of their own.
+    /// The numbers of up to eight of `count` emitter samples at a vertex with so many edges behind it, from
+    /// the one with number `first` on, and so many pairs of each. Those of all camera samples are one
+    /// sequence, better spread than `count` of their own.
     #[inline]
-    pub fn emitter_sample(&self, depth: u32, which: u32, count: u32) -> Numbers {
-        let (sampler, beyond) = self.one_of(which, count);
-        sampler.block(EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + beyond)
+    pub fn emitter_samples(&self, depth: u32, first: u32, count: u32, pairs: usize) -> ManyNumbers<8> {
+        let samplers: [_; 8] = std::array::from_fn(|i| self.one_of(first + i as u32, count));
+        let mut numbers = ManyNumbers::default();
+        numbers.fill((count - first).min(8) as usize, pairs, |i| {
+            let (sampler, beyond) = &samplers[i];
+            (sampler, EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + beyond)
+        });
+        numbers
     }
 
     /// One of `count` that stand for this sample, those of all samples being one sequence, and how many times
@@ -256,7 +262,7 @@ mod tests {
             let mut cells = std::collections::BTreeSet::new();
             for (sample, which) in (0..64 / count).flat_map(|sample| (0..count).map(move |i| (sample, i))) {
                 let sampler = Sampler::new(Kind::Sobol, 1, (3, 5), sample);
-                let p = sampler.emitter_sample(2, which, count).pair(0) * 8.0;
+                let p = sampler.emitter_samples(2, 0, count, 1).of(which as usize).pair(0) * 8.0;
                 cells.insert((p.x as u32, p.y as u32));
             }
             assert_eq!(cells.len(), 64, "{count}");
@@ -264,11 +270,18 @@ mod tests {
         // Nor does the sequence end where 32 bits do.
         let last = Sampler::new(Kind::Sobol, 1, (3, 5), u32::MAX);
         let first = Sampler::new(Kind::Sobol, 1, (3, 5), u32::MAX - 2);
-        assert_ne!(last.emitter_sample(0, 0, 1024).0, first.emitter_sample(0, 0, 1024).0);
-        assert_ne!(
-            Sampler::new(Kind::Sobol, 1, (3, 5), 0).emitter_sample(0, 7, 1024).0,
-            Sampler::new(Kind::Sobol, 1, (3, 5), 1 << 22).emitter_sample(0, 7, 1024).0
-        );
+        let numbers = |sampler: Sampler, which: u32| {
+            sampler.emitter_samples(0, which / 8 * 8, 1024, PAIRS).of(which as usize % 8).0
+        };
+        assert_ne!(numbers(last, 0), numbers(first, 0));
+        let at = |sample| Sampler::new(Kind::Sobol, 1, (3, 5), sample);
+        assert_ne!(numbers(at(0), 7), numbers(at(1 << 22), 7));
+        // Those that are made together are those that are made alone, however many pairs of them.
+        for which in 0..8 {
+            let (together, alone) =
+                (at(9).emitter_samples(3, 0, 11, 1), at(9).emitter_samples(3, which, 11, PAIRS));
+            assert_eq!(together.of(which as usize).pair(0), alone.of(0).pair(0));
+        }
     }
 
     #[test]

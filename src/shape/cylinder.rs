@@ -5,7 +5,7 @@ use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::turn;
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec2, DVec3, Frame, Transform};
+use crate::math::{Ball, Bounds, DVec2, DVec3, Frame, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use std::f64::consts::PI;
@@ -104,6 +104,13 @@ impl Cylinder {
 
     pub fn bounds(&self) -> Bounds {
         bounds(self.start, self.axis, self.length, self.radius)
+    }
+
+    /// The smallest ball that holds it.
+    pub fn ball(&self) -> Ball {
+        let half = 0.5 * self.length;
+        let radius = (half * half + self.radius * self.radius).sqrt();
+        Ball { centre: self.start + self.axis * half, radius }
     }
 }
 

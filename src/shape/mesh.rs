@@ -7,7 +7,7 @@ use crate::math::frame::{length, unit};
 use crate::math::function::acos;
 use crate::math::ray::position_error;
 use crate::math::simd::prefetch;
-use crate::math::{Bounds, DVec2, DVec3, Discrete, Frame, Transform, warp};
+use crate::math::{Ball, Bounds, DVec2, DVec3, Discrete, Frame, Transform, warp};
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
 #[derive(Debug)]
@@ -192,6 +192,11 @@ impl Mesh {
 
     pub fn bounds(&self) -> Bounds {
         around(self.positions.iter().map(|&p| double(p)))
+    }
+
+    /// A ball around it.
+    pub fn ball(&self) -> Ball {
+        Ball::of_points(self.positions.iter().map(|&p| double(p)))
     }
 }
 

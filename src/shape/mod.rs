@@ -22,7 +22,7 @@ mod sphere;
 
 use crate::math::bounds::corners;
 use crate::math::cone::Cone;
-use crate::math::{Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
+use crate::math::{Ball, Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
@@ -241,6 +241,17 @@ impl Geometry {
             Self::Patch(patch) => patch.corners().to_vec(),
             Self::Cube(cube) => cube.corners(),
             Self::Sphere(_) | Self::Cylinder(_) => corners(self.bounds()).to_vec(),
+        }
+    }
+
+    /// A ball that holds the shape: of a sphere itself.
+    pub fn ball(&self) -> Ball {
+        match self {
+            Self::Sphere(sphere) => Ball { centre: sphere.centre, radius: sphere.radius },
+            Self::Cylinder(cylinder) => cylinder.ball(),
+            Self::Mesh(mesh) => mesh.ball(),
+            Self::Patch(patch) => patch.ball(),
+            Self::Cube(cube) => Ball::of_points(cube.corners().into_iter()),
         }
     }
 

@@ -4,7 +4,7 @@ use super::{AreaSample, SurfacePoint};
 use crate::math::frame::{length, unit};
 use crate::math::function::{sin_cos_turn, turn};
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec2, DVec3, Transform, warp};
+use crate::math::{Ball, Bounds, DVec2, DVec3, Transform, warp};
 use std::f64::consts::PI;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +109,18 @@ impl Patch {
             Outline::Circle => (self.e1 * self.e1 + self.e2 * self.e2).map(f64::sqrt),
         };
         (self.centre - half, self.centre + half)
+    }
+
+    /// The smallest ball that holds it.
+    pub fn ball(&self) -> Ball {
+        let Self { e1, e2, .. } = *self;
+        let (a, b, c) = (e1.length_squared(), e1.dot(e2), e2.length_squared());
+        let squared = match self.outline {
+            Outline::Square => a + c + 2.0 * b.abs(),
+            // The longer half axis of the ellipse that it may be.
+            Outline::Circle => 0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt(),
+        };
+        Ball { centre: self.centre, radius: squared.sqrt() }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Directions from an emitter towards what is specular.
 
-use crate::math::bounds::{NOTHING, union};
+use crate::math::ball::{self, Ball};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, INV_PI, length, warp};
+use std::f64::consts::PI;
 
 /// How many balls stand for all casters: their densities are summed at every light path's beginning and end.
 const BALLS: usize = 16;
@@ -21,45 +22,31 @@ const UNAIMED: f64 = 0.1;
 /// A ball about p counts with Ω c = π and cos/π for its density.
 #[derive(Debug)]
 pub struct Aim {
-    balls: Vec<(DVec3, f64)>,
-}
-
-/// A ball as it is seen from a point: the axis of its cone, 1 − cos of its opening, and its largest cosine;
-/// `None` for one all around.
-struct Cone {
-    axis: DVec3,
-    one_minus_cos: f64,
-    largest: f64,
+    balls: Vec<Ball>,
 }
 
 impl Aim {
-    /// From the bounding boxes of the casters, halved along their longest extent until there are few groups.
-    pub fn new(boxes: &[(DVec3, DVec3)]) -> Self {
-        let mut groups = vec![boxes.to_vec()];
+    /// From balls around each of the casters, halved along their longest extent until there are few groups.
+    pub fn new(casters: &[Ball]) -> Self {
+        let size = |group: &[Ball]| {
+            let (lo, hi) = ball::bounds_of(group);
+            hi - lo
+        };
+        let mut groups = vec![casters.to_vec()];
         while groups.len() < BALLS {
             // The group whose box is largest is the worst to aim at.
-            let extent = |group: &Vec<(DVec3, DVec3)>| {
-                if group.len() < 2 { 0.0 } else { size(around(group)).max_element() }
-            };
-            let Some((worst, _)) = groups
-                .iter()
-                .enumerate()
-                .filter(|(_, group)| extent(group) > 0.0)
-                .max_by(|(i, a), (j, b)| extent(a).total_cmp(&extent(b)).then(j.cmp(i)))
-            else {
+            let several = groups.iter().enumerate().filter(|(_, group)| group.len() > 1);
+            let extents = several.map(|(i, group)| (i, size(group).max_element()));
+            let Some((worst, _)) = extents.max_by(|(i, a), (j, b)| a.total_cmp(b).then(j.cmp(i))) else {
                 break;
             };
             let mut group = std::mem::take(&mut groups[worst]);
-            let axis = size(around(&group)).max_position();
-            group.sort_by(|a, b| (a.0[axis] + a.1[axis]).total_cmp(&(b.0[axis] + b.1[axis])));
+            let axis = size(&group).max_position();
+            group.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
             groups.push(group.split_off(group.len() / 2));
             groups[worst] = group;
         }
-        let ball = |group: &Vec<(DVec3, DVec3)>| {
-            let (lo, hi) = around(group);
-            (0.5 * (lo + hi), 0.5 * length(hi - lo))
-        };
-        Self { balls: groups.iter().map(ball).collect() }
+        Self { balls: groups.iter().map(|group| Ball::around(group)).collect() }
     }
 
     /// Aimed at nothing: by the cosine.
@@ -67,12 +54,40 @@ impl Aim {
         Self { balls: vec![] }
     }
 
-    fn cone(&self, ball: usize, p: DVec3, n: DVec3) -> Option<Cone> {
-        let (centre, radius) = self.balls[ball];
+    /// From a point with a normal.
+    pub fn from(&self, p: DVec3, n: DVec3) -> Aimed {
+        let mut aimed = Aimed { n, cones: [Cone::NONE; BALLS], count: self.balls.len(), total: 0.0 };
+        for (cone, &ball) in aimed.cones.iter_mut().zip(&self.balls) {
+            *cone = Cone::of(ball, p, n);
+            aimed.total += cone.weight;
+        }
+        aimed
+    }
+}
+
+/// A ball as it is seen from a point.
+#[derive(Clone, Copy)]
+struct Cone {
+    /// Whether it is all around, and none of what follows but the weight means anything.
+    surrounds: bool,
+    axis: DVec3,
+    /// 1 − cos of its opening.
+    one_minus_cos: f64,
+    /// Its largest cosine to the normal.
+    largest: f64,
+    /// Ω c.
+    weight: f64,
+}
+
+impl Cone {
+    const NONE: Self =
+        Self { surrounds: false, axis: DVec3::Z, one_minus_cos: 0.0, largest: 0.0, weight: 0.0 };
+
+    fn of(Ball { centre, radius }: Ball, p: DVec3, n: DVec3) -> Self {
         let towards = centre - p;
         let distance = length(towards);
         if distance <= radius {
-            return None;
+            return Self { surrounds: true, weight: PI, ..Self::NONE };
         }
         let (axis, sin) = (towards / distance, radius / distance);
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
@@ -80,76 +95,76 @@ impl Aim {
         // The cone's direction nearest to the normal: the cosine of the difference of two angles.
         let largest =
             if height >= cos { 1.0 } else { height * cos + (1.0 - height * height).max(0.0).sqrt() * sin };
-        Some(Cone { axis, one_minus_cos: sin * sin / (1.0 + cos), largest: largest.max(0.0) })
+        let (one_minus_cos, largest) = (sin * sin / (1.0 + cos), largest.max(0.0));
+        Self { surrounds: false, axis, one_minus_cos, largest, weight: 2.0 * PI * one_minus_cos * largest }
     }
 
-    /// Ω c of a ball.
-    fn weight(cone: &Option<Cone>) -> f64 {
-        match cone {
-            None => std::f64::consts::PI,
-            Some(cone) => 2.0 * std::f64::consts::PI * cone.one_minus_cos * cone.largest,
+    /// cₖ where the direction is within; of a ball all around, π times the density.
+    fn part(&self, w: DVec3, cosine: f64) -> f64 {
+        // |w − axis|² / 2 is 1 − cos without its cancellation.
+        if self.surrounds {
+            PI * cosine
+        } else if 0.5 * (w - self.axis).length_squared() <= self.one_minus_cos {
+            self.largest
+        } else {
+            0.0
         }
     }
+}
 
-    /// A direction from the point p of an emitter with normal n, by three numbers in [0, 1); a strip of the
-    /// first two falls to each cone, as in [`Discrete::sample_strip`](crate::math::Discrete::sample_strip).
-    pub fn sample(&self, p: DVec3, n: DVec3, u: DVec2, digits: f64) -> DVec3 {
-        let cosine = |x: f64| Frame::about(n).to_world(warp::cosine_hemisphere(DVec2::new(x, u.y)));
+/// What there is to aim at from a point of an emitter.
+pub struct Aimed {
+    n: DVec3,
+    cones: [Cone; BALLS],
+    count: usize,
+    total: f64,
+}
+
+impl Aimed {
+    fn cones(&self) -> &[Cone] {
+        &self.cones[..self.count]
+    }
+
+    /// A direction by three numbers in [0, 1); a strip of the first two falls to each cone, as in
+    /// [`Discrete::sample_strip`](crate::math::Discrete::sample_strip).
+    pub fn sample(&self, u: DVec2, digits: f64) -> DVec3 {
+        let cosine = |x: f64| Frame::about(self.n).to_world(warp::cosine_hemisphere(DVec2::new(x, u.y)));
         let choice = with_digits(u.x, digits);
-        if self.balls.is_empty() {
+        if self.count == 0 {
             return cosine(choice);
         }
         if choice < UNAIMED {
             return cosine(choice / UNAIMED);
         }
-        let total: f64 = (0..self.balls.len()).map(|k| Self::weight(&self.cone(k, p, n))).sum();
         let aimed = (choice - UNAIMED) / (1.0 - UNAIMED);
-        let mut rest = aimed * total;
-        for k in 0..self.balls.len() {
-            let cone = self.cone(k, p, n);
-            let weight = Self::weight(&cone);
-            if rest < weight {
-                let x = (rest / weight).min(BELOW_ONE);
-                return match cone {
-                    None => cosine(x),
-                    Some(cone) => {
-                        Frame::about(cone.axis).to_world(warp::cone(DVec2::new(x, u.y), cone.one_minus_cos))
-                    }
+        let mut rest = aimed * self.total;
+        for cone in self.cones() {
+            if rest < cone.weight {
+                let x = (rest / cone.weight).min(BELOW_ONE);
+                return if cone.surrounds {
+                    cosine(x)
+                } else {
+                    Frame::about(cone.axis).to_world(warp::cone(DVec2::new(x, u.y), cone.one_minus_cos))
                 };
             }
-            rest -= weight;
+            rest -= cone.weight;
         }
         // No ball is in front, or rounding has left a little beyond the last.
         cosine(aimed)
     }
 
-    /// The density of [`Aim::sample`] in sr⁻¹; zero behind the emitter.
-    pub fn density(&self, p: DVec3, n: DVec3, w: DVec3) -> f64 {
-        let cosine = w.dot(n) * INV_PI;
+    /// The density of [`Aimed::sample`] in sr⁻¹; zero behind the emitter.
+    pub fn density(&self, w: DVec3) -> f64 {
+        let cosine = w.dot(self.n) * INV_PI;
         if cosine <= 0.0 {
             return 0.0;
         }
-        let (mut total, mut aimed) = (0.0, 0.0);
-        for k in 0..self.balls.len() {
-            let cone = self.cone(k, p, n);
-            total += Self::weight(&cone);
-            aimed += match cone {
-                None => std::f64::consts::PI * cosine,
-                // |w − axis|² / 2 is 1 − cos without its cancellation.
-                Some(cone) if 0.5 * (w - cone.axis).length_squared() <= cone.one_minus_cos => cone.largest,
-                Some(_) => 0.0,
-            };
+        if self.total == 0.0 {
+            return cosine;
         }
-        if total > 0.0 { UNAIMED * cosine + (1.0 - UNAIMED) * aimed / total } else { cosine }
+        let aimed: f64 = self.cones().iter().map(|cone| cone.part(w, cosine)).sum();
+        UNAIMED * cosine + (1.0 - UNAIMED) * aimed / self.total
     }
-}
-
-fn around(group: &[(DVec3, DVec3)]) -> (DVec3, DVec3) {
-    group.iter().copied().fold(NOTHING, union)
-}
-
-fn size((lo, hi): (DVec3, DVec3)) -> DVec3 {
-    hi - lo
 }
 
 #[cfg(test)]
@@ -158,30 +173,27 @@ mod tests {
     use crate::sampler::{Kind, Sampler};
 
     fn example() -> Aim {
-        let cube = |x: f64, y: f64, z: f64, r: f64| {
-            let c = DVec3::new(x, y, z);
-            (c - r, c + r)
-        };
+        let ball = |x: f64, y: f64, z: f64, radius: f64| Ball { centre: DVec3::new(x, y, z), radius };
         Aim::new(&[
-            cube(0.0, 0.0, 2.0, 0.3),
-            cube(1.5, 0.2, 1.0, 0.4),
-            cube(0.1, 0.0, -3.0, 0.5),
-            cube(2.0, 2.0, 0.1, 0.6),
+            ball(0.0, 0.0, 2.0, 0.5),
+            ball(1.5, 0.2, 1.0, 0.7),
+            ball(0.1, 0.0, -3.0, 0.9),
+            ball(2.0, 2.0, 0.1, 1.0),
         ])
     }
 
     #[test]
     fn averages_over_directions_are_those_of_the_hemisphere() {
         for (p, n) in [(DVec3::ZERO, DVec3::Z), (DVec3::new(0.1, 0.0, 1.9), DVec3::X)] {
-            let aim = example();
+            let aimed = example().from(p, n);
             // ∫ g dω of functions that are large within, across and beside the cones, by sampling; each is
             // known.
             const N: u32 = 1 << 18;
             let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
             for i in 0..N {
                 let u = Sampler::new(Kind::Independent, 0, (0, 0), i).block(0);
-                let w = aim.sample(p, n, u.pair(0), u.one(4));
-                let density = aim.density(p, n, w);
+                let w = aimed.sample(u.pair(0), u.one(4));
+                let density = aimed.density(w);
                 let cos = w.dot(n);
                 if cos <= 0.0 {
                     assert_eq!(density, 0.0);
@@ -207,17 +219,30 @@ mod tests {
     }
 
     #[test]
-    fn few_balls_hold_many_boxes() {
-        let corner =
+    fn few_balls_hold_many() {
+        let centre =
             |i: u32| DVec3::new(f64::from(i * 37 % 101), f64::from(i * 61 % 97), f64::from(i * 13 % 89));
-        let boxes: Vec<_> = (0..500).map(|i| (corner(i), corner(i) + 1.0)).collect();
-        let aim = Aim::new(&boxes);
+        let casters: Vec<_> =
+            (0..500).map(|i| Ball { centre: centre(i), radius: f64::from(i % 7) / 4.0 }).collect();
+        let aim = Aim::new(&casters);
         assert_eq!(aim.balls.len(), BALLS);
-        for (lo, hi) in boxes {
-            let holds = |(centre, radius): &(DVec3, f64)| {
-                length((lo - centre).abs().max((hi - centre).abs())) <= radius * (1.0 + 1e-12)
+        for caster in casters {
+            let holds = |ball: &Ball| {
+                length(caster.centre - ball.centre) + caster.radius <= ball.radius * (1.0 + 1e-12)
             };
             assert!(aim.balls.iter().any(holds));
         }
+    }
+
+    #[test]
+    fn nothing_is_aimed_beside_a_single_ball() {
+        let ball = Ball { centre: DVec3::new(0.3, 0.1, 4.0), radius: 0.5 };
+        let aimed = Aim::new(&[ball]).from(DVec3::ZERO, DVec3::Z);
+        let meets = |w: DVec3| length(ball.centre - w * ball.centre.dot(w)) <= ball.radius * (1.0 + 1e-12);
+        let number = |i: u32| Sampler::new(Kind::Independent, 0, (0, 0), i).block(0);
+        const N: u32 = 1000;
+        let met = (0..N).filter(|&i| meets(aimed.sample(number(i).pair(0), number(i).one(4)))).count();
+        let expected = (1.0 - UNAIMED) * f64::from(N);
+        assert!(met as f64 > expected - 4.0 * (expected * UNAIMED).sqrt(), "{met}");
     }
 }

@@ -3,7 +3,7 @@
 use super::aim::Aim;
 use super::is_caster;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
-use crate::math::{DVec3, Discrete, Ray};
+use crate::math::{Ball, DVec3, Discrete, Ray};
 use crate::sampler::Numbers;
 use crate::scene::Shape;
 use crate::scene::instances::Instances;
@@ -32,8 +32,9 @@ pub struct Start {
 impl Emission {
     /// `None` where nothing shines or nothing is specular.
     pub fn new(emitters: &Emitters, shapes: &[Shape], instances: &Instances) -> Option<Self> {
-        let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.bounds());
-        let casters: Vec<_> = own.chain(instances.bounds_of_groups_with(is_caster)).collect();
+        let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.ball());
+        let placed = instances.bounds_of_groups_with(is_caster).into_iter().map(Ball::of_box);
+        let casters: Vec<_> = own.chain(placed).collect();
         if casters.is_empty() { None } else { Self::aimed(emitters, shapes, Aim::new(&casters)) }
     }
 
@@ -65,8 +66,9 @@ impl Emission {
         let shape = &shapes[entry.shape? as usize];
         let start = shape.geometry.sample_area(place);
         let end = EmitterPoint { emitter: index, p: start.p, n: start.n };
-        let w = self.aim.sample(end.p, end.n, u.pair(1), u.one(6));
-        let density = self.density_at(end, start.pdf, w);
+        let aimed = self.aim.from(end.p, end.n);
+        let w = aimed.sample(u.pair(1), u.one(6));
+        let density = self.choice.probability(index) * start.pdf * aimed.density(w);
         if density == 0.0 {
             return None;
         }
@@ -76,14 +78,10 @@ impl Emission {
         (!radiance.is_zero()).then(|| Start { end, ray, radiance, cos: w.dot(start.n), density })
     }
 
-    /// Of a point and the direction w from it, in m⁻²·sr⁻¹. `pdf` is that of the point.
-    fn density_at(&self, end: EmitterPoint, pdf: f64, w: DVec3) -> f64 {
-        self.choice.probability(end.emitter) * pdf * self.aim.density(end.p, end.n, w)
-    }
-
-    /// As [`Emission::sample`] makes them, in m⁻²·sr⁻¹.
+    /// Of a point and the direction w from it as [`Emission::sample`] makes them, in m⁻²·sr⁻¹.
     pub fn density(&self, emitters: &Emitters, shapes: &[Shape], end: EmitterPoint, w: DVec3) -> f64 {
-        let area = |shape: u32| shapes[shape as usize].geometry.area();
-        emitters.list[end.emitter].shape.map_or(0.0, |shape| self.density_at(end, 1.0 / area(shape), w))
+        let Some(shape) = emitters.list[end.emitter].shape else { return 0.0 };
+        let pdf = 1.0 / shapes[shape as usize].geometry.area();
+        self.choice.probability(end.emitter) * pdf * self.aim.from(end.p, end.n).density(w)
     }
 }

@@ -9,7 +9,7 @@
 //! by false position. Light for x comes from about the image of x: with the distance s from the surface, rays
 //! near the axis meet s r/(2s + r) below it.
 
-use crate::math::{DVec2, DVec3, length};
+use crate::math::{Ball, DVec2, DVec3, length};
 
 /// What a mirror looks like.
 #[derive(Clone, Copy, Debug)]
@@ -19,10 +19,7 @@ pub enum Form {
         n: DVec3,
         height: f64,
     },
-    Ball {
-        centre: DVec3,
-        radius: f64,
-    },
+    Ball(Ball),
 }
 
 /// A surface that reflects all light from a point as if there were one other point, or nearly so.
@@ -30,7 +27,7 @@ pub enum Form {
 pub struct Mirror {
     pub form: Form,
     /// The ball around it.
-    pub around: (DVec3, f64),
+    pub around: Ball,
     /// Which part of the light it reflects, about, on the side of the normal (of a ball: outside) and on the
     /// other.
     pub strength: [f64; 2],
@@ -47,7 +44,7 @@ impl Mirror {
     pub fn image(&self, x: DVec3) -> Option<DVec3> {
         match self.form {
             Form::Plane { n, height } => Some(x - n * (2.0 * (n.dot(x) - height))),
-            Form::Ball { centre, radius } => {
+            Form::Ball(Ball { centre, radius }) => {
                 let from_centre = x - centre;
                 let distance = length(from_centre);
                 let s = distance - radius;
@@ -68,7 +65,7 @@ impl Mirror {
                     (x - n * a) * (1.0 - part) + (y - n * b) * part
                 })
             }
-            Form::Ball { centre, radius } => {
+            Form::Ball(Ball { centre, radius }) => {
                 on_unit_ball((x - centre) / radius, (y - centre) / radius).map(|n| centre + n * radius)
             }
         }
@@ -79,9 +76,9 @@ impl Mirror {
     pub fn weight(&self, x: DVec3) -> f64 {
         let behind = match self.form {
             Form::Plane { n, height } => n.dot(x) < height,
-            Form::Ball { centre, radius } => length(x - centre) <= radius,
+            Form::Ball(Ball { centre, radius }) => length(x - centre) <= radius,
         };
-        let (centre, radius) = self.around;
+        let Ball { centre, radius } = self.around;
         self.strength[usize::from(behind)] * (radius * radius / (x - centre).length_squared()).min(1.0)
     }
 }
@@ -162,7 +159,7 @@ mod tests {
         let form = Form::Plane { n: DVec3::Z, height: 2.0 };
         let mirror = Mirror {
             form,
-            around: (DVec3::new(0.0, 0.0, 2.0), 1.0),
+            around: Ball { centre: DVec3::new(0.0, 0.0, 2.0), radius: 1.0 },
             strength: [0.9, 0.0],
             primitives: vec![],
         };

@@ -6,7 +6,7 @@ use super::bent::REFLECTED;
 use super::mirror::{Form, Mirror};
 use crate::bsdf::{AnyMaterial, Bsdf, Material, Visitor};
 use crate::math::frame::unit;
-use crate::math::{DVec2, DVec3, bounds, length};
+use crate::math::{Ball, DVec2, DVec3, length};
 use crate::scene::Shape;
 use crate::shape::{Geometry, Mesh, Patch, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -28,8 +28,9 @@ impl Mirrors {
     pub fn of(shapes: &[Shape], materials: &[AnyMaterial], mode: ColorMode) -> Self {
         let mut mirrors: Vec<Mirror> =
             shapes.iter().flat_map(|shape| of_shape(shape, materials, mode)).collect();
-        let size =
-            |mirror: &Mirror| mirror.around.1 * mirror.around.1 * mirror.strength[0].max(mirror.strength[1]);
+        let size = |mirror: &Mirror| {
+            mirror.around.radius * mirror.around.radius * mirror.strength[0].max(mirror.strength[1])
+        };
         mirrors.retain(|mirror| size(mirror) > 0.0);
         mirrors.sort_by(|a, b| size(b).total_cmp(&size(a)));
         mirrors.truncate(MOST_MIRRORS);
@@ -94,14 +95,13 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<Mi
         |form, around, strength, primitive| Mirror { form, around, strength, primitives: vec![primitive] };
     let plane = |patch: &Patch, primitive| {
         let form = Form::Plane { n: patch.n, height: patch.n.dot(patch.centre) };
-        whole(form, around(&patch.corners()), strength, primitive)
+        whole(form, patch.ball(), strength, primitive)
     };
     match &shape.geometry {
         Geometry::Sphere(sphere) => {
-            let around = (sphere.centre, sphere.radius);
-            let form = Form::Ball { centre: sphere.centre, radius: sphere.radius };
+            let ball = shape.geometry.ball();
             // From inside it would be a hollow mirror.
-            vec![whole(form, around, [strength[usize::from(sphere.inward)], 0.0], first)]
+            vec![whole(Form::Ball(ball), ball, [strength[usize::from(sphere.inward)], 0.0], first)]
         }
         Geometry::Patch(patch) => vec![plane(patch, first)],
         Geometry::Cube(cube) => cube.faces().iter().zip(first..).map(|(face, i)| plane(face, i)).collect(),
@@ -148,7 +148,7 @@ struct Piece {
 }
 
 /// Planes of a mesh, with balls around what lies in them, and the triangles that do; none if it is curved.
-fn flat_pieces(mesh: &Mesh) -> Vec<(Form, (DVec3, f64), Vec<u32>)> {
+fn flat_pieces(mesh: &Mesh) -> Vec<(Form, Ball, Vec<u32>)> {
     let (lo, hi) = mesh.bounds();
     let size = length(hi - lo);
     let mut pieces: Vec<Piece> = vec![];
@@ -176,15 +176,9 @@ fn flat_pieces(mesh: &Mesh) -> Vec<(Form, (DVec3, f64), Vec<u32>)> {
     }
     let plane = |piece: Piece| {
         let form = Form::Plane { n: piece.n, height: piece.height };
-        (form, around(&piece.places), piece.triangles)
+        (form, Ball::of_points(piece.places.iter().copied()), piece.triangles)
     };
     pieces.into_iter().map(plane).collect()
-}
-
-/// A ball around points.
-fn around(points: &[DVec3]) -> (DVec3, f64) {
-    let (lo, hi) = bounds::around(points.iter().copied());
-    (0.5 * (lo + hi), 0.5 * length(hi - lo))
 }
 
 #[cfg(test)]

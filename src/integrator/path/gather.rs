@@ -11,7 +11,7 @@ use crate::integrator::light::{self, Proposal, Sampled, Vertex};
 use crate::integrator::links::{self, Link, Links};
 use crate::integrator::{Counters, caustics};
 use crate::math::{DVec3, Ray};
-use crate::sampler::{Numbers, Sampler};
+use crate::sampler::{Numbers, PAIRS, Sampler};
 use crate::scene::{Features, Scene};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -62,7 +62,10 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         let casts = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
         let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
         for which in 0..count {
-            let u = self.numbers(which, count);
+            let u = match count {
+                1 => self.u,
+                _ => shadows.numbers(scene, self.sampler, state.depth, (which, count)),
+            };
             let (u, counts) = ((u.pair(0), u.one(4)), (f64::from(count), 1.0));
             let found = light::sample_emitter(scene, vertex, n, u, counts, λ, light_paths);
             let Some((Proposal { ray, radiance }, sampled)) = found else { continue };
@@ -118,8 +121,12 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
                 _ => 0.0,
             };
             let effort = (settings.emitter_samples as f64, most);
-            for which in 0..settings.emitter_samples {
-                let u = self.numbers(which, settings.emitter_samples);
+            let count = settings.emitter_samples;
+            for which in 0..count {
+                let u = match count {
+                    1 => self.u,
+                    _ => self.sampler.emitter_samples(state.depth, which, count, PAIRS).of(0),
+                };
                 for mirror in links.techniques(vertex.point.p, u.one(7)) {
                     let which = (mirror, u.pair(0), u.one(4));
                     let found = links::sample_emitter(scene, vertex, which, effort, λ, light_paths, counters);
@@ -173,13 +180,5 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     /// The point of an emitter that was sampled from here.
     fn end(&self, emitter: usize, light: &DirectSample) -> EmitterPoint {
         EmitterPoint { emitter, p: self.vertex.point.p + light.wi * light.distance, n: light.n }
-    }
-
-    /// The numbers of one of `count` emitter samples.
-    fn numbers(&self, which: u32, count: u32) -> Numbers {
-        match count {
-            1 => self.u,
-            count => self.sampler.emitter_sample(self.state.depth, which, count),
-        }
     }
 }

@@ -29,6 +29,9 @@ pub const EXAMPLES: &[&str] = &[
 /// absorbed; such paths are counted and reported.
 pub const MAX_VERTICES: u32 = MOST_VERTICES;
 
+/// The choice between so many emitters takes four bits of 32 from the place on the chosen one.
+const FEW_EMITTERS: usize = 16;
+
 /// The settings, with Mitsuba's meaning of each.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {

@@ -1,9 +1,11 @@
 //! Light that waits to be tested for visibility.
 
+use super::FEW_EMITTERS;
 use super::reuse::{Contested, Rivals, Shared};
 use super::stream::STREAM;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
+use crate::sampler::{ManyNumbers, Numbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
@@ -15,6 +17,8 @@ pub struct Shadows {
     /// What else finds some of what is shared, by its place.
     rivals: Vec<(usize, Rivals)>,
     occluded: Vec<bool>,
+    /// Of up to eight emitter samples at a vertex.
+    numbers: ManyNumbers<8>,
     /// What is shared of that and has arrived.
     pub contested: Vec<Contested>,
 }
@@ -22,6 +26,23 @@ pub struct Shadows {
 impl Shadows {
     /// More than this need not wait.
     pub const MANY: usize = 4 * STREAM;
+
+    /// The numbers of one of `count` emitter samples at a vertex, which are asked for in turn.
+    #[inline(never)]
+    pub fn numbers(
+        &mut self,
+        scene: &Scene,
+        sampler: &Sampler,
+        depth: u32,
+        (which, count): (u32, u32),
+    ) -> Numbers {
+        if which.is_multiple_of(8) {
+            // Place, and more digits for the choice of the emitter.
+            let pairs = if scene.emitters.list.len() > FEW_EMITTERS { 3 } else { 1 };
+            self.numbers = sampler.emitter_samples(depth, which, count, pairs);
+        }
+        self.numbers.of(which as usize % 8)
+    }
 
     pub fn push(&mut self, (path, shares): (usize, bool), ray: Ray, light: Spectrum) {
         self.rays.push(ray);

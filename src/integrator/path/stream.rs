@@ -1,9 +1,9 @@
 //! Paths that take each step together.
 
-use super::Path;
 use super::reuse::{Exchange, Shared, Tail};
 use super::shadows::Shadows;
 use super::vertex::Arrival;
+use super::{FEW_EMITTERS, Path};
 use crate::integrator::links::Way;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
@@ -134,11 +134,9 @@ impl Path {
     /// place on an emitter and a direction; for more digits of a choice between many emitters and one between
     /// lobes; for roulette and a choice between ways through glass.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
-        /// The choice between so many takes four bits of 32 from the place.
-        const FEW: usize = 16;
         if edges >= self.rr_depth || scene.links.is_some() {
             PAIRS
-        } else if scene.emitters.list.len() > FEW || scene.several_lobes {
+        } else if scene.emitters.list.len() > FEW_EMITTERS || scene.several_lobes {
             3
         } else {
             2

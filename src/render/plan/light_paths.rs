@@ -1,15 +1,16 @@
 //! How many light paths there are to a camera path.
 //!
-//! A pixel of relative cost 1 + s and variance V + W/s, with s light paths to a camera path, is best at s² =
-//! W/V: the variance that light paths leave against that of camera paths. A pilot too short to know variances
-//! knows energies well, since either kind of path finds its own part of the light easily. So s is the root of
-//! the part of the image's light that light paths bring, as a power of two; and where they bring none they
-//! are left out. Where they would bring most of it, sampling emitters through glass
-//! ([`links`](crate::integrator::links)) relieves them first. The pilot has a seed of its own and its samples
-//! are thrown away, so the choice cannot bias an image; they are a function of the scene alone, so every part
-//! of a render makes the same.
+//! First a pilot too short to know variances asks how much light they bring, for either kind of path finds its
+//! own part easily. Where light paths bring none they are left out; where they would bring most of it,
+//! sampling emitters through glass ([`links`](crate::integrator::links)) relieves them. The root of their part
+//! is a first guess at their number: a pixel of relative cost 1 + s and variance V + W/s, with s light paths
+//! to a camera path, is best at s² = W/V, and variances are about as energies.
+//!
+//! Once all else is settled ([`balance`]), V and W and the costs are measured.
 
+use super::look::{Cell, Look};
 use super::{all_over, pilot_camera};
+use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::Where;
@@ -19,8 +20,10 @@ use crate::scene::Scene;
 const CAMERA_SAMPLES: u64 = 2048;
 const LIGHT_PATHS: u64 = 8192;
 
-/// Tiles along each side of the image.
+/// Tiles along each side of the image: of the light there may be few samples in each; of the noise more, for
+/// what is bright within a tile is what its own noise is to be compared with.
 const TILES: usize = 8;
+const FINE_TILES: usize = 32;
 
 /// Where light paths would bring this part of the light, emitters are sampled through glass at all vertices.
 const MUCH: f64 = 0.5;
@@ -29,13 +32,12 @@ const MUCH: f64 = 0.5;
 const FEWEST: f64 = 1.0 / 32.0;
 const MOST: f64 = 1.0;
 
-/// So many times more where pixels share what their paths find ([`reuse`](crate::integrator::path::reuse)):
-/// that takes variance from camera paths and leaves that of light paths.
-const MORE_WHERE_PIXELS_SHARE: f64 = 2.0;
-
 /// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may
 /// have to be kept of the four of a block.
 const AT_ONCE: f64 = (1 << 19) as f64;
+
+/// What a ray of a light path costs, connections with the camera included, in rays of camera paths.
+const RAY: f64 = 2.0;
 
 /// Settles the number of light paths of a scene whose file does not.
 pub fn settle(scene: &mut Scene) {
@@ -51,10 +53,36 @@ pub fn settle(scene: &mut Scene) {
         part = brought(scene).unwrap_or(part);
     }
     if part > 0.0 {
-        set(scene, nearest_power_of_two(part.sqrt()));
+        set(scene, part.sqrt());
     } else {
         scene.caustics = None;
         scene.settle_caustics();
+    }
+}
+
+/// Settles it by the noise and the cost of the camera paths as they will be.
+pub fn balance(scene: &mut Scene, look: &Look) {
+    let Some(caustics) = &scene.caustics else { return };
+    let film = scene.sensor.film.crop;
+    let (splats, rays) = splats(scene, caustics, FINE_TILES);
+    let cost = RAY * rays;
+    // What is seen of each cell: light, variance of camera paths, and of one light path to each of these.
+    let of_cell = |cell: &Cell| {
+        let Tile { light, squares } = splats[tile(film, FINE_TILES, cell.corner)];
+        (cell.light + light, cell.variance, squares)
+    };
+    let cells: Vec<_> = look.cells.iter().map(of_cell).filter(|(light, ..)| *light > 0.0).collect();
+    let product = |s: f64| {
+        let deviation: f64 = cells.iter().map(|(light, v, w)| (v + w / s).sqrt() / light).sum();
+        deviation * deviation * (look.cost + s * cost)
+    };
+    let numbers = || std::iter::successors(Some(MOST), |s| Some(0.5 * s)).take_while(|s| *s >= FEWEST);
+    let best = numbers()
+        .flat_map(|s| [s, 0.75 * s])
+        .map(|s| (s, product(s)))
+        .reduce(|best, other| if other.1 < best.1 { other } else { best });
+    if let Some((s, _)) = best {
+        set(scene, s);
     }
 }
 
@@ -64,53 +92,62 @@ fn set(scene: &mut Scene, ratio: f64) {
     scene.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, pixels));
 }
 
-/// Gives a scene whose pixels share the more light paths that it then is best with, if its file leaves that
-/// open.
-pub fn raise(scene: &mut Scene) {
-    let Some(caustics) = scene.caustics.as_ref().filter(|_| is_free(scene)) else { return };
-    let ratio = f64::from(caustics.paths) / scene.sensor.film.crop.pixels() as f64;
-    set(scene, MORE_WHERE_PIXELS_SHARE * ratio);
-}
-
 /// Whether a scene's file leaves open how many light paths there are.
 pub fn is_free(scene: &Scene) -> bool {
     scene.integrator.path().is_some_and(|path| path.light_paths.is_none())
 }
 
-/// The power of two nearest to x in (0, 1], by ratio; not below [`FEWEST`].
-fn nearest_power_of_two(x: f64) -> f64 {
-    let mut power = 1.0;
-    while power * power > 2.0 * x * x && power > FEWEST {
-        power *= 0.5;
+/// What light paths bring to each pixel of a tile, on average, and the variance of that where there is one of
+/// them to a camera sample.
+#[derive(Clone, Copy, Default)]
+struct Tile {
+    light: f64,
+    squares: f64,
+}
+
+/// By the place of a pixel.
+fn tile(film: Window, tiles: usize, (x, y): (u32, u32)) -> usize {
+    let along = |offset: u32, size: u32| (u64::from(offset) * tiles as u64 / u64::from(size)) as usize;
+    along(y - film.y, film.height) * tiles + along(x - film.x, film.width)
+}
+
+/// What light paths bring to so many tiles along each side, and how many rays each takes.
+fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) {
+    let film = scene.sensor.film.crop;
+    let mut tiles = vec![Tile::default(); along * along];
+    let mut counters = Counters::default();
+    let paths = f64::from(caustics.paths);
+    // Green stands for all colours.
+    pilot_camera(scene).trace_light(0..LIGHT_PATHS, &mut counters, |_, pixel, values| {
+        // Had it been the only one.
+        let brought = paths * values[1];
+        let tile = &mut tiles[tile(film, along, pixel)];
+        tile.light += brought;
+        tile.squares += brought * brought;
+    });
+    let pixels = film.pixels() as f64;
+    let samples = LIGHT_PATHS as f64 * (pixels / (along * along) as f64);
+    for tile in &mut tiles {
+        *tile = Tile { light: tile.light / samples, squares: tile.squares / (samples * pixels) };
     }
-    power
+    (tiles, counters.rays as f64 / LIGHT_PATHS as f64)
 }
 
 /// The part of the light that light paths bring, averaged over tiles of the image, for a lamp in view must
 /// not outshine everything else; zero where they were not seen to bring any.
 fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let camera = pilot_camera(scene);
-    let mut counters = Counters::default();
     let film = scene.sensor.film.crop;
-    let pixels = film.pixels() as u64;
     let which = all_over(film, CAMERA_SAMPLES);
     let channels = camera.channel_names().len();
     let mut values = vec![0.0; channels * which.len()];
-    camera.samples(&which, &mut counters, &mut values);
-    let tile = |(x, y): (u32, u32)| {
-        let along = |offset: u32, size: u32| (u64::from(offset) * TILES as u64 / u64::from(size)) as usize;
-        along(y - film.y, film.height) * TILES + along(x - film.x, film.width)
-    };
-    // Green stands for all colours.
-    let (mut seen, mut brought) = (vec![0.0; TILES * TILES], vec![0.0; TILES * TILES]);
+    camera.samples(&which, &mut Counters::default(), &mut values);
+    let mut seen = vec![0.0; TILES * TILES];
     for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
-        seen[tile(*pixel)] += values[1];
+        seen[tile(film, TILES, *pixel)] += values[1] * (TILES * TILES) as f64 / CAMERA_SAMPLES as f64;
     }
-    let scale = f64::from(caustics.paths) * CAMERA_SAMPLES as f64 / (LIGHT_PATHS as f64 * pixels as f64);
-    camera.trace_light(0..LIGHT_PATHS, &mut counters, |_, pixel, values| {
-        brought[tile(pixel)] += values[1] * scale;
-    });
-    let parts = seen.iter().zip(&brought).map(|(seen, brought)| brought / (seen + brought));
+    let (brought, _) = splats(scene, caustics, TILES);
+    let parts = seen.iter().zip(&brought).map(|(seen, brought)| brought.light / (seen + brought.light));
     let lit: Vec<f64> = parts.filter(|part| part.is_finite()).map(|part| part.clamp(0.0, 1.0)).collect();
     if lit.is_empty() { 0.0 } else { lit.iter().sum::<f64>() / lit.len() as f64 }
 }
@@ -120,15 +157,6 @@ mod tests {
     use super::*;
     use crate::scene::{Features, load_text};
     use crate::spectrum::ColorMode;
-
-    #[test]
-    fn powers_are_the_nearest() {
-        for (x, power) in
-            [(1.0, 1.0), (0.72, 1.0), (0.7, 0.5), (0.26, 0.25), (0.18, 0.25), (0.17, 0.125), (1e-9, FEWEST)]
-        {
-            assert_eq!(nearest_power_of_two(x), power, "{x}");
-        }
-    }
 
     /// Light paths to a camera path in a box whose lamp is behind glass or not, or that has no glass, or no
     /// lamp to aim from.

@@ -8,6 +8,7 @@
 
 pub mod guide;
 pub mod light_paths;
+mod look;
 pub mod reuse;
 
 use super::pixel;

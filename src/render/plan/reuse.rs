@@ -5,16 +5,17 @@
 //! sharing where light has met several matte surfaces, light paths where most of it comes from few places,
 //! and more emitter samples where what is left then is direct light, which nobody shares. The pilot makes the
 //! same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells'
-//! relative deviations, over which a rare bright path has less sway than over variances. It has a seed of its
-//! own and its samples are thrown away, so the choice cannot bias an image; they are a function of the scene
-//! alone, so every part of a render makes the same.
+//! relative deviations, over which a rare bright path has less sway than over variances.
+//!
+//! Since nobody shares direct light, its variance adds to that of the rest and falls as the number of its
+//! samples grows, whoever shares. So two looks at pixels that share nothing, with few emitter samples and with
+//! many, tell what any number of them leaves of any other look, and all is chosen together.
 
-use super::{light_paths, pilot_camera, scattered};
-use crate::integrator::Counters;
-use crate::integrator::path::reuse::{CELL, LightSources, cell};
+use super::light_paths;
+use super::look::{Cell, Look};
+use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
-use rayon::prelude::*;
 
 /// What is to be settled.
 #[derive(Clone, Copy)]
@@ -27,99 +28,151 @@ struct Choice {
     samples: u32,
 }
 
-/// Numbers of pixels to choose from, and what each must make of the product of variance and cost of the one
-/// before. Correlated errors are a price as well, which a smaller gain is not worth.
-const PIXELS: [(u32, f64); 2] = [(16, 0.8), (64, 0.9)];
+/// Numbers of pixels to choose from, and what the product of variance and cost is to be multiplied with to be
+/// compared: correlated errors are a price as well, which a small gain is not worth.
+const PIXELS: [(u32, f64); 2] = [(16, 1.25), (64, 1.4)];
 
-/// How many pixels there are to a shared light path, and what light paths must make of the product. The
-/// pilot, which looks at one colour and few samples, promises half as much again as they bring where little
-/// noise is left.
-const LIGHT_PATHS: (u32, f64) = (8, 0.65);
+/// How many pixels there are to a shared light path, and the price of light paths. The pilot, which looks at
+/// one colour and few samples, promises more than they bring where little noise is left.
+const LIGHT_PATHS: (u32, f64) = (8, 1.4);
 
 /// The same of emitter samples, as multiples of what other vertices take.
-const SAMPLES: [(u32, f64); 2] = [(2, 0.95), (4, 0.95)];
+const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
 
-/// What sharing costs, in rays a path: at all, and for each receiver; so does each source of a light path.
-const SHARING: f64 = 1.8;
-const HANDING_ON: f64 = 0.035;
+/// What an emitter sample costs besides its ray.
+const EMITTER_SAMPLE: f64 = 0.75;
 
-/// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at
-/// vertices.
-const VISIBILITY: f64 = 0.5;
+/// A choice, what was seen or is foretold of it, and the product of variance, cost and price.
+struct Judged {
+    choice: Choice,
+    look: Look,
+    product: f64,
+}
 
-/// What a light path of a group costs besides its rays: scattering, weights, and connections.
-const LIGHT_PATH: f64 = 12.0;
+/// What one emitter sample of the first vertex leaves of the variance of each cell, n of them an nth, and what
+/// each costs.
+struct Direct {
+    variances: Vec<f64>,
+    cost: f64,
+}
 
-/// What it costs to ask how a receiver and a source scatter of which one is rough.
-const EVALUATION: f64 = 0.25;
-
-/// Cells and samples of the pilot: about a tenth of a second.
-const CELLS: u64 = 32;
-const CAMERA_SAMPLES: u64 = 32;
-
-/// Samples that are summed before sums are compared: what stratification does away with is no gain.
-const BLOCK: u64 = 8;
-
-/// Settles both, by a pilot if the scene's file or a command line leaves them to that, once all else is
-/// settled. Light paths take what they make as well out of what pixels share; so where emitters are sampled
-/// through glass at all vertices, which relieves light paths, these may go.
-pub fn settle(scene: &mut Scene) {
-    let Some(path) = scene.integrator.path() else { return };
-    let (free, usual) = (path.free, path.emitter_samples);
-    let (pixels, light_paths) = (path.reuse, path.shared_light_paths);
-    let mut choice = Choice { pixels, light_paths, samples: path.first_emitter_samples };
-    if free.reuse {
-        let steps = PIXELS.map(|(pixels, worth)| (Choice { pixels, ..choice }, worth));
-        let alone = (choice, measure(scene, choice));
-        let mut best = climb(scene, alone, &steps);
-        let relieved =
-            scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
-        if let Some(caustics) = scene.caustics.take_if(|_| relieved) {
-            let without = climb(scene, best, &steps);
-            if without.1 < best.1 {
-                best = without;
-            } else {
-                scene.caustics = Some(caustics);
-            }
-            scene.settle_caustics();
+impl Direct {
+    /// From looks with few and with many samples.
+    fn between((n, few): (u32, &Look), (m, many): (u32, &Look)) -> Self {
+        let (n, m) = (f64::from(n), f64::from(m));
+        let one = |(few, many): (&Cell, &Cell)| (few.variance - many.variance).max(0.0) / (1.0 / n - 1.0 / m);
+        Self {
+            variances: few.cells.iter().zip(&many.cells).map(one).collect(),
+            cost: (1.0 + EMITTER_SAMPLE) * (many.cost - few.cost).max(0.0) / (m - n),
         }
-        // More emitter samples pay the more, the less is left of other light.
-        let several = |scene: &mut Scene, best: (Choice, f64)| {
-            let steps = SAMPLES.map(|(times, worth)| {
-                let samples = (times * usual).min(MOST_EMITTER_SAMPLES);
-                (Choice { samples, ..best.0 }, worth)
-            });
-            climb(scene, best, if free.first_emitter_samples { &steps } else { &[] })
-        };
-        let (each, worth) = LIGHT_PATHS;
-        let lit = Choice { light_paths: best.0.pixels / each, ..best.0 };
-        best = several(scene, best);
-        if free.shared_light_paths && lit.light_paths > 0 {
-            let with = (lit, measure(scene, lit));
-            let with = several(scene, with);
-            if with.1 < worth * best.1 {
-                best = with;
-            }
-        }
-        choice = best.0;
     }
-    set(scene, choice);
-    if choice.pixels > 1 {
-        light_paths::raise(scene);
+
+    /// What a look with n samples would have been with m.
+    fn foretell(&self, look: &Look, n: u32, m: u32) -> Look {
+        let (n, m) = (f64::from(n), f64::from(m));
+        let with = |(cell, direct): (&Cell, &f64)| Cell {
+            variance: (cell.variance - direct * (1.0 / n - 1.0 / m)).max(0.0),
+            ..*cell
+        };
+        Look {
+            cells: look.cells.iter().zip(&self.variances).map(with).collect(),
+            cost: look.cost + (m - n) * self.cost,
+        }
     }
 }
 
-/// The last of the choices that each are worth their step, with the product of variance and cost.
-fn climb(scene: &mut Scene, mut best: (Choice, f64), steps: &[(Choice, f64)]) -> (Choice, f64) {
-    for &(choice, worth) in steps {
-        let next = (choice, measure(scene, choice));
-        let pays = next.1 < worth * best.1;
-        if !pays {
-            break;
+/// Settles them, by a pilot if the scene's file or a command line leaves them to that, once all else is
+/// settled but the number of light paths that look for caustics. These take what they make as well out of
+/// what pixels share; so where emitters are sampled through glass at all vertices, which relieves them, they
+/// may go.
+pub fn settle(scene: &mut Scene) {
+    let Some(path) = scene.integrator.path() else { return };
+    let free = path.free;
+    let given = Choice {
+        pixels: path.reuse,
+        light_paths: path.shared_light_paths,
+        samples: path.first_emitter_samples,
+    };
+    if !free.reuse {
+        set(scene, given);
+        if scene.caustics.is_some() && light_paths::is_free(scene) {
+            light_paths::balance(scene, &Look::at(scene));
         }
-        best = next;
+        return;
+    }
+    let mut best = choose(scene, given);
+    let relieved = scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
+    if let Some(caustics) = scene.caustics.take_if(|_| relieved) {
+        let without = choose(scene, given);
+        if without.product < best.product {
+            best = without;
+        } else {
+            scene.caustics = Some(caustics);
+        }
+        scene.settle_caustics();
+    }
+    set(scene, best.choice);
+    if light_paths::is_free(scene) {
+        light_paths::balance(scene, &best.look);
+    }
+}
+
+/// The best choice for a scene as it is.
+fn choose(scene: &mut Scene, given: Choice) -> Judged {
+    let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
+    let alone = look(scene, given);
+    let numbers = SAMPLES.map(|(times, price)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price));
+    let many = numbers[SAMPLES.len() - 1].0;
+    let direct = (free.first_emitter_samples && many > given.samples).then(|| {
+        let looked = look(scene, Choice { samples: many, ..given });
+        Direct::between((given.samples, &alone), (many, &looked))
+    });
+    // Of a look with so many samples: what number of them is best.
+    let judge = |choice: Choice, look: Look, price: f64| {
+        let Some(direct) = &direct else {
+            let product = price * product(&look);
+            return Judged { choice, look, product };
+        };
+        let each = numbers.map(|(samples, more)| {
+            let look = direct.foretell(&look, choice.samples, samples);
+            let product = price * more * product(&look);
+            Judged { choice: Choice { samples, ..choice }, look, product }
+        });
+        let [first, others @ ..] = each;
+        others.into_iter().fold(first, better)
+    };
+    let mut best = judge(given, alone, 1.0);
+    let mut price_of_best = 1.0;
+    for (pixels, price) in PIXELS {
+        let choice = Choice { pixels, ..given };
+        let judged = judge(choice, look(scene, choice), price);
+        best = better(best, judged);
+        price_of_best = if best.choice.pixels == pixels { price } else { price_of_best };
+    }
+    let (each, price) = LIGHT_PATHS;
+    let lit = Choice { light_paths: best.choice.pixels / each, ..best.choice };
+    if free.shared_light_paths && lit.light_paths > 0 {
+        let judged = judge(lit, look(scene, lit), price * price_of_best);
+        best = better(best, judged);
     }
     best
+}
+
+/// The one that costs less; of two alike the first.
+fn better(a: Judged, b: Judged) -> Judged {
+    if b.product < a.product { b } else { a }
+}
+
+/// The product of variance and cost, up to a factor that all choices have.
+fn product(look: &Look) -> f64 {
+    let relative = |cell: &Cell| if cell.light > 0.0 { cell.variance.sqrt() / cell.light } else { 0.0 };
+    let deviation: f64 = look.cells.iter().map(relative).sum();
+    deviation * deviation * look.cost
+}
+
+fn look(scene: &mut Scene, choice: Choice) -> Look {
+    set(scene, choice);
+    Look::at(scene)
 }
 
 fn set(scene: &mut Scene, choice: Choice) {
@@ -135,55 +188,9 @@ fn set(scene: &mut Scene, choice: Choice) {
     scene.features.0 |= if choice.pixels > 1 { Features::REUSE } else { 0 };
 }
 
-/// The product of variance and cost, up to a factor that all choices have.
-fn measure(scene: &mut Scene, choice: Choice) -> f64 {
-    set(scene, choice);
-    let scene = &*scene;
-    let camera = pilot_camera(scene);
-    let film = scene.sensor.film.crop;
-    let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
-    let channels = camera.channel_names().len();
-    let pixels = f64::from(choice.pixels);
-    // Relative deviation of a cell, and the cost of its paths in rays.
-    let of_cell = |i: u64| {
-        let mut counters = Counters::default();
-        let at = scattered(i, u64::from(columns * rows)) as u32;
-        let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
-        // Green stands for all colours. Of every pixel: the sum, the sum of squares of blocks, the block at
-        // hand.
-        let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
-        for sample in 0..CAMERA_SAMPLES {
-            let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
-            let mut values = vec![0.0; channels * which.len()];
-            camera.samples(&which, &mut counters, &mut values);
-            for (((x, y), _), values) in which.into_iter().zip(values.chunks(channels)) {
-                let sum = &mut sums[(y % CELL * CELL + x % CELL) as usize];
-                sum[0] += values[1];
-                sum[2] += values[1];
-                if sample % BLOCK == BLOCK - 1 {
-                    sum[1] += sum[2] * sum[2];
-                    sum[2] = 0.0;
-                }
-            }
-        }
-        let scatter = |[sum, squares, _]: &[f64; 3]| squares - sum * sum / (CAMERA_SAMPLES / BLOCK) as f64;
-        let deviation = sums.iter().map(|sum| scatter(sum).max(0.0)).sum::<f64>().sqrt();
-        let light: f64 = sums.iter().map(|sum| sum[0]).sum();
-        let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
-            + EVALUATION * counters.evaluations as f64
-            + HANDING_ON * pixels * counters.light_sources as f64;
-        (if light > 0.0 { deviation / light } else { 0.0 }, cost)
-    };
-    let cells: Vec<(f64, f64)> = (0..CELLS).into_par_iter().map(of_cell).collect();
-    let (deviation, rays) = cells.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
-    let light_paths = LIGHT_PATH * f64::from(choice.light_paths) / pixels;
-    let sharing = if choice.pixels > 1 { SHARING + HANDING_ON * pixels + light_paths } else { 0.0 };
-    let paths = (CELLS * CAMERA_SAMPLES * u64::from(CELL * CELL)) as f64;
-    deviation * deviation * (rays + sharing * paths)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
@@ -264,7 +271,7 @@ mod tests {
         let dark = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.1"/></bsdf>"#;
         // Lamps in view have edges, which nothing of this makes smooth.
         let asked = ASKED.to_owned() + r#"<boolean name="hide_emitters" value="true"/>"#;
-        assert_eq!(samples(dark, &asked), 4);
+        assert_eq!(samples(dark, &asked), 8);
         assert_eq!(samples(dark, ""), 1);
         assert_eq!(samples(dark, r#"<integer name="emitter_samples" value="3"/>"#), 3);
         let told = asked + r#"<integer name="first_emitter_samples" value="1"/>"#;
@@ -282,5 +289,28 @@ mod tests {
         assert!(choice("", &globe).2 > 0 && choice(ASKED, &aside).2 > 0);
         let told = ASKED.to_owned() + r#"<float name="light_paths" value="1"/>"#;
         assert_eq!(choice(&told, &globe).2, 64 * 48);
+    }
+
+    #[test]
+    fn two_looks_foretell_any_number_of_emitter_samples() {
+        // Shared light leaves so much of each cell, one sample of direct light so much more.
+        let (shared, direct) = ([3.0, 0.5, 0.0], [1.0, 8.0, 2.0]);
+        let look = |shared: [f64; 3], samples: f64, cost: f64| Look {
+            cells: shared
+                .iter()
+                .zip(&direct)
+                .map(|(shared, direct)| Cell { variance: shared + direct / samples, ..Cell::default() })
+                .collect(),
+            cost: cost + samples * (1.0 + EMITTER_SAMPLE),
+        };
+        // A ray is all that looks know of the cost of a sample.
+        let alone = |samples: f64| Look { cost: 5.0 + samples, ..look(shared, samples, 0.0) };
+        let direct = Direct::between((2, &alone(2.0)), (8, &alone(8.0)));
+        let fewer = shared.map(|variance| variance / 16.0);
+        let (foretold, seen) = (direct.foretell(&look(fewer, 1.0, 9.0), 1, 4), look(fewer, 4.0, 9.0));
+        assert!((foretold.cost - seen.cost).abs() < 1e-12);
+        for (foretold, seen) in foretold.cells.iter().zip(&seen.cells) {
+            assert!((foretold.variance - seen.variance).abs() < 1e-12);
+        }
     }
 }

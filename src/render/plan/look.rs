@@ -1,0 +1,98 @@
+//! A look at a few cells of an image, which tells what noise and what cost to expect.
+
+use super::{pilot_camera, scattered};
+use crate::integrator::Counters;
+use crate::integrator::path::reuse::{CELL, cell};
+use crate::scene::Scene;
+use rayon::prelude::*;
+
+/// What sharing costs, in rays a path: at all, and for each receiver; so does each source of a light path.
+const SHARING: f64 = 1.8;
+const HANDING_ON: f64 = 0.035;
+
+/// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at
+/// vertices.
+const VISIBILITY: f64 = 0.5;
+
+/// What a light path of a group costs besides its rays: scattering, weights, and connections.
+const LIGHT_PATH: f64 = 12.0;
+
+/// What it costs to ask how a receiver and a source scatter of which one is rough.
+const EVALUATION: f64 = 0.25;
+
+/// Cells, unless the film has fewer, and samples of each of their pixels: about a tenth of a second of one
+/// processor.
+const CELLS: u64 = 64;
+const CAMERA_SAMPLES: u64 = 32;
+
+/// Samples that are summed before sums are compared: what stratification does away with is no gain.
+const BLOCK: u64 = 8;
+
+/// What was seen, of camera paths alone.
+pub struct Look {
+    pub cells: Vec<Cell>,
+    /// Of a path, in rays.
+    pub cost: f64,
+}
+
+/// The noise of some pixels side by side. Green stands for all colours.
+#[derive(Clone, Copy, Default)]
+pub struct Cell {
+    pub corner: (u32, u32),
+    /// Of a pixel, on average.
+    pub light: f64,
+    /// Of a pixel with one sample, on average, as far as stratification leaves it.
+    pub variance: f64,
+}
+
+impl Look {
+    /// Renders cells that lie all over the film, with the scene's settings as they are.
+    pub fn at(scene: &Scene) -> Self {
+        let camera = pilot_camera(scene);
+        let film = scene.sensor.film.crop;
+        let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
+        let all = u64::from(columns) * u64::from(rows);
+        let channels = camera.channel_names().len();
+        let path = scene.integrator.path();
+        let [pixels, light_paths] =
+            path.map_or([1, 0], |path| [path.reuse, path.shared_light_paths]).map(f64::from);
+        let of_cell = |i: u64| {
+            let mut counters = Counters::default();
+            let at = if all > CELLS { scattered(i, all) } else { i } as u32;
+            let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
+            // Of every pixel: the sum, the sum of squares of blocks, the block at hand.
+            let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
+            for sample in 0..CAMERA_SAMPLES {
+                let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
+                let mut values = vec![0.0; channels * which.len()];
+                camera.samples(&which, &mut counters, &mut values);
+                for (((x, y), _), values) in which.into_iter().zip(values.chunks(channels)) {
+                    let sum = &mut sums[(y % CELL * CELL + x % CELL) as usize];
+                    sum[0] += values[1];
+                    sum[2] += values[1];
+                    if sample % BLOCK == BLOCK - 1 {
+                        sum[1] += sum[2] * sum[2];
+                        sum[2] = 0.0;
+                    }
+                }
+            }
+            const BLOCKS: f64 = (CAMERA_SAMPLES / BLOCK) as f64;
+            let scatter = |[sum, squares, _]: &[f64; 3]| (squares - sum * sum / BLOCKS).max(0.0);
+            let scatter: f64 = sums.iter().map(scatter).sum();
+            let light: f64 = sums.iter().map(|sum| sum[0]).sum();
+            let samples = (sums.len() as u64 * CAMERA_SAMPLES) as f64;
+            let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
+                + EVALUATION * counters.evaluations as f64
+                + HANDING_ON * pixels * counters.light_sources as f64;
+            let variance = scatter * BLOCKS / ((BLOCKS - 1.0) * samples);
+            (Cell { corner, light: light / samples, variance }, cost / samples)
+        };
+        let (cells, rays): (Vec<Cell>, Vec<f64>) = (0..all.min(CELLS)).into_par_iter().map(of_cell).unzip();
+        let sharing = if pixels > 1.0 {
+            SHARING + HANDING_ON * pixels + LIGHT_PATH * light_paths / pixels
+        } else {
+            0.0
+        };
+        Self { cells, cost: rays.iter().sum::<f64>() / rays.len() as f64 + sharing }
+    }
+}
