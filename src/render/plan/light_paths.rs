@@ -154,7 +154,6 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::scene::{Features, load_text};
     use crate::spectrum::ColorMode;
 
