@@ -36,6 +36,10 @@ const MOST: f64 = 1.0;
 /// have to be kept of the four of a block.
 const AT_ONCE: f64 = (1 << 19) as f64;
 
+/// The part of their noise that light paths really make, which fill the emitters and directions evenly: squares
+/// of what they bring know nothing of that. (Found by renders with other numbers of them; see the notebook.)
+const SPREAD: f64 = 0.4;
+
 /// What a ray of a light path costs, connections with the camera included, in rays of camera paths.
 const RAY: f64 = 2.0;
 
@@ -66,14 +70,16 @@ pub fn balance(scene: &mut Scene, look: &Look) {
     let film = scene.sensor.film.crop;
     let (splats, rays) = splats(scene, caustics, FINE_TILES);
     let cost = RAY * rays;
-    // What is seen of each cell: light, variance of camera paths, and of one light path to each of these.
+    // The relative variance that camera paths leave of each cell's light, and one light path to each of these.
     let of_cell = |cell: &Cell| {
         let Tile { light, squares } = splats[tile(film, FINE_TILES, cell.corner)];
-        (cell.light + light, cell.variance, squares)
+        let all = cell.light + light;
+        (cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all))
     };
-    let cells: Vec<_> = look.cells.iter().map(of_cell).filter(|(light, ..)| *light > 0.0).collect();
+    let lit = |(v, w): &(f64, f64)| v.is_finite() && w.is_finite();
+    let cells: Vec<_> = look.cells.iter().map(of_cell).filter(lit).collect();
     let product = |s: f64| {
-        let deviation: f64 = cells.iter().map(|(light, v, w)| (v + w / s).sqrt() / light).sum();
+        let deviation: f64 = cells.iter().map(|(v, w)| (v + w / s).sqrt()).sum();
         deviation * deviation * (look.cost + s * cost)
     };
     let numbers = || std::iter::successors(Some(MOST), |s| Some(0.5 * s)).take_while(|s| *s >= FEWEST);

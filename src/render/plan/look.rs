@@ -41,7 +41,8 @@ pub struct Cell {
     pub corner: (u32, u32),
     /// Of a pixel, on average.
     pub light: f64,
-    /// Of a pixel with one sample, on average, as far as stratification leaves it.
+    /// Of a pixel with one sample, relative to the square of its own light, on average, as far as stratification
+    /// leaves it. Where the edge of a lamp is seen, light elsewhere in the cell is no measure.
     pub variance: f64,
 }
 
@@ -77,14 +78,18 @@ impl Look {
                 }
             }
             const BLOCKS: f64 = (CAMERA_SAMPLES / BLOCK) as f64;
-            let scatter = |[sum, squares, _]: &[f64; 3]| (squares - sum * sum / BLOCKS).max(0.0);
-            let scatter: f64 = sums.iter().map(scatter).sum();
+            let relative = |[sum, squares, _]: &[f64; 3]| {
+                if *sum > 0.0 { (squares / (sum * sum) - 1.0 / BLOCKS).max(0.0) } else { 0.0 }
+            };
+            let pixels_of_cell = sums.len() as f64;
+            let samples = pixels_of_cell * CAMERA_SAMPLES as f64;
             let light: f64 = sums.iter().map(|sum| sum[0]).sum();
-            let samples = (sums.len() as u64 * CAMERA_SAMPLES) as f64;
+            let relative: f64 = sums.iter().map(relative).sum();
             let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
                 + EVALUATION * counters.evaluations as f64
                 + HANDING_ON * pixels * counters.light_sources as f64;
-            let variance = scatter * BLOCKS / ((BLOCKS - 1.0) * samples);
+            // Of blocks, from what their sums differ by; and so many samples make a pixel's sum.
+            let variance = relative / pixels_of_cell * BLOCKS / (BLOCKS - 1.0) * CAMERA_SAMPLES as f64;
             (Cell { corner, light: light / samples, variance }, cost / samples)
         };
         let (cells, rays): (Vec<Cell>, Vec<f64>) = (0..all.min(CELLS)).into_par_iter().map(of_cell).unzip();

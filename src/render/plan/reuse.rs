@@ -30,7 +30,7 @@ struct Choice {
 
 /// Numbers of pixels to choose from, and what the product of variance and cost is to be multiplied with to be
 /// compared: correlated errors are a price as well, which a small gain is not worth.
-const PIXELS: [(u32, f64); 2] = [(16, 1.25), (64, 1.4)];
+const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
 /// How many pixels there are to a shared light path, and the price of light paths. The pilot, which looks at
 /// one colour and few samples, promises more than they bring where little noise is left.
@@ -165,8 +165,7 @@ fn better(a: Judged, b: Judged) -> Judged {
 
 /// The product of variance and cost, up to a factor that all choices have.
 fn product(look: &Look) -> f64 {
-    let relative = |cell: &Cell| if cell.light > 0.0 { cell.variance.sqrt() / cell.light } else { 0.0 };
-    let deviation: f64 = look.cells.iter().map(relative).sum();
+    let deviation: f64 = look.cells.iter().map(|cell| cell.variance.sqrt()).sum();
     deviation * deviation * look.cost
 }
 
