@@ -1,15 +1,16 @@
 //! What happens along a light path.
 
 use super::Caustics;
-use crate::bsdf::Bsdf;
+use super::connections::Connections;
+use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, density_of_samples, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::{roulette, side_towards};
-use crate::math::{DVec2, Ray};
+use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
-use crate::scene::{Features, Scene};
+use crate::scene::{Features, Scene, Side};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -25,7 +26,6 @@ pub struct Splat {
 
 /// A light path on its way.
 pub struct LightPath {
-    pub ray: Ray,
     λ: Wavelengths,
     emitted: Spectrum,
     /// What has become of the light since it left.
@@ -45,12 +45,12 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// `None` where no light leaves. `u` is the block of the camera.
-    pub fn begin(caustics: &Caustics, scene: &Scene, u: Numbers, λ: Wavelengths) -> Option<Self> {
+    /// The path and its first ray; `None` where no light leaves. `u` is the block of the camera.
+    #[inline]
+    pub fn begin(caustics: &Caustics, scene: &Scene, u: Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
         let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
         let scale = start.cos / start.density;
-        Some(Self {
-            ray: start.ray,
+        let path = Self {
             λ,
             emitted: start.radiance,
             throughput: Spectrum::ONE,
@@ -59,34 +59,81 @@ impl LightPath {
             end: start.end,
             by_emitter: 0.0,
             passage: Some((Passage::default(), 1.0)),
-        })
+        };
+        Some((path, start.ray))
     }
 }
 
+/// How a light path has arrived at a surface.
+pub struct Arrival<'a> {
+    pub ray: &'a Ray,
+    pub hit: Hit,
+    /// From the emitter.
+    pub edges: u32,
+    pub u: Numbers,
+}
+
 impl Caustics {
-    /// Connects what the path's ray has met after so many edges with the camera, and scatters: the ray with
-    /// which it goes on.
-    pub fn step(
+    /// Connects what the path has met with the camera, and scatters: the ray with which it goes on. `index` is
+    /// the path's place in its stream.
+    #[inline(always)]
+    pub fn step<const F: u32>(
         &self,
         scene: &Scene,
-        path: &mut LightPath,
-        (edges, hit, u): (u32, Hit, Numbers),
+        (index, path): (usize, &mut LightPath),
+        arrival: Arrival,
+        connections: &mut Connections,
         counters: &mut Counters,
-        splat: impl FnOnce(Splat),
     ) -> Option<Ray> {
-        let (shape, point) = scene.surface::<{ Features::ALL }>(&path.ray, &hit);
-        let to_light = -path.ray.direction;
-        let side = side_towards(shape, point.ns.dot(to_light));
-        if side.traits.one_way || edges == 1 && !side.traits.focuses() {
+        let (shape, point) = scene.surface::<F>(arrival.ray, &arrival.hit);
+        let side = side_towards(shape, point.ns.dot(-arrival.ray.direction));
+        if side.traits.one_way || arrival.edges == 1 && !side.traits.focuses() {
             return None;
         }
         // The camera looks through emitters that are hidden.
         let seen = !(self.settings.hide_emitters && shape.emitter.is_some());
+        scene.materials[side.material as usize].visit(Scatter::<F> {
+            caustics: self,
+            scene,
+            index,
+            path,
+            arrival,
+            point: &point,
+            side,
+            seen,
+            connections,
+            counters,
+        })
+    }
+}
+
+/// What happens at a vertex, for a material still to be named.
+struct Scatter<'a, const F: u32> {
+    caustics: &'a Caustics,
+    scene: &'a Scene,
+    index: usize,
+    path: &'a mut LightPath,
+    arrival: Arrival<'a>,
+    point: &'a SurfacePoint,
+    side: Side,
+    seen: bool,
+    connections: &'a mut Connections,
+    counters: &'a mut Counters,
+}
+
+impl<const F: u32> Visitor for Scatter<'_, F> {
+    type Output = Option<Ray>;
+
+    #[inline]
+    fn visit<M: Material>(self, material: &M) -> Option<Ray> {
+        let Self { caustics, scene, index, path, arrival, point, side, seen, connections, counters } = self;
+        let Arrival { ray, hit, edges, u } = arrival;
+        let Hit { t, primitive, .. } = hit;
+        let to_light = -ray.direction;
         let λ = path.λ;
-        let frame = point.frame(side.traits.anisotropic);
-        let bsdf = scene.materials[side.material as usize].at(&point, &λ);
-        let primitive = hit.primitive;
-        let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let bsdf = material.at(point, &λ);
+        let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, to_light);
         // The density of emitter samples by the same surfaces from here, over the chance that what scatters
         // takes the same turns.
         let asked = side.traits.smooth && scene.links.as_ref().is_some_and(|links| links.everywhere);
@@ -94,30 +141,26 @@ impl Caustics {
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
                 let EmitterPoint { emitter, p, n } = path.end;
                 let end = (emitter, &SurfacePoint::plain(p, n, n));
-                let way = (to_light, passage);
-                let found = density_of(scene, (point.p, hit.primitive), way, end, &λ, counters);
-                found.unwrap_or(0.0) * f64::from(self.settings.emitter_samples) / chance
+                let found = density_of(scene, (point.p, primitive), (to_light, passage), end, &λ, counters);
+                found.unwrap_or(0.0) * f64::from(caustics.settings.emitter_samples) / chance
             });
         if edges > 1
             && seen
             && side.traits.smooth
-            && let Some((ray, found)) = self.connect(scene, path, &vertex, linked, u)
+            && let Some((ray, splat)) = caustics.connect(scene, path, (&vertex, to_light), linked, u)
         {
-            counters.rays += 1;
-            if !scene.accel.occluded(&ray) {
-                splat(found);
-            }
+            connections.push(index, ray, splat);
         }
         // The next connection is one edge more.
-        if edges >= self.settings.max_depth.saturating_sub(1) {
+        if edges >= caustics.settings.max_depth.saturating_sub(1) {
             return None;
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
-        let to_camera = vertex.to_world(sample.wi);
-        let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(to_camera).abs());
         if sample.delta && side.traits.relief {
             return None;
         }
+        let to_camera = vertex.to_world(sample.wi);
+        let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(to_camera).abs());
         path.passage = path.passage.and_then(|(passage, chance)| {
             let passage = passage.on(side, primitive, vertex.wo, &sample)?;
             Some((passage, chance * sample.pdf))
@@ -137,7 +180,7 @@ impl Caustics {
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
-                path.by_emitter = density_of_samples(scene, path.end, &vertex, (to_light, hit.t)) / back.pdf;
+                path.by_emitter = density_of_samples(scene, path.end, &vertex, (to_light, t)) / back.pdf;
             }
         }
         if path.throughput.is_zero() {
@@ -146,19 +189,22 @@ impl Caustics {
         if sample.dispersed {
             path.λ.collapse();
         }
-        if edges >= self.settings.rr_depth {
+        if edges >= caustics.settings.rr_depth {
             let carried = path.λ.mean(path.throughput) as f64;
             path.throughput *= roulette(carried, edges, sample.delta, u.one(6))?;
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
     }
+}
 
+impl Caustics {
     /// What the camera gets of the light at a vertex if nothing is between them.
+    #[inline]
     fn connect<B: Bsdf>(
         &self,
         scene: &Scene,
         path: &LightPath,
-        vertex: &Vertex<B>,
+        (vertex, to_light): (&Vertex<B>, DVec3),
         linked: Option<f64>,
         u: Numbers,
     ) -> Option<(Ray, Splat)> {
@@ -170,7 +216,7 @@ impl Caustics {
         if scattered.value.is_zero() {
             return None;
         }
-        let cos_light = point.ng.dot(path.ray.direction).abs();
+        let cos_light = point.ng.dot(to_light).abs();
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
         let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
         let ratio = path.ratio * super::first(scattered.pdf, cos_light, seen);

@@ -34,6 +34,7 @@
 //! f |cos ωl|ₛ / |cos ωl| · J / M.
 
 mod aim;
+mod connections;
 mod emission;
 mod light_path;
 mod stream;

@@ -1,12 +1,13 @@
 //! Light paths that take each step together.
 
 use super::Caustics;
-use super::light_path::{LightPath, Splat};
+use super::connections::Connections;
+use super::light_path::{Arrival, LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::path::MAX_VERTICES;
 use crate::math::Ray;
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, ManyNumbers, PAIRS, Sampler};
-use crate::scene::Scene;
+use crate::scene::{Features, Scene};
 use crate::shape::Hit;
 use crate::spectrum::Wavelengths;
 use std::ops::Range;
@@ -28,7 +29,7 @@ struct Stream {
     alive: Vec<usize>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
-    found: Vec<(usize, Splat)>,
+    connections: Connections,
 }
 
 impl Caustics {
@@ -41,40 +42,44 @@ impl Caustics {
         numbers: Range<u64>,
         wavelengths: impl Fn(f64) -> Wavelengths,
         counters: &mut Counters,
-        mut splat: impl FnMut(u64, Splat),
+        mut splat: impl FnMut(u64, &Splat),
     ) {
+        let simple = scene.features.0 & Features::TEXTURED & !Features::ENVIRONMENT == 0;
         let mut stream = Stream::default();
         for first in numbers.clone().step_by(STREAM) {
             let sampler =
                 |number: u64| Sampler::new(kind, seed, (LIGHT, (number >> 32) as u32), number as u32);
             stream.samplers.clear();
             stream.samplers.extend((first..numbers.end.min(first + STREAM as u64)).map(sampler));
-            self.trace_stream(scene, &wavelengths, &mut stream, counters);
-            // Each path's own are in order already, and stay so.
-            stream.found.sort_by_key(|(index, _)| *index);
-            stream.found.drain(..).for_each(|(index, found)| splat(first + index as u64, found));
+            if simple {
+                self.trace_stream::<{ Features::CAUSTICS }>(scene, &wavelengths, &mut stream, counters);
+            } else {
+                self.trace_stream::<{ Features::ALL }>(scene, &wavelengths, &mut stream, counters);
+            }
+            stream.connections.hand_on(|index, found| splat(first + index as u64, found));
         }
     }
 
-    fn trace_stream(
+    fn trace_stream<const F: u32>(
         &self,
         scene: &Scene,
         wavelengths: &impl Fn(f64) -> Wavelengths,
-        Stream { samplers, numbers, paths, alive, rays, hits, found }: &mut Stream,
+        Stream { samplers, numbers, paths, alive, rays, hits, connections }: &mut Stream,
         counters: &mut Counters,
     ) {
         let count = samplers.len();
         numbers.fill(count, PAIRS, |i| (&samplers[i], CAMERA));
-        let begin = |i: usize| {
-            let u = numbers.of(i);
-            Some((i, LightPath::begin(self, scene, u, wavelengths(u.one(4)))?))
-        };
         paths.clear();
-        paths.extend((0..count).filter_map(begin));
+        rays.clear();
+        for i in 0..count {
+            let u = numbers.of(i);
+            if let Some((path, ray)) = LightPath::begin(self, scene, u, wavelengths(u.one(4))) {
+                paths.push((i, path));
+                rays.push(ray);
+            }
+        }
         alive.clear();
         alive.extend(0..paths.len());
-        rays.clear();
-        rays.extend(paths.iter().map(|(_, path)| path.ray));
         hits.resize(STREAM, None);
         for edges in 1..=MAX_VERTICES {
             if alive.is_empty() {
@@ -87,13 +92,14 @@ impl Caustics {
             for i in 0..alive.len() {
                 let Some(hit) = hits[i] else { continue };
                 let (index, path) = &mut paths[alive[i]];
-                let splat = |splat| found.push((*index, splat));
-                if let Some(ray) = self.step(scene, path, (edges, hit, numbers.of(i)), counters, splat) {
-                    path.ray = ray;
+                let arrival = Arrival { ray: &rays[i], hit, edges, u: numbers.of(i) };
+                let onward = self.step::<F>(scene, (*index, path), arrival, connections, counters);
+                if let Some(ray) = onward {
                     (alive[kept], rays[kept]) = (alive[i], ray);
                     kept += 1;
                 }
             }
+            connections.resolve(scene, counters);
             alive.truncate(kept);
             rays.truncate(kept);
         }
