@@ -92,6 +92,7 @@ impl AnySensor {
 
     /// How a point in the world is seen through a place on the unit square of the lens, if nothing is in the
     /// way. `None` for what lies behind the camera or beyond its clipping distances.
+    #[inline]
     pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
         match self {
             Self::Perspective(camera) => camera.connect(p),

@@ -53,6 +53,7 @@ impl Perspective {
     }
 
     /// The way back of [`Perspective::ray`].
+    #[inline]
     pub fn connect(&self, p: DVec3) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);
         if !(local.z > self.near && local.z < self.far) {

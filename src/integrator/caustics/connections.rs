@@ -5,42 +5,43 @@ use crate::integrator::Counters;
 use crate::math::Ray;
 use crate::scene::Scene;
 
-/// Connections of light paths with the camera, each with the path's place in its stream.
+/// Connections of light paths with the camera.
 #[derive(Default)]
 pub struct Connections {
+    /// Of the last ones that were asked for.
     rays: Vec<Ray>,
-    waiting: Vec<(usize, Splat)>,
+    /// All, each with the path's place in its stream. They are large, and stay where they are.
+    asked: Vec<(usize, Splat)>,
     occluded: Vec<bool>,
-    /// What arrives, in the order in which it was asked for.
-    arrived: Vec<(usize, Splat)>,
-    order: Vec<usize>,
+    /// Which of them arrive.
+    arrived: Vec<usize>,
 }
 
 impl Connections {
+    #[inline(always)]
     pub fn push(&mut self, index: usize, ray: Ray, splat: Splat) {
         self.rays.push(ray);
-        self.waiting.push((index, splat));
+        self.asked.push((index, splat));
     }
 
-    /// Finds out what arrives.
+    /// Finds out what arrives of what was asked for since the last time.
     pub fn resolve(&mut self, scene: &Scene, counters: &mut Counters) {
         counters.rays += self.rays.len() as u64;
         self.occluded.resize(self.rays.len(), false);
         scene.accel.occluded_all(&self.rays, &mut self.occluded);
-        let waiting = self.waiting.drain(..).zip(&self.occluded);
-        self.arrived.extend(waiting.filter(|(_, occluded)| !**occluded).map(|(splat, _)| splat));
+        let first = self.asked.len() - self.rays.len();
+        let free = self.occluded.iter().enumerate().filter(|(_, occluded)| !**occluded);
+        self.arrived.extend(free.map(|(i, _)| first + i));
         self.rays.clear();
     }
 
     /// Hands on all that has arrived, path by path, each one's in the order in which it was asked for.
     pub fn hand_on(&mut self, mut splat: impl FnMut(usize, &Splat)) {
-        let Self { arrived, order, .. } = self;
-        order.clear();
-        order.extend(0..arrived.len());
-        order.sort_by_key(|i| arrived[*i].0);
-        for (index, found) in order.iter().map(|i| &arrived[*i]) {
+        self.arrived.sort_by_key(|i| self.asked[*i].0);
+        for i in self.arrived.drain(..) {
+            let (index, found) = &self.asked[i];
             splat(*index, found);
         }
-        arrived.clear();
+        self.asked.clear();
     }
 }

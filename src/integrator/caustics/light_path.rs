@@ -46,7 +46,7 @@ pub struct LightPath {
 
 impl LightPath {
     /// The path and its first ray; `None` where no light leaves. `u` is the block of the camera.
-    #[inline]
+    #[inline(always)]
     pub fn begin(caustics: &Caustics, scene: &Scene, u: Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
         let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
         let scale = start.cos / start.density;
@@ -144,12 +144,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let found = density_of(scene, (point.p, primitive), (to_light, passage), end, &λ, counters);
                 found.unwrap_or(0.0) * f64::from(caustics.settings.emitter_samples) / chance
             });
-        if edges > 1
-            && seen
-            && side.traits.smooth
-            && let Some((ray, splat)) = caustics.connect(scene, path, (&vertex, to_light), linked, u)
-        {
-            connections.push(index, ray, splat);
+        if edges > 1 && seen && side.traits.smooth {
+            caustics.connect(scene, (index, path), (&vertex, to_light), (linked, u), connections);
         }
         // The next connection is one edge more.
         if edges >= caustics.settings.max_depth.saturating_sub(1) {
@@ -198,23 +194,24 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
 }
 
 impl Caustics {
-    /// What the camera gets of the light at a vertex if nothing is between them.
+    /// Asks for what the camera gets of the light at a vertex if nothing is between them.
     #[inline]
     fn connect<B: Bsdf>(
         &self,
         scene: &Scene,
-        path: &LightPath,
+        (index, path): (usize, &LightPath),
         (vertex, to_light): (&Vertex<B>, DVec3),
-        linked: Option<f64>,
-        u: Numbers,
-    ) -> Option<(Ray, Splat)> {
+        (linked, u): (Option<f64>, Numbers),
+        connections: &mut Connections,
+    ) {
         let (point, film) = (vertex.point, &scene.sensor.film);
-        let view = scene.sensor.camera.connect(point.p, u.pair(0))?;
+        let Some(view) = scene.sensor.camera.connect(point.p, u.pair(0)) else { return };
         let place = view.film * DVec2::new(film.size.0 as f64, film.size.1 as f64);
-        let (pixel, filter) = film.pixel_at(place, DVec2::new(u.one(4), u.one(7)))?;
+        let chosen = film.pixel_at(place, DVec2::new(u.one(4), u.one(7)));
+        let Some((pixel, filter)) = chosen else { return };
         let scattered = vertex.bsdf.evaluate(vertex.to_local(view.towards), vertex.wo);
         if scattered.value.is_zero() {
-            return None;
+            return;
         }
         let cos_light = point.ng.dot(to_light).abs();
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
@@ -225,6 +222,6 @@ impl Caustics {
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));
         let radiance = path.throughput * path.emitted * scattered.value;
         let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);
-        Some((ray, Splat { pixel, λ: path.λ, radiance, weight }))
+        connections.push(index, ray, Splat { pixel, λ: path.λ, radiance, weight });
     }
 }
