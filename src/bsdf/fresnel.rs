@@ -100,8 +100,9 @@ pub fn conductor(cos: f64, eta: f64, k: f64) -> f64 {
 /// two pieces so that the kink at the critical angle falls on a boundary.
 pub fn diffuse_reflectance(eta: f64) -> f64 {
     let critical = if eta < 1.0 { ((1.0 - eta) * (1.0 + eta)).sqrt() } else { 0.0 };
-    let rest =
-        crate::math::quadrature::gauss_legendre(critical, 1.0, |c| 2.0 * c * dielectric(c, eta).reflectance);
+    let rest = crate::math::quadrature::integrate_from_kink(critical, 1.0, |c| {
+        2.0 * c * dielectric(c, eta).reflectance
+    });
     critical * critical + rest
 }
 

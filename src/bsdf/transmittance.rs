@@ -3,9 +3,8 @@
 
 use super::fresnel;
 use super::microfacet::{Distribution, reflect};
-use crate::math::function::cos;
+use crate::math::quadrature::gauss_legendre;
 use crate::math::{DVec2, DVec3};
-use std::f64::consts::PI;
 
 /// Directions at which Mitsuba tabulates: cos θ = 0, 1/63, …, 1. What is between is part of the model's
 /// definition.
@@ -73,40 +72,10 @@ fn over_facets(facets: &Distribution, wo: DVec3, rule: &[(f64, f64)], f: impl Fn
     rule.iter().map(|&(x, weight)| weight * row(x)).sum()
 }
 
-/// Nodes and weights of the n-point Gauss–Legendre rule on [0, 1], n even: Newton's method on the recurrence
-/// (k + 1)P₍ₖ₊₁₎ = (2k + 1)xPₖ − kP₍ₖ₋₁₎ from Tricomi's estimate of the roots.
-fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    let node = |i: usize| {
-        let mut x = -cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
-        let mut slope = 0.0;
-        for _ in 0..6 {
-            let (mut before, mut value) = (1.0, x);
-            for k in 1..n {
-                let k = k as f64;
-                (before, value) = (value, ((2.0 * k + 1.0) * x * value - k * before) / (k + 1.0));
-            }
-            slope = n as f64 * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
-        }
-        (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..n).map(node).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::microfacet::Shape;
     use super::*;
-
-    #[test]
-    fn the_rule_integrates_polynomials() {
-        for n in [2, 32, 48] {
-            for power in [0, 1, 2, 3] {
-                let sum: f64 = gauss_legendre(n).iter().map(|(x, weight)| weight * x.powi(power)).sum();
-                assert!((sum - 1.0 / (power + 1) as f64).abs() < 1e-14, "{n} {power} {sum}");
-            }
-        }
-    }
 
     #[test]
     fn a_nearly_smooth_surface_is_smooth() {

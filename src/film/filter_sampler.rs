@@ -29,7 +29,7 @@ impl FilterSampler {
         for bin in -half..half {
             let integral = |g: &dyn Fn(f64) -> f64| {
                 let (lo, hi) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
-                crate::math::quadrature::gauss_legendre(lo, hi, g)
+                crate::math::quadrature::integrate_from_kink(lo, hi, g)
             };
             a += integral(&|x| profile.eval(x).abs());
             s += integral(&|x| profile.eval(x));

@@ -81,6 +81,16 @@ fn numbers_out_of_range_are_refused() {
             "<integrator type=\"path\">\n<integer name=\"max_depth\" value=\"1.5\"/></integrator>",
             &["expected"],
         ),
+        (
+            "shared_light_paths",
+            "<integrator type=\"path\">\n<integer name=\"shared_light_paths\" value=\"4\"/></integrator>",
+            &["more light paths than pixels", "`reuse`"],
+        ),
+        (
+            "shared_light_paths",
+            "<integrator type=\"path\"><integer name=\"reuse\" value=\"4\"/>\n<integer name=\"shared_light_paths\" value=\"8\"/></integrator>",
+            &["more light paths than pixels", "`reuse`"],
+        ),
     ]);
 }
 

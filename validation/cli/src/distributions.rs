@@ -109,7 +109,7 @@ pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>>
 pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     let FurnaceArguments { name, samples, thorough, number, documents, losses } = arguments;
     if let Some(path) = losses {
-        std::fs::write(path, furnace::losses())?;
+        etalon::image::write_file(&path, furnace::losses().as_bytes())?;
         return Ok(Verdict::Equivalent);
     }
     let cells = furnace::cells(name.as_deref());

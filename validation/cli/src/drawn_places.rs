@@ -3,7 +3,7 @@
 use etalon::film::filter::{FILTERS, Profile};
 use etalon::film::filter_sampler::FilterSampler;
 use etalon::math::DVec2;
-use etalon::math::quadrature::gauss_legendre;
+use etalon::math::quadrature::integrate_from_kink;
 use etalon::scene::loader::Loader;
 use etalon::scene::params::Usage;
 use etalon::scene::{registry::construct, xml};
@@ -98,7 +98,7 @@ impl Filter {
         // definition, also where the rule is off by 10⁻⁵ because |f| has a kink in the bin.
         let over = |i: usize, of: &dyn Fn(f64) -> f64| {
             let cell = |i: usize| low + i as f64 / BINS;
-            gauss_legendre(cell(i), cell(i + 1), of)
+            integrate_from_kink(cell(i), cell(i + 1), of)
         };
         let bins: Vec<f64> = (0..count).map(|i| over(i, &|x| profile.eval(x).abs())).collect();
         let signed = (0..count).map(|i| over(i, &|x| profile.eval(x))).sum();

@@ -1,6 +1,7 @@
 //! The command line: `fuzz scenes`, `fuzz input`.
 
 use clap::Parser;
+use etalon::image::write_file;
 use fuzz::inputs::formats::named;
 use fuzz::inputs::seeds::{Seeds, folders};
 use fuzz::inputs::watch::{Effort, save, watch};
@@ -156,7 +157,7 @@ fn inputs(
     }
     if let Some(path) = json {
         let text = serde_json::to_string_pretty(&records).map_err(|e| e.to_string())?;
-        std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))?;
+        write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())?;
     }
     Ok(records.iter().all(|r| r.findings.is_empty()))
 }
@@ -166,7 +167,7 @@ fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     let write = |record: &fuzz::paths::Record| {
         let Some(path) = json else { return Ok(()) };
         let text = serde_json::to_string_pretty(record).map_err(|e| e.to_string())?;
-        std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+        write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())
     };
     // What was found so far outlives the end of the process.
     let mut written = Ok(());

@@ -4,6 +4,7 @@ use super::findings::{Findings, results};
 use super::suite::Asked;
 use super::{bugs, document, mutants, root};
 use crate::console::say;
+use etalon::image::write_file;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use validation::Verdict;
@@ -102,7 +103,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
 
 fn write(path: &Path, findings: &Findings) -> Result<(), String> {
     let text = to_json(findings).map_err(|e| e.to_string())?;
-    std::fs::write(path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))
+    write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())
 }
 
 fn write_document() -> Result<Verdict, String> {
@@ -117,6 +118,6 @@ fn write_document() -> Result<Verdict, String> {
         let table = if file.exists() { table(&Findings::read(&file)?) } else { "Not yet run.\n".into() };
         text = document::insert(&text, name, &table)?;
     }
-    std::fs::write(&path, text).map_err(told)?;
+    write_file(&path, text.as_bytes()).map_err(|e| e.to_string())?;
     Ok(Verdict::Equivalent)
 }

@@ -231,10 +231,8 @@ impl Bench<'_> {
     }
 
     fn keep(&self, name: &str, schedule: &Schedule) -> Result<(), String> {
-        let (file, fresh) = (self.folder.join(name), self.folder.join(format!("{name}.new")));
         let text = validation::report::to_json(schedule).map_err(|e| e.to_string())?;
-        std::fs::write(&fresh, text).map_err(|e| format!("{}: {e}", fresh.display()))?;
-        std::fs::rename(fresh, &file).map_err(|e| format!("{}: {e}", file.display()))
+        etalon::image::write_file(&self.folder.join(name), text.as_bytes()).map_err(|e| e.to_string())
     }
 
     fn add(&self, run: &Run) -> Result<(), String> {

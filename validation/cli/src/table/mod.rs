@@ -11,6 +11,7 @@ pub mod summary;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use etalon::image::write_file;
 use validation::Verdict;
 use validation::report::to_json;
 
@@ -124,21 +125,26 @@ fn kept_settings(
             (true, _) => Ok(kept),
             // More seeds go on from fewer.
             (false, true) if given.seeds >= kept.seeds => {
-                std::fs::write(&file, to_json(&given)?)?;
+                write_file(&file, to_json(&given)?.as_bytes())?;
                 Ok(given)
             }
             _ => Err(format!("{} holds pictures of other settings", folder.display()).into()),
         };
     }
     std::fs::create_dir_all(folder)?;
-    std::fs::write(&file, to_json(&given)?)?;
+    write_file(&file, to_json(&given)?.as_bytes())?;
     Ok(given)
 }
 
 fn write(folder: &Path, table: &Table, pages: &[String]) -> Result<(), Box<dyn std::error::Error>> {
-    std::fs::write(folder.join("table.json"), to_json(table)? + "\n")?;
-    std::fs::write(folder.join("table.md"), table.markdown())?;
-    std::fs::write(folder.join("table.html"), sheet::page(table, pages))?;
+    let documents = [
+        ("table.json", to_json(table)? + "\n"),
+        ("table.md", table.markdown()),
+        ("table.html", sheet::page(table, pages)),
+    ];
+    for (name, text) in documents {
+        write_file(&folder.join(name), text.as_bytes())?;
+    }
     Ok(())
 }
 
