@@ -35,6 +35,8 @@ pub(super) struct Case {
     pub integrator: String,
     /// To a camera path.
     pub light_paths: f64,
+    /// Of each group of pixels, where they share.
+    pub shared_light_paths: u32,
     pub camera: String,
     pub world: String,
     /// The pixels to compare, if not one of each group.
@@ -43,7 +45,16 @@ pub(super) struct Case {
 
 impl Case {
     pub fn new(name: &'static str, world: String) -> Self {
-        Self { name, pixels: 4, integrator: path(4), light_paths: 1.0, camera: camera(), world, view: None }
+        Self {
+            name,
+            pixels: 4,
+            integrator: path(4),
+            light_paths: 1.0,
+            shared_light_paths: 0,
+            camera: camera(),
+            world,
+            view: None,
+        }
     }
 
     fn option(self, kind: &str, name: &str, value: &str) -> Self {
@@ -54,7 +65,10 @@ impl Case {
 
     pub fn relation(self) -> Relation {
         let side = |pixels: u32| {
-            let more = format!("<integer name=\"reuse\" value=\"{pixels}\"/>")
+            let shared = if pixels > 1 { self.shared_light_paths } else { 0 };
+            let more = [("reuse", pixels), ("shared_light_paths", shared)]
+                .map(|(name, value)| format!("<integer name=\"{name}\" value=\"{value}\"/>"))
+                .concat()
                 + &float("light_paths", self.light_paths);
             let integrator = self.integrator.replace("</integrator>", &(more + "</integrator>"));
             let one = if correlated_edge(self.pixels) == 2 { one_of::<2> } else { one_of::<4> };
@@ -147,9 +161,11 @@ pub fn relations() -> Vec<Relation> {
     ];
     // Light paths of a group find sources as well: few and many, short and long, by rough surfaces, and
     // beside what they leave to others.
-    let lit = |case: Case, light_paths: u32| {
-        let name = "shared_light_paths";
-        Case { integrator: path(-1), pixels: 16, ..case }.option("integer", name, &light_paths.to_string())
+    let lit = |case: Case, shared_light_paths: u32| Case {
+        integrator: path(-1),
+        pixels: 16,
+        shared_light_paths,
+        ..case
     };
     let limited = |case: Case| Case { integrator: case.integrator.replace("-1", "4"), ..case };
     let bare = sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0));
