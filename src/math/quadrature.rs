@@ -2,6 +2,7 @@
 
 use super::function::cos;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Nodes and weights of the n-point Gauss–Legendre rule on [0, 1], n even: Newton's method on the recurrence
 /// (k + 1)P₍ₖ₊₁₎ = (2k + 1)xPₖ − kP₍ₖ₋₁₎ from Tricomi's estimate of the roots.
@@ -27,13 +28,13 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
 /// critical angle, a polynomial.
 pub fn integrate_from_kink(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     const PANELS: usize = 8;
-    let rule = gauss_legendre(16);
+    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
     let panel = |i: usize| {
         let at = |&(node, weight): &(f64, f64)| {
             let s = (i as f64 + node) / PANELS as f64;
             weight * f(a + (b - a) * s * s) * 2.0 * s
         };
-        rule.iter().map(at).sum::<f64>()
+        RULE.iter().map(at).sum::<f64>()
     };
     (0..PANELS).map(panel).sum::<f64>() * (b - a) / PANELS as f64
 }

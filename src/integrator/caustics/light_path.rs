@@ -64,8 +64,8 @@ impl LightPath {
     }
 }
 
-/// How a light path has arrived at a surface.
-pub struct Arrival<'a> {
+/// Where a light path has landed, and by which ray.
+pub struct Landing<'a> {
     pub ray: &'a Ray,
     pub hit: Hit,
     /// From the emitter.
@@ -81,13 +81,13 @@ impl Caustics {
         &self,
         scene: &Scene,
         (index, path): (usize, &mut LightPath),
-        arrival: Arrival,
+        landing: Landing,
         connections: &mut Connections,
         counters: &mut Counters,
     ) -> Option<Ray> {
-        let (shape, point) = scene.surface::<F>(arrival.ray, &arrival.hit);
-        let side = side_towards(shape, point.ns.dot(-arrival.ray.direction));
-        if side.traits.one_way || arrival.edges == 1 && !side.traits.focuses() {
+        let (shape, point) = scene.surface::<F>(landing.ray, &landing.hit);
+        let side = side_towards(shape, point.ns.dot(-landing.ray.direction));
+        if side.traits.one_way || landing.edges == 1 && !side.traits.focuses() {
             return None;
         }
         // The camera looks through emitters that are hidden.
@@ -97,7 +97,7 @@ impl Caustics {
             scene,
             index,
             path,
-            arrival,
+            landing,
             point: &point,
             side,
             seen,
@@ -113,7 +113,7 @@ struct Scatter<'a, const F: u32> {
     scene: &'a Scene,
     index: usize,
     path: &'a mut LightPath,
-    arrival: Arrival<'a>,
+    landing: Landing<'a>,
     point: &'a SurfacePoint,
     side: Side,
     seen: bool,
@@ -126,8 +126,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
 
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
-        let Self { caustics, scene, index, path, arrival, point, side, seen, connections, counters } = self;
-        let Arrival { ray, hit, edges, u } = arrival;
+        let Self { caustics, scene, index, path, landing, point, side, seen, connections, counters } = self;
+        let Landing { ray, hit, edges, u } = landing;
         let Hit { t, primitive, .. } = hit;
         let to_light = -ray.direction;
         let λ = path.λ;

@@ -2,7 +2,7 @@
 
 use super::Caustics;
 use super::connections::Connections;
-use super::light_path::{Arrival, LightPath, Splat};
+use super::light_path::{Landing, LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::path::MAX_VERTICES;
 use crate::math::Ray;
@@ -44,6 +44,7 @@ impl Caustics {
         counters: &mut Counters,
         mut splat: impl FnMut(u64, &Splat),
     ) {
+        // Kernels of light paths differ in what they ask of a surface; what surrounds the scene is never met.
         let simple = scene.features.0 & Features::TEXTURED & !Features::ENVIRONMENT == 0;
         let mut stream = Stream::default();
         for first in numbers.clone().step_by(STREAM) {
@@ -92,8 +93,8 @@ impl Caustics {
             for i in 0..alive.len() {
                 let Some(hit) = hits[i] else { continue };
                 let (index, path) = &mut paths[alive[i]];
-                let arrival = Arrival { ray: &rays[i], hit, edges, u: numbers.of(i) };
-                let onward = self.step::<F>(scene, (*index, path), arrival, connections, counters);
+                let landing = Landing { ray: &rays[i], hit, edges, u: numbers.of(i) };
+                let onward = self.step::<F>(scene, (*index, path), landing, connections, counters);
                 if let Some(ray) = onward {
                     (alive[kept], rays[kept]) = (alive[i], ray);
                     kept += 1;

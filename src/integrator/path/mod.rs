@@ -118,15 +118,16 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     }
     let about = "light paths of each group of pixels that share: no more than there are pixels; −1 means none, or, where a pilot decides on `reuse`, what it finds best (an extension)";
     let shared_light_paths = params.integer("shared_light_paths", -1, -1..=64, about)?;
-    let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
-    let receivers = if reuse == AUTO { 64 } else { i64::from(reuse) };
-    if shared_light_paths > 0 && (reuse == 1 || shared_light_paths > receivers) {
+    // The range bounds what a pilot decides about.
+    let too_many = reuse != AUTO && shared_light_paths > i64::from(reuse);
+    if too_many || reuse == 1 && shared_light_paths > 0 {
         return Err(params.error(
             "shared_light_paths",
             "more light paths than pixels that share them",
             "expected no more than `reuse`, which is 1 unless given: 2 to 64 pixels, or 0 for a pilot to decide",
         ));
     }
+    let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
     let links = params.choice("links", &Where::NAMES, about)?;
     let links = Where::named(links).unwrap_or(Where::Auto);
     let free = Free {

@@ -1,6 +1,6 @@
 //! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
 
-use crate::console::print;
+use crate::console::{self, print};
 use crate::crew::ask_and_print;
 use crate::documents::Documents;
 use crate::trial::{Trial, effort, effort_of_sampling};
@@ -108,8 +108,8 @@ pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>>
 /// Energy over roughness, index and angle.
 pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     let FurnaceArguments { name, samples, thorough, number, documents, losses } = arguments;
-    if let Some(path) = losses {
-        etalon::image::write_file(&path, furnace::losses().as_bytes())?;
+    if losses.is_some() {
+        console::write(losses.as_deref(), || Ok(furnace::losses()))?;
         return Ok(Verdict::Equivalent);
     }
     let cells = furnace::cells(name.as_deref());

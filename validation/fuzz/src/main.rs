@@ -155,23 +155,22 @@ fn inputs(
         record.findings.iter().for_each(|f| println!("  input {}: {}", f.input, f.what));
         records.push(record);
     }
-    if let Some(path) = json {
-        let text = serde_json::to_string_pretty(&records).map_err(|e| e.to_string())?;
-        write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())?;
-    }
+    write(json, &records)?;
     Ok(records.iter().all(|r| r.findings.is_empty()))
+}
+
+/// Writes a document, if one is wanted: whole, or not at all.
+fn write(json: Option<&Path>, document: &impl serde::Serialize) -> Result<(), String> {
+    let Some(path) = json else { return Ok(()) };
+    let text = serde_json::to_string_pretty(document).map_err(|e| e.to_string())?;
+    write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())
 }
 
 fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
-    let write = |record: &fuzz::paths::Record| {
-        let Some(path) = json else { return Ok(()) };
-        let text = serde_json::to_string_pretty(record).map_err(|e| e.to_string())?;
-        write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())
-    };
     // What was found so far outlives the end of the process.
     let mut written = Ok(());
-    let told = |record: &fuzz::paths::Record| written = write(record);
+    let told = |record: &fuzz::paths::Record| written = write(json, record);
     let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);
     let record = record.ok_or("a render stopped")?;
     written?;

@@ -3,10 +3,9 @@
 use super::findings::{Findings, results};
 use super::suite::Asked;
 use super::{bugs, document, mutants, root};
-use crate::console::say;
-use etalon::image::write_file;
+use crate::console::{say, write};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use validation::Verdict;
 use validation::report::to_json;
 
@@ -88,7 +87,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     super::examine(changes, wanted, &scratch, (arguments.jobs, &asked), |finding| {
         say(format_args!("{finding}"));
         findings.add(finding);
-        arguments.json.as_deref().map_or(Ok(()), |path| write(path, &findings))
+        write(arguments.json.as_deref(), || Ok(to_json(&findings)?)).map_err(|e| e.to_string())
     })?;
     let (killed, all) = findings.killed();
     // What only some tests were asked of, and these did not notice, leaves no finding.
@@ -99,11 +98,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
         true if open > 0 => Verdict::Inconclusive,
         true => Verdict::Equivalent,
     })
-}
-
-fn write(path: &Path, findings: &Findings) -> Result<(), String> {
-    let text = to_json(findings).map_err(|e| e.to_string())?;
-    write_file(path, (text + "\n").as_bytes()).map_err(|e| e.to_string())
 }
 
 fn write_document() -> Result<Verdict, String> {
@@ -118,6 +112,6 @@ fn write_document() -> Result<Verdict, String> {
         let table = if file.exists() { table(&Findings::read(&file)?) } else { "Not yet run.\n".into() };
         text = document::insert(&text, name, &table)?;
     }
-    write_file(&path, text.as_bytes()).map_err(|e| e.to_string())?;
+    write(Some(&path), || Ok(text)).map_err(|e| e.to_string())?;
     Ok(Verdict::Equivalent)
 }

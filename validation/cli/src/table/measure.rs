@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use validation::converge::{Errors, Picture, Reference, errors, reference};
 
 use super::plan::{Entry, Plan};
+use crate::console;
 use crate::converge::{REFERENCES, seed};
 use crate::renderers::{Job, Rendered, Renderers, mean_of, read};
 
@@ -231,8 +232,8 @@ impl Bench<'_> {
     }
 
     fn keep(&self, name: &str, schedule: &Schedule) -> Result<(), String> {
-        let text = validation::report::to_json(schedule).map_err(|e| e.to_string())?;
-        etalon::image::write_file(&self.folder.join(name), text.as_bytes()).map_err(|e| e.to_string())
+        let text = || Ok(validation::report::to_json(schedule)?);
+        console::write(Some(&self.folder.join(name)), text).map_err(|e| e.to_string())
     }
 
     fn add(&self, run: &Run) -> Result<(), String> {

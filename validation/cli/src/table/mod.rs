@@ -11,12 +11,11 @@ pub mod summary;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use etalon::image::write_file;
 use validation::Verdict;
 use validation::report::to_json;
 
-use crate::renderers;
 use crate::report::machine;
+use crate::{console, renderers};
 use measure::{Bench, Settings};
 use summary::Table;
 
@@ -125,27 +124,21 @@ fn kept_settings(
             (true, _) => Ok(kept),
             // More seeds go on from fewer.
             (false, true) if given.seeds >= kept.seeds => {
-                write_file(&file, to_json(&given)?.as_bytes())?;
+                console::write(Some(&file), || Ok(to_json(&given)?))?;
                 Ok(given)
             }
             _ => Err(format!("{} holds pictures of other settings", folder.display()).into()),
         };
     }
     std::fs::create_dir_all(folder)?;
-    write_file(&file, to_json(&given)?.as_bytes())?;
+    console::write(Some(&file), || Ok(to_json(&given)?))?;
     Ok(given)
 }
 
 fn write(folder: &Path, table: &Table, pages: &[String]) -> Result<(), Box<dyn std::error::Error>> {
-    let documents = [
-        ("table.json", to_json(table)? + "\n"),
-        ("table.md", table.markdown()),
-        ("table.html", sheet::page(table, pages)),
-    ];
-    for (name, text) in documents {
-        write_file(&folder.join(name), text.as_bytes())?;
-    }
-    Ok(())
+    console::write(Some(&folder.join("table.json")), || Ok(to_json(table)?))?;
+    console::write(Some(&folder.join("table.md")), || Ok(table.markdown()))?;
+    console::write(Some(&folder.join("table.html")), || Ok(sheet::page(table, pages)))
 }
 
 #[cfg(test)]
