@@ -13,6 +13,7 @@ pub mod quadrature;
 #[cfg(test)]
 pub mod random;
 pub mod ray;
+pub mod root;
 pub mod simd;
 pub mod transform;
 pub mod warp;

@@ -23,7 +23,7 @@ use crate::spectrum::{Spectrum, Wavelengths};
 pub const REFLECTED: f64 = 0.0;
 
 /// The number for the choice of a lobe that is above every probability of reflection.
-const NOT_REFLECTED: f64 = BELOW_ONE;
+pub const NOT_REFLECTED: f64 = BELOW_ONE;
 
 /// A ray after the last surface, with its derivatives by two angles of its first direction.
 pub struct Bent {

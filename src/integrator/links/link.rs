@@ -6,7 +6,8 @@
 //! ([`bent`](super::bent)).
 
 use super::bent::{Bent, specular};
-use super::mirror::Mirror;
+use super::element::Element;
+use super::lens::Directions;
 use crate::integrator::Counters;
 use crate::math::frame::unit;
 use crate::math::{DVec3, Frame, Ray, length};
@@ -30,7 +31,7 @@ const MET: f64 = 1.0 / (1u64 << 26) as f64;
 pub enum Surface<'a> {
     /// Refracts; by the first primitive of its shape.
     Glass(u32),
-    Mirror(&'a Mirror),
+    Mirror(&'a Element),
 }
 
 /// A way by surfaces that refract or reflect.
@@ -66,6 +67,16 @@ impl<'a> Chain<'a> {
         Some(())
     }
 
+    /// Whether it leads through a lens, in and out: there may be several such ways, which others look for.
+    fn is_lens(&self, scene: &Scene) -> bool {
+        match self.surfaces[..self.count] {
+            [Surface::Glass(a), Surface::Glass(b)] if a == b => {
+                scene.links.as_ref().is_some_and(|links| links.lenses.have(a))
+            }
+            _ => false,
+        }
+    }
+
     /// Adds the shapes that the straight line goes through, up to the mirror if one is given; `None` if one
     /// of them does not refract.
     fn read(
@@ -73,7 +84,7 @@ impl<'a> Chain<'a> {
         scene: &Scene,
         (mut p, mut primitive): (DVec3, u32),
         to: DVec3,
-        until: Option<&Mirror>,
+        until: Option<&Element>,
         counters: &mut Counters,
     ) -> Option<()> {
         let mut distance = length(to - p);
@@ -95,46 +106,87 @@ impl<'a> Chain<'a> {
     }
 }
 
-impl Link {
-    /// From a point on a primitive to another point, with one reflection if a mirror is given; `None` if
-    /// there is nothing but air between them, or something else than refracting interfaces, or more surfaces
-    /// than `most`, or if no way is found.
-    pub fn find(
-        scene: &Scene,
+/// What is to be looked for: ways by these surfaces to a point, from each of some directions.
+pub struct Search<'a> {
+    scene: &'a Scene,
+    from: (DVec3, u32),
+    to: DVec3,
+    chain: Chain<'a>,
+    starts: Directions,
+    /// About how far it is.
+    distance: f64,
+}
+
+impl<'a> Search<'a> {
+    /// For ways from a point on a primitive to another point, by a mirror or a lens if one is given; `None`
+    /// if there is nothing but air between them, or something else than refracting interfaces, or more
+    /// surfaces than `most`.
+    pub fn new(
+        scene: &'a Scene,
         from: (DVec3, u32),
         to: DVec3,
-        by: Option<&Mirror>,
+        by: Option<&'a Element>,
         most: usize,
-        λ: &Wavelengths,
         counters: &mut Counters,
     ) -> Option<Self> {
         let mut chain = Chain { surfaces: [Surface::Glass(0); MOST_SURFACES], count: 0 };
+        let mut lens = None;
         let first = match by {
             None => {
                 chain.read(scene, from, to, None, counters)?;
+                if chain.is_lens(scene) {
+                    return None;
+                }
                 to
             }
-            Some(mirror) => {
-                let seen = mirror.reflection(from.0, to)?;
-                chain.read(scene, from, seen, by, counters)?;
-                chain.push(Surface::Mirror(mirror))?;
-                chain.read(scene, (seen, mirror.primitives[0]), to, None, counters)?;
-                seen
-            }
+            Some(element) => match element.lens() {
+                Some(found) => {
+                    let glass = Surface::Glass(element.primitives[0]);
+                    chain.push(glass)?;
+                    (0..found.inner).try_for_each(|_| chain.push(Surface::Mirror(element)))?;
+                    chain.push(glass)?;
+                    lens = Some(found);
+                    found.ball.centre
+                }
+                None => {
+                    let seen = element.reflection(from.0, to)?;
+                    chain.read(scene, from, seen, by, counters)?;
+                    chain.push(Surface::Mirror(element))?;
+                    chain.read(scene, (seen, element.primitives[0]), to, None, counters)?;
+                    seen
+                }
+            },
         };
-        let surfaces = &chain.surfaces[..chain.count];
-        if surfaces.is_empty() || surfaces.len() > most {
+        if chain.count == 0 || chain.count > most {
             return None;
         }
-        let distance = length(first - from.0) + length(to - first);
-        let mut bend = |direction| Bent::new(scene, from, direction, surfaces, to, λ, counters);
-        let mut direction = unit(first - from.0);
+        let starts = match lens {
+            Some(lens) => lens.ways(from.0, to),
+            None => Directions::one(unit(first - from.0)),
+        };
+        Some(Self { scene, from, to, chain, starts, distance: length(first - from.0) + length(to - first) })
+    }
+
+    /// The ways there are.
+    pub fn links<'s>(
+        &'s self,
+        λ: &'s Wavelengths,
+        counters: &'s mut Counters,
+    ) -> impl Iterator<Item = Link> + 's {
+        self.starts.list().iter().filter_map(move |start| self.link(*start, λ, counters))
+    }
+
+    /// The way that a direction leads to, by Newton's method.
+    fn link(&self, mut direction: DVec3, λ: &Wavelengths, counters: &mut Counters) -> Option<Link> {
+        let surfaces = &self.chain.surfaces[..self.chain.count];
+        let mut bend =
+            |direction| Bent::new(self.scene, self.from, direction, surfaces, self.to, λ, counters);
         let mut bent = bend(direction)?;
         for _ in 0..CORRECTIONS {
             let (step, spread) = bent.correction()?;
             let miss = bent.missed();
-            if miss <= MET * distance {
-                return Some(Self {
+            if miss <= MET * self.distance {
+                return Some(Link {
                     direction,
                     surfaces: surfaces.len() as u32,
                     transmittance: bent.transmittance,

@@ -5,28 +5,29 @@
 //! in a mirror, light paths cannot be connected with the camera. There is a bent way from the surface to the
 //! sampled point of the emitter, and [`Link`] finds it: manifold next-event estimation (Hanika, Droske &
 //! Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
-//! (`mirror.rs`). Ways through glass alone and those by mirrors are two techniques that have no path in
-//! common.
+//! (`element.rs`). Through a ball of glass there may be several ways, and all of them are found (`lens.rs`).
+//! Ways through glass, ways by a mirror and ways through a ball are techniques that have no path in common.
 //!
 //! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which
 //! the way to it leaves the vertex, with the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the way tell
 //! the area |∂y⊥/∂ω| across the ray, and the emitter is hit at an angle, so p(ω) = pₐ(y) |∂y⊥/∂ω| / cos θ_y.
-//! Points are sampled as if for the vertex, or for its image in the mirror: the straight line's density of
-//! directions p′ gives pₐ = p′ cos θ′_y / d². The mirror is chosen with a chance that the vertex's place
-//! decides.
+//! Points are sampled as if for the vertex, for its image in the mirror, or for the middle of the ball: the
+//! straight line's density of directions p′ gives pₐ = p′ cos θ′_y / d². The mirror and the ball are chosen
+//! with chances that the vertex's place decides.
 //!
 //! **The weights.** There may be other ways to y, with other interfaces or other bends; they are left to
 //! paths that scatter into them. So when such a path has left a vertex by a lobe with a density, gone by
-//! specular surfaces and met the emitter, the link between vertex and emitter is found again: only if it is
-//! this very way could an emitter sample have made the path, and the power heuristic shares it, of p(ω) and
+//! specular surfaces and met the emitter, the links between vertex and emitter are found again: only if this
+//! very way is among them could an emitter sample have made the path, and the power heuristic shares it, of p(ω) and
 //! the density of the scattering times the chance of the turn at each surface. What is found depends on the
-//! two points and the mirror alone, so both sides agree; and so do light paths, the third technique (see
+//! two points and the mirror or ball alone, so both sides agree; and so do light paths, the third technique (see
 //! [`caustics`](super::caustics)), which look for the link as soon as they meet a rough surface.
 
 mod bent;
+mod element;
+mod elements;
+mod lens;
 mod link;
-mod mirror;
-mod mirrors;
 mod passage;
 
 use super::Counters;
@@ -39,8 +40,10 @@ use crate::math::{DVec2, DVec3, Ray, length};
 use crate::scene::{Scene, Shape};
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
+use element::Element;
+use elements::Elements;
+use link::Search;
 pub use link::{Link, Surface};
-use mirrors::Mirrors;
 pub use passage::{Passage, Way};
 
 /// Directions closer than this are the same: those that Newton's method finds are far closer, other ways are
@@ -71,12 +74,31 @@ impl Where {
     }
 }
 
+/// What emitter samples are to lead by.
+#[derive(Clone, Copy)]
+pub struct Technique<'a> {
+    /// Through glass alone, if nothing is given.
+    by: Option<&'a Element>,
+    /// That it is asked.
+    chance: f64,
+}
+
+impl Technique<'_> {
+    const THROUGH: Self = Self { by: None, chance: 1.0 };
+
+    /// From where emitters are sampled for a point.
+    fn seen_from(&self, p: DVec3) -> Option<DVec3> {
+        self.by.map_or(Some(p), |element| element.image(p))
+    }
+}
+
 /// What links may lead by.
 #[derive(Debug)]
 pub struct Links {
     /// Boxes around shapes that refract; where there are many, one around all.
     glass: Vec<(DVec3, DVec3)>,
-    mirrors: Mirrors,
+    mirrors: Elements,
+    lenses: Elements,
     /// All vertices ask for them, not only those that light paths cannot help.
     pub everywhere: bool,
 }
@@ -91,17 +113,28 @@ impl Links {
             let all = glass.iter().copied().reduce(union);
             glass = all.into_iter().collect();
         }
-        let mirrors = Mirrors::of(shapes, materials, mode);
+        let [mirrors, lenses] = Elements::of(shapes, materials, mode);
         let shining = shapes.iter().any(|shape| shape.emitter.is_some());
         let something = !glass.is_empty() || !mirrors.is_empty();
-        (something && shining).then_some(Self { glass, mirrors, everywhere: false })
+        (something && shining).then_some(Self { glass, mirrors, lenses, everywhere: false })
     }
 
-    /// The techniques for the light at a point, by a number in [0, 1): through glass alone, and by a mirror
-    /// that is chosen with a chance.
-    pub fn techniques(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Option<(usize, f64)>> {
-        let through = (!self.glass.is_empty()).then_some(None);
-        through.into_iter().chain(self.mirrors.choose(p, choice).map(Some))
+    /// The techniques for the light at a point, by a number in [0, 1): through glass alone, through a ball, and
+    /// by a mirror.
+    pub fn techniques(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Technique<'_>> {
+        let through = (!self.glass.is_empty()).then_some(Technique::THROUGH);
+        let one = [&self.lenses, &self.mirrors].map(|elements| elements.choose(p, choice));
+        through.into_iter().chain(one.into_iter().flatten())
+    }
+
+    /// Which technique makes ways to the light at a point by such surfaces, if one does.
+    fn technique(&self, p: DVec3, passage: &Passage) -> Option<Technique<'_>> {
+        for elements in [&self.lenses, &self.mirrors] {
+            if let Some(index) = elements.of_passage(passage) {
+                return Some(elements.technique(p, index)).filter(|technique| technique.chance > 0.0);
+            }
+        }
+        (passage.reflections == 0).then_some(Technique::THROUGH)
     }
 
     /// Whether glass may lie on the way from a point to `distance` in unit direction `w`.
@@ -126,17 +159,10 @@ pub fn density_of(
     λ: &Wavelengths,
     counters: &mut Counters,
 ) -> Option<f64> {
-    let mirrors = &scene.links.as_ref()?.mirrors;
     let entry = &scene.emitters.list[emitter];
     let geometry = &scene.shapes[entry.shape? as usize].geometry;
-    let (mirror, chance) = match passage.mirror {
-        None => (None, 1.0),
-        Some(primitive) => {
-            let (index, chance) = mirrors.chosen(from.0, primitive)?;
-            (Some(mirrors.get(index)), chance)
-        }
-    };
-    let seen_from = mirror.map_or(Some(from.0), |mirror| mirror.image(from.0))?;
+    let technique = scene.links.as_ref()?.technique(from.0, &passage)?;
+    let seen_from = technique.seen_from(from.0)?;
     let towards = point.p - seen_from;
     let distance = length(towards);
     let straight = Ray::leaving(seen_from, towards / distance, distance, from.1);
@@ -144,11 +170,13 @@ pub fn density_of(
         return None;
     }
     let to = straight.at(free_way(distance, geometry.point_error() + position_error(seen_from)));
-    let link = Link::find(scene, from, to, mirror, passage.surfaces as usize, λ, counters)?;
-    let same = length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
+    let search = Search::new(scene, from, to, technique.by, passage.surfaces as usize, counters)?;
+    let is_it =
+        |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
+    let link = search.links(λ, counters).find(is_it)?;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
-    let chosen = scene.emitters.probability(emitter, (from.0, DVec3::ZERO)) * chance;
-    same.then(|| chosen * density(pdf, (straight.direction, distance), &link, point.ng))
+    let chosen = scene.emitters.probability(emitter, (from.0, DVec3::ZERO)) * technique.chance;
+    Some(chosen * density(pdf, (straight.direction, distance), &link, point.ng))
 }
 
 /// p(ω) from p′, the straight way, the bent one, and the emitter's normal.
@@ -156,20 +184,20 @@ fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n
     straight_pdf * (n.dot(straight) / (n.dot(link.last.direction) * distance * distance)).abs() * link.spread
 }
 
-/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: an estimate
-/// of the light that this technique has to contribute, up to visibility behind the last surface. `mirror` is
-/// what [`Links::techniques`] says. `light_paths` says of a link, of the density of its direction when
-/// scattering, and of a point of the emitter, how much likelier light paths make the whole path than
-/// scattering does.
+/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: estimates, for
+/// `found`, of the light that this technique has to contribute by each way, up to visibility behind the last
+/// surface. `light_paths` says of a link, of the density of its
+/// direction when scattering, and of a point of the emitter, how much likelier light paths make the whole
+/// path than scattering does.
 pub fn sample_emitter<B: Bsdf>(
-    scene: &Scene,
+    (scene, λ): (&Scene, &Wavelengths),
     vertex: &Vertex<B>,
-    (mirror, u, digits): (Option<(usize, f64)>, DVec2, f64),
+    (technique, u, digits): (Technique, DVec2, f64),
     (count, most): (f64, usize),
-    λ: &Wavelengths,
     light_paths: impl Fn(&Link, f64, EmitterPoint) -> f64,
     counters: &mut Counters,
-) -> Option<Proposal> {
+    mut found: impl FnMut(Proposal),
+) -> Option<()> {
     let (index, probability, u) = scene.emitters.sample((vertex.point.p, DVec3::ZERO), u, digits)?;
     let entry = &scene.emitters.list[index];
     if !matches!(entry.emitter, AnyEmitter::Area(_)) {
@@ -177,35 +205,37 @@ pub fn sample_emitter<B: Bsdf>(
     }
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let from = (vertex.point.p, vertex.primitive);
-    let mirrors = &scene.links.as_ref()?.mirrors;
-    let (mirror, chance) = mirror.map_or((None, 1.0), |(index, chance)| (Some(mirrors.get(index)), chance));
-    let seen_from = mirror.map_or(Some(from.0), |mirror| mirror.image(from.0))?;
+    let seen_from = technique.seen_from(from.0)?;
     let light = entry.emitter.sample(shape, (seen_from, DVec3::ZERO), u, λ)?;
     if light.radiance.is_zero() {
         return None;
     }
     let to = seen_from + light.wi * light.distance;
-    let link = Link::find(scene, from, to, mirror, most, λ, counters)?;
-    let cos = -link.last.direction.dot(light.n);
-    if cos <= 0.0 {
-        return None;
+    let search = Search::new(scene, from, to, technique.by, most, counters)?;
+    for link in search.links(λ, counters) {
+        let cos = -link.last.direction.dot(light.n);
+        if cos <= 0.0 {
+            continue;
+        }
+        // Beside the point the emitter's surface may come earlier by this.
+        let error = shape.map_or(0.0, Geometry::point_error) + position_error(link.last.origin);
+        let early = 2.0 * link.miss / cos + 4.0 * error;
+        let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));
+        let chance = probability * technique.chance;
+        let pdf = density(light.pdf, (light.wi, light.distance), &link, light.n) * chance * count;
+        if scattered.value.is_zero() || pdf.is_nan() || pdf <= 0.0 {
+            continue;
+        }
+        let scattering = scattered.pdf * link.chance;
+        let end = EmitterPoint { emitter: index, p: to, n: light.n };
+        let by_light_path = scattering * light_paths(&link, scattered.pdf, end);
+        let weight = power_heuristic_of_three(scattering / pdf, by_light_path / pdf);
+        found(Proposal {
+            ray: Ray { end: link.last.end - early, ..link.last },
+            radiance: scattered.value * link.transmittance * light.radiance * (weight / pdf) as f32,
+        });
     }
-    // Beside the point the emitter's surface may come earlier by this.
-    let error = shape.map_or(0.0, Geometry::point_error) + position_error(link.last.origin);
-    let early = 2.0 * link.miss / cos + 4.0 * error;
-    let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));
-    let pdf = density(light.pdf, (light.wi, light.distance), &link, light.n) * probability * chance * count;
-    if scattered.value.is_zero() || pdf.is_nan() || pdf <= 0.0 {
-        return None;
-    }
-    let scattering = scattered.pdf * link.chance;
-    let end = EmitterPoint { emitter: index, p: to, n: light.n };
-    let by_light_path = scattering * light_paths(&link, scattered.pdf, end);
-    let weight = power_heuristic_of_three(scattering / pdf, by_light_path / pdf);
-    Some(Proposal {
-        ray: Ray { end: link.last.end - early, ..link.last },
-        radiance: scattered.value * link.transmittance * light.radiance * (weight / pdf) as f32,
-    })
+    Some(())
 }
 
 #[cfg(test)]

@@ -30,19 +30,34 @@ pub fn turn(side: Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passage {
     pub surfaces: u32,
-    /// The primitive that has reflected; all others let it through.
+    /// How many of them have reflected; all others let it through.
+    pub reflections: u32,
+    /// The primitive that has reflected last.
     pub mirror: Option<u32>,
+    /// The primitive that all of them are, if they are one.
+    alone: Option<u32>,
 }
 
 impl Passage {
     /// What it is after another surface; `None` if no link is like that.
     pub fn on(self, side: Side, primitive: u32, wo: DVec3, sample: &Sample) -> Option<Self> {
-        let mirror = match (turn(side, wo, sample)?, self.mirror) {
-            (Turn::Through, mirror) => mirror,
-            (Turn::Back, None) => Some(primitive),
-            (Turn::Back, Some(_)) => return None,
+        Some(self.with(turn(side, wo, sample)?, primitive))
+            .filter(|with| with.reflections < 2 || with.alone.is_some())
+    }
+
+    /// With one more surface.
+    pub fn with(self, turn: Turn, primitive: u32) -> Self {
+        let (reflections, mirror) = match turn {
+            Turn::Through => (self.reflections, self.mirror),
+            Turn::Back => (self.reflections + 1, Some(primitive)),
         };
-        Some(Self { surfaces: self.surfaces + 1, mirror })
+        let alone = Some(primitive).filter(|_| self.surfaces == 0 || self.alone == Some(primitive));
+        Self { surfaces: self.surfaces + 1, reflections, mirror, alone }
+    }
+
+    /// Whether it leads through a primitive alone, which reflects it so often within.
+    pub fn is_through(&self, primitive: u32, inner: u32) -> bool {
+        self.alone == Some(primitive) && self.reflections == inner && self.surfaces == inner + 2
     }
 }
 

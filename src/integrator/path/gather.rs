@@ -127,12 +127,12 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
                     1 => self.u,
                     _ => self.sampler.emitter_samples(state.depth, which, count, PAIRS).of(0),
                 };
-                for mirror in links.techniques(vertex.point.p, u.one(7)) {
-                    let which = (mirror, u.pair(0), u.one(4));
-                    let found = links::sample_emitter(scene, vertex, which, effort, λ, light_paths, counters);
-                    if let Some(light) = found {
-                        shadows.push((self.index, shares), light.ray, throughput * light.radiance);
-                    }
+                for technique in links.techniques(vertex.point.p, u.one(7)) {
+                    let which = (technique, u.pair(0), u.one(4));
+                    let found = |Proposal { ray, radiance }| {
+                        shadows.push((self.index, shares), ray, throughput * radiance);
+                    };
+                    links::sample_emitter((scene, λ), vertex, which, effort, light_paths, counters, found);
                 }
             }
         }
