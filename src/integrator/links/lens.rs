@@ -18,7 +18,7 @@ use crate::math::simd::F64x4;
 use crate::math::{Ball, DVec2, DVec3, length, root};
 
 /// More ways than these were not seen.
-pub const MOST_WAYS: usize = 8;
+const MOST_WAYS: usize = 8;
 
 /// Places at which signs are looked at, four at once.
 const PLACES: [[f64; 4]; 4] = {
@@ -81,7 +81,7 @@ impl Lens {
         let along = y.dot(e1);
         let aside = y - e1 * along;
         let across = length(aside);
-        // Of two ends on one line through the centre the plane is not known, and no lamp is all there.
+        // Of two ends on one line through the centre the plane is not known; what is all there has no area.
         if !(a > 1.0 && along * along + across * across > 1.0) || across == 0.0 {
             return found;
         }

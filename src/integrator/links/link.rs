@@ -5,6 +5,7 @@
 //! meets the other point: Newton's method in two unknowns, whose derivatives the ray carries along
 //! ([`bent`](super::bent)).
 
+use super::SAME;
 use super::bent::{Bent, specular};
 use super::element::Element;
 use super::lens::Directions;
@@ -113,6 +114,8 @@ pub struct Search<'a> {
     to: DVec3,
     chain: Chain<'a>,
     starts: Directions,
+    /// Whether ways begin there, and not only near by.
+    exact: bool,
     /// About how far it is.
     distance: f64,
 }
@@ -164,7 +167,8 @@ impl<'a> Search<'a> {
             Some(lens) => lens.ways(from.0, to),
             None => Directions::one(unit(first - from.0)),
         };
-        Some(Self { scene, from, to, chain, starts, distance: length(first - from.0) + length(to - first) })
+        let distance = length(first - from.0) + length(to - first);
+        Some(Self { scene, from, to, chain, starts, exact: lens.is_some(), distance })
     }
 
     /// The ways there are.
@@ -173,7 +177,11 @@ impl<'a> Search<'a> {
         λ: &'s Wavelengths,
         counters: &'s mut Counters,
     ) -> impl Iterator<Item = Link> + 's {
-        self.starts.list().iter().filter_map(move |start| self.link(*start, λ, counters))
+        self.starts.list().iter().filter_map(move |start| {
+            // Corrections must not lead to a way that begins at another start.
+            let link = self.link(*start, λ, counters)?;
+            (!self.exact || length(link.direction - *start) < SAME).then_some(link)
+        })
     }
 
     /// The way that a direction leads to, by Newton's method.
