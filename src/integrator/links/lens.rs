@@ -42,14 +42,14 @@ pub struct Lens {
     pub inner: u32,
 }
 
-/// A few directions (world, unit length).
+/// Where ways begin: a few directions (world, unit length).
 #[derive(Clone, Copy, Debug)]
-pub struct Directions {
+pub struct Starts {
     list: [DVec3; MOST_WAYS],
     count: usize,
 }
 
-impl Directions {
+impl Starts {
     pub const NONE: Self = Self { list: [DVec3::ZERO; MOST_WAYS], count: 0 };
 
     pub fn one(direction: DVec3) -> Self {
@@ -72,9 +72,9 @@ impl Directions {
 
 impl Lens {
     /// The directions in which ways to y leave x.
-    pub fn ways(&self, x: DVec3, y: DVec3) -> Directions {
+    pub fn ways(&self, x: DVec3, y: DVec3) -> Starts {
         let Self { ball: Ball { centre, radius }, eta, inner } = *self;
-        let mut found = Directions::NONE;
+        let mut found = Starts::NONE;
         let (x, y) = ((x - centre) / radius, (y - centre) / radius);
         let a = length(x);
         let e1 = x / a;
@@ -88,15 +88,15 @@ impl Lens {
         let e2 = aside / across;
         let plane = Plane { a, y: DVec2::new(along, across), eta, inner };
         let error = 4.0 * f64::EPSILON * (1.0 + length(y));
-        let passes = |t: f64| plane.bent(F64x4::splat(t)).passes.to_array()[0];
-        let values = PLACES.map(|t| plane.bent(F64x4::new(t)).passes.to_array());
+        let passes = |t: f64| plane.crossing(F64x4::splat(t)).passes.to_array()[0];
+        let values = PLACES.map(|t| plane.crossing(F64x4::new(t)).passes.to_array());
         let (places, values) = (PLACES.as_flattened(), values.as_flattened());
         let mut last = (places[0], values[0]);
         let mut look_before = |next: (f64, f64)| {
             if let Some(t) = root::between(last, next, error, passes) {
-                let bent = plane.bent(F64x4::splat(t));
-                if bent.leads.to_array()[0] > 0.0 {
-                    let [along, across] = bent.before.map(|lanes| lanes.to_array()[0]);
+                let crossing = plane.crossing(F64x4::splat(t));
+                if crossing.leads.to_array()[0] > 0.0 {
+                    let [along, across] = crossing.before.map(|lanes| lanes.to_array()[0]);
                     found.push(e1 * along + e2 * across);
                 }
             }
@@ -135,7 +135,7 @@ struct Plane {
 }
 
 /// Rays before and after the ball.
-struct Bent {
+struct Crossing {
     /// Unit direction.
     before: [F64x4; 2],
     /// On which side of y it passes, and by how much.
@@ -153,7 +153,7 @@ fn turned([a, b]: [F64x4; 2], [c, d]: [F64x4; 2]) -> [F64x4; 2] {
 impl Plane {
     /// The rays for t in [−1, 1]: b is the sine of 2 arctan t, as far as it can enter.
     #[inline(always)]
-    fn bent(&self, t: F64x4) -> Bent {
+    fn crossing(&self, t: F64x4) -> Crossing {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
         let other = |sine: F64x4| (one - sine * sine).max(zero).sqrt();
         let b = F64x4::splat(2.0 * self.eta.min(1.0)) * t / (one + t * t);
@@ -166,7 +166,7 @@ impl Plane {
         let before = [-other(aside), aside];
         let [x, y] = turned(before, turn);
         let to = [self.y.x, self.y.y].map(F64x4::splat);
-        Bent { before, passes: to[0] * y - to[1] * x - b, leads: to[0] * x + to[1] * y - cos }
+        Crossing { before, passes: to[0] * y - to[1] * x - b, leads: to[0] * x + to[1] * y - cos }
     }
 }
 

@@ -8,7 +8,7 @@
 use super::SAME;
 use super::bent::{Bent, specular};
 use super::element::Element;
-use super::lens::Directions;
+use super::lens::Starts;
 use crate::integrator::Counters;
 use crate::math::frame::unit;
 use crate::math::{DVec3, Frame, Ray, length};
@@ -113,7 +113,7 @@ pub struct Search<'a> {
     from: (DVec3, u32),
     to: DVec3,
     chain: Chain<'a>,
-    starts: Directions,
+    starts: Starts,
     /// Whether ways begin there, and not only near by.
     exact: bool,
     /// About how far it is.
@@ -165,7 +165,7 @@ impl<'a> Search<'a> {
         }
         let starts = match lens {
             Some(lens) => lens.ways(from.0, to),
-            None => Directions::one(unit(first - from.0)),
+            None => Starts::one(unit(first - from.0)),
         };
         let distance = length(first - from.0) + length(to - first);
         Some(Self { scene, from, to, chain, starts, exact: lens.is_some(), distance })
