@@ -287,17 +287,23 @@ fn both_sides_agree_on_the_density_by_mirrors() {
 #[test]
 fn both_sides_agree_on_the_density() {
     let λ = Wavelengths::rgb();
-    for (name, scene) in curved().into_iter().chain([("slab", slab())]) {
-        let (mut tried, mut several) = (0, 0);
+    // What comes from above is thrown back by it.
+    let below = format!(
+        r#"<shape type="sphere"><point name="center" z="-1.5"/><float name="radius" value="1.2"/>{GLASS}</shape>"#
+    );
+    for (name, scene) in curved().into_iter().chain([("slab", slab()), ("ball below", scene(&below))]) {
+        let (mut tried, mut several, mut reflected) = (0, 0, 0);
         let Some(index) = scene.emitters.list.iter().position(|e| e.shape.is_some()) else { panic!() };
         let entry = &scene.emitters.list[index];
         let geometry = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-        let lenses = &scene.links.as_ref().expect("there is glass").lenses;
-        let techniques = [None].into_iter().chain((0..lenses.len()).map(Some));
-        for (technique, (x, _)) in techniques.flat_map(|technique| pairs().map(move |pair| (technique, pair)))
-        {
-            let element = technique.map(|i| lenses.get(i));
-            let chance = technique.map_or(1.0, |i| lenses.technique(x, i).chance);
+        let Links { lenses, mirrors, .. } = scene.links.as_ref().expect("there is glass");
+        // By nothing else, through a ball, and with a reflection within.
+        let inner = (0..mirrors.len()).filter(|i| mirrors.get(*i).lens().is_some());
+        let elements = (0..lenses.len()).map(|i| (lenses, i)).chain(inner.map(|i| (mirrors, i)));
+        let techniques: Vec<_> = [None].into_iter().chain(elements.map(Some)).collect();
+        for (which, (x, _)) in techniques.iter().flat_map(|which| pairs().map(move |pair| (which, pair))) {
+            let Technique { by: element, chance } =
+                which.map_or(Technique::THROUGH, |(elements, i)| elements.technique(x, i));
             let seen_from = element.map_or(x, |element| element.image(x).expect("x is outside"));
             let u = DVec2::new((x.x * 37.0).rem_euclid(1.0), (x.y * 41.0).rem_euclid(1.0));
             let Some(light) = entry.emitter.sample(geometry, (seen_from, DVec3::ZERO), u, &λ) else {
@@ -308,10 +314,18 @@ fn both_sides_agree_on_the_density() {
             let counters = &mut Counters::default();
             let found = by(&scene, x, y, element);
             several += usize::from(found.len() > 1);
+            let inner = element.and_then(Element::lens).map_or(0, |lens| lens.inner);
+            reflected += inner * found.len() as u32;
             for link in &found {
                 let expected = chance * density(light.pdf, (light.wi, light.distance), link, light.n);
                 let alone = element.map(|element| element.primitives[0]);
-                let way = (link.direction, through(link.surfaces, alone));
+                let within = |passage: Passage| match alone {
+                    Some(primitive) => {
+                        (0..inner).fold(passage, |passage, _| passage.with(Turn::Back, primitive))
+                    }
+                    None => passage,
+                };
+                let way = (link.direction, within(through(link.surfaces - inner, alone)));
                 match density_of(&scene, (x, 0), way, end, &λ, counters) {
                     Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                     None => assert!(link.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
@@ -319,13 +333,14 @@ fn both_sides_agree_on_the_density() {
                 // Another direction is another way, and another number of interfaces too.
                 let aside = unit(link.direction + DVec3::X * 1e-3);
                 assert!(density_of(&scene, (x, 0), (aside, way.1), end, &λ, counters).is_none());
-                let fewer = (way.0, through(link.surfaces - 1, alone));
+                let fewer = (way.0, within(through(link.surfaces - inner - 1, alone)));
                 assert!(density_of(&scene, (x, 0), fewer, end, &λ, counters).is_none());
                 tried += 1;
             }
         }
         assert!(tried > 50, "{name}: {tried}");
         assert!(name != "low ball" || several > 10, "{name}: {several}");
+        assert_eq!(name == "ball below", reflected > 10, "{name}: {reflected}");
     }
 }
 
