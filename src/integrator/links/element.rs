@@ -13,8 +13,8 @@
 use super::lens::Lens;
 use crate::math::{Ball, DVec2, DVec3, length, root};
 
-/// How much more light than its size says a lens may bring: behind it, as far from its centre as a diameter, all
-/// seems to come by it. (Four times as much brought no less noise.)
+/// How much more light than its size says a lens may bring: behind it, as far from its centre as a diameter,
+/// all seems to come by it. (Four times as much brought no less noise.)
 const GATHERED: f64 = 4.0;
 
 /// What it looks like.
@@ -36,8 +36,8 @@ pub struct Element {
     pub form: Form,
     /// The ball around it.
     pub around: Ball,
-    /// Which part of the light it reflects or lets through, about, on the side of the normal (of a ball: outside) and on the
-    /// other.
+    /// Which part of the light it reflects or lets through, about, on the side of the normal (of a ball:
+    /// outside) and on the other.
     pub strength: [f64; 2],
     /// Counted over the whole scene, in order.
     pub primitives: Vec<u32>,
@@ -53,6 +53,11 @@ impl Element {
             Form::Lens(lens) => Some(lens),
             _ => None,
         }
+    }
+
+    /// Whether light goes through it without a reflection.
+    pub fn gathers(&self) -> bool {
+        self.lens().is_some_and(|lens| lens.inner == 0)
     }
 
     /// From where emitters are sampled for x: where x seems to be when one looks at the mirror; a lens gathers
@@ -101,8 +106,7 @@ impl Element {
             }
         };
         let Ball { centre, radius } = self.around;
-        // A lens gathers light: from beside it all of what comes from there.
-        let gathered = if self.lens().is_some_and(|lens| lens.inner == 0) { GATHERED } else { 1.0 };
+        let gathered = if self.gathers() { GATHERED } else { 1.0 };
         self.strength[usize::from(behind)]
             * (gathered * radius * radius / (x - centre).length_squared()).min(1.0)
     }

@@ -34,8 +34,7 @@ impl Elements {
     /// Those that reflect light, and those that it goes straight through.
     pub fn of(shapes: &[Shape], materials: &[AnyMaterial], mode: ColorMode) -> [Self; 2] {
         let elements = shapes.iter().flat_map(|shape| of_shape(shape, materials, mode));
-        let (lenses, mirrors): (Vec<_>, _) =
-            elements.partition(|element| element.lens().is_some_and(|lens| lens.inner == 0));
+        let (lenses, mirrors): (Vec<_>, _) = elements.partition(Element::gathers);
         [mirrors, lenses].map(Self::largest)
     }
 
@@ -69,8 +68,8 @@ impl Elements {
         (weights, weights.iter().sum::<f64>().max(1.0))
     }
 
-    /// One of them for the light at x, by a number in [0, 1). Where all together bring
-    /// little, perhaps none: what is a hundredth of the light is asked for a hundredth of the time.
+    /// One of them for the light at x, by a number in [0, 1). Where all together bring little, perhaps none:
+    /// what is a hundredth of the light is asked for a hundredth of the time.
     pub fn choose(&self, x: DVec3, choice: f64) -> Option<Technique<'_>> {
         let (weights, all) = self.weights(x);
         let mut rest = choice * all;
@@ -117,7 +116,7 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<El
             eta: turned.eta.filter(|_| shape.refracts()),
         }
     });
-    let strength = [turned[0].reflected, turned[1].reflected];
+    let strength = turned.map(|turned| turned.reflected);
     let first = shape.first_primitive;
     let whole =
         |form, around, strength, primitive| Element { form, around, strength, primitives: vec![primitive] };

@@ -18,10 +18,11 @@
 //! **The weights.** There may be other ways to y, with other interfaces or other bends; they are left to
 //! paths that scatter into them. So when such a path has left a vertex by a lobe with a density, gone by
 //! specular surfaces and met the emitter, the links between vertex and emitter are found again: only if this
-//! very way is among them could an emitter sample have made the path, and the power heuristic shares it, of p(ω) and
-//! the density of the scattering times the chance of the turn at each surface. What is found depends on the
-//! two points and the mirror or ball alone, so both sides agree; and so do light paths, the third technique (see
-//! [`caustics`](super::caustics)), which look for the link as soon as they meet a rough surface.
+//! very way is among them could an emitter sample have made the path, and the power heuristic shares it, of
+//! p(ω) and the density of the scattering times the chance of the turn at each surface. What is found depends
+//! on the two points and the mirror or ball alone, so both sides agree; and so do light paths, the third
+//! technique (see [`caustics`](super::caustics)), which look for the link as soon as they meet a rough
+//! surface.
 
 mod bent;
 mod element;
@@ -184,11 +185,10 @@ fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n
     straight_pdf * (n.dot(straight) / (n.dot(link.last.direction) * distance * distance)).abs() * link.spread
 }
 
-/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: estimates, for
-/// `found`, of the light that this technique has to contribute by each way, up to visibility behind the last
-/// surface. `light_paths` says of a link, of the density of its
-/// direction when scattering, and of a point of the emitter, how much likelier light paths make the whole
-/// path than scattering does.
+/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: estimates,
+/// for `found`, of the light that this technique has to contribute by each way, up to visibility behind the
+/// last surface. `light_paths` says of a link, of the density of its direction when scattering, and of a
+/// point of the emitter, how much likelier light paths make the whole path than scattering does.
 pub fn sample_emitter<B: Bsdf>(
     (scene, λ): (&Scene, &Wavelengths),
     vertex: &Vertex<B>,
