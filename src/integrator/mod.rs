@@ -12,6 +12,7 @@ pub mod light;
 pub mod links;
 mod moment;
 pub mod path;
+mod wavefront;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;

@@ -2,6 +2,7 @@
 
 use super::light_path::Splat;
 use crate::integrator::Counters;
+use crate::integrator::wavefront::occluded;
 use crate::math::Ray;
 use crate::scene::Scene;
 
@@ -26,9 +27,7 @@ impl Connections {
 
     /// Finds out what arrives of what was asked for since the last time.
     pub fn resolve(&mut self, scene: &Scene, counters: &mut Counters) {
-        counters.rays += self.rays.len() as u64;
-        self.occluded.resize(self.rays.len(), false);
-        scene.accel.occluded_all(&self.rays, &mut self.occluded);
+        occluded(scene, &self.rays, &mut self.occluded, counters);
         let first = self.asked.len() - self.rays.len();
         let free = self.occluded.iter().enumerate().filter(|(_, occluded)| !**occluded);
         self.arrived.extend(free.map(|(i, _)| first + i));

@@ -5,8 +5,8 @@ use super::is_caster;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{Ball, DVec3, Discrete, Ray};
 use crate::sampler::Numbers;
-use crate::scene::Shape;
 use crate::scene::instances::Instances;
+use crate::scene::{Scene, Shape};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -78,10 +78,13 @@ impl Emission {
         (!radiance.is_zero()).then(|| Start { end, ray, radiance, cos: w.dot(start.n), density })
     }
 
-    /// Of a point and the direction w from it as [`Emission::sample`] makes them, in m⁻²·sr⁻¹.
-    pub fn density(&self, emitters: &Emitters, shapes: &[Shape], end: EmitterPoint, w: DVec3) -> f64 {
-        let Some(shape) = emitters.list[end.emitter].shape else { return 0.0 };
-        let pdf = 1.0 / shapes[shape as usize].geometry.area();
-        self.choice.probability(end.emitter) * pdf * self.aim.from(end.p, end.n).density(w)
+    /// The density of a point and the direction w from it as [`Emission::sample`] makes them, in m⁻²·sr⁻¹, over
+    /// the cosine there.
+    pub fn over_cos(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
+        let Some(shape) = scene.emitters.list[end.emitter].shape else { return 0.0 };
+        let pdf = 1.0 / scene.shapes[shape as usize].geometry.area();
+        let density = self.choice.probability(end.emitter) * pdf * self.aim.from(end.p, end.n).density(w);
+        // No light leaves at a right angle, and no ratio is taken of it.
+        if density > 0.0 { density / end.n.dot(w).abs() } else { 0.0 }
     }
 }

@@ -89,9 +89,7 @@ impl Caustics {
 
     /// The factor of r from xₙ, where w is the direction back to xₙ₋₁.
     pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
-        let density = self.emission.density(&scene.emitters, &scene.shapes, end, w);
-        // No light leaves at a right angle, and no ratio is taken of it.
-        if density > 0.0 { self.paths as f64 * density / end.n.dot(w).abs() } else { 0.0 }
+        f64::from(self.paths) * self.emission.over_cos(scene, end, w)
     }
 }
 

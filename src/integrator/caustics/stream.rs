@@ -5,10 +5,9 @@ use super::connections::Connections;
 use super::light_path::{Landing, LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::path::MAX_VERTICES;
-use crate::math::Ray;
+use crate::integrator::wavefront::{Arrived, Wavefront};
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, ManyNumbers, PAIRS, Sampler};
 use crate::scene::{Features, Scene};
-use crate::shape::Hit;
 use crate::spectrum::Wavelengths;
 use std::ops::Range;
 
@@ -25,10 +24,7 @@ struct Stream {
     numbers: ManyNumbers<STREAM>,
     /// The paths that began, each with its place in the stream.
     paths: Vec<(usize, LightPath)>,
-    /// Those that still go on, with their rays side by side.
-    alive: Vec<usize>,
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
+    wavefront: Wavefront,
     connections: Connections,
 }
 
@@ -65,45 +61,31 @@ impl Caustics {
         &self,
         scene: &Scene,
         wavelengths: &impl Fn(f64) -> Wavelengths,
-        Stream { samplers, numbers, paths, alive, rays, hits, connections }: &mut Stream,
+        Stream { samplers, numbers, paths, wavefront, connections }: &mut Stream,
         counters: &mut Counters,
     ) {
         let count = samplers.len();
         numbers.fill(count, PAIRS, |i| (&samplers[i], CAMERA));
         paths.clear();
-        rays.clear();
-        for i in 0..count {
+        wavefront.begin((0..count).filter_map(|i| {
             let u = numbers.of(i);
-            if let Some((path, ray)) = LightPath::begin(self, scene, u, wavelengths(u.one(4))) {
-                paths.push((i, path));
-                rays.push(ray);
-            }
-        }
-        alive.clear();
-        alive.extend(0..paths.len());
-        hits.resize(STREAM, None);
+            let (path, ray) = LightPath::begin(self, scene, u, wavelengths(u.one(4)))?;
+            paths.push((i, path));
+            Some((paths.len() - 1, ray))
+        }));
         for edges in 1..=MAX_VERTICES {
-            if alive.is_empty() {
+            let going = wavefront.trace(scene, counters);
+            if going.is_empty() {
                 return;
             }
-            counters.rays += rays.len() as u64;
-            scene.accel.closest_all(rays, hits);
-            numbers.fill(alive.len(), PAIRS, |i| (&samplers[paths[alive[i]].0], FIRST_VERTEX - 1 + edges));
-            let mut kept = 0;
-            for i in 0..alive.len() {
-                let Some(hit) = hits[i] else { continue };
-                let (index, path) = &mut paths[alive[i]];
-                let landing = Landing { ray: &rays[i], hit, edges, u: numbers.of(i) };
-                let onward = self.step::<F>(scene, (*index, path), landing, connections, counters);
-                if let Some(ray) = onward {
-                    (alive[kept], rays[kept]) = (alive[i], ray);
-                    kept += 1;
-                }
-            }
+            numbers.fill(going.len(), PAIRS, |i| (&samplers[paths[going[i]].0], FIRST_VERTEX - 1 + edges));
+            wavefront.advance(|Arrived { place, path, ray, hit }| {
+                let (index, path) = &mut paths[path];
+                let landing = Landing { ray, hit: hit?, edges, u: numbers.of(place) };
+                self.step::<F>(scene, (*index, path), landing, connections, counters)
+            });
             connections.resolve(scene, counters);
-            alive.truncate(kept);
-            rays.truncate(kept);
         }
-        counters.cut += alive.len() as u64;
+        counters.cut += wavefront.len() as u64;
     }
 }

@@ -3,6 +3,7 @@
 use super::FEW_EMITTERS;
 use super::reuse::{Contested, Rivals, Shared};
 use super::stream::STREAM;
+use crate::integrator::wavefront::occluded;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
 use crate::sampler::{ManyNumbers, Numbers, Sampler};
@@ -63,9 +64,7 @@ impl Shadows {
         shared: &mut [Shared],
         counters: &mut Counters,
     ) {
-        counters.rays += self.rays.len() as u64;
-        self.occluded.resize(self.rays.len(), false);
-        scene.accel.occluded_all(&self.rays, &mut self.occluded);
+        occluded(scene, &self.rays, &mut self.occluded, counters);
         // Contested light goes where it is parted.
         for (place, rivals) in self.rivals.drain(..) {
             let (path, _, light) = self.light[place];

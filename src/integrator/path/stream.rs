@@ -5,11 +5,10 @@ use super::shadows::Shadows;
 use super::vertex::Arrival;
 use super::{FEW_EMITTERS, Path};
 use crate::integrator::links::Way;
+use crate::integrator::wavefront::{Arrived, Wavefront};
 use crate::integrator::{CameraPath, Counters};
-use crate::math::Ray;
 use crate::sampler::{FIRST_VERTEX, ManyNumbers, PAIRS};
 use crate::scene::{Features, Scene};
-use crate::shape::Hit;
 use crate::spectrum::Spectrum;
 
 /// How many camera paths are traced together: enough to fill vector registers most of the time, few enough
@@ -83,10 +82,7 @@ pub struct InFlight<'a> {
 #[derive(Default)]
 struct Stream {
     states: Vec<State>,
-    /// The paths that still go on, with their rays side by side.
-    alive: Vec<usize>,
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
+    wavefront: Wavefront,
     numbers: ManyNumbers<STREAM>,
     shadows: Shadows,
     shared: Vec<Shared>,
@@ -98,9 +94,8 @@ impl Path {
     /// Estimates the radiance along camera rays.
     ///
     /// In streams of `STREAM`, all paths take a step together: their rays are traced, then their vertices are
-    /// looked at one after another, then the light that the vertices ask for is tested for visibility. Rays
-    /// that lie side by side can share vector registers, and the steps of neighbours overlap in the
-    /// processor; no path knows of the others.
+    /// looked at one after another, then the light that the vertices ask for is tested for visibility; no path
+    /// knows of the others.
     pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
         if self.max_depth == 0 {
             return;
@@ -147,7 +142,7 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, alive, rays, hits, numbers, shadows, shared, ways, .. }: &mut Stream,
+        Stream { states, wavefront, numbers, shadows, shared, ways, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
@@ -160,27 +155,21 @@ impl Path {
             ways.clear();
         }
         ways.resize(paths.len(), Way::NONE);
-        alive.clear();
-        alive.extend(0..paths.len());
-        rays.clear();
-        rays.extend(paths.iter().map(|path| path.ray));
+        wavefront.begin(paths.iter().map(|path| path.ray).enumerate());
         // Surroundings in view cover everything.
         let surrounded = !self.hide_emitters && scene.emitters.environment.is_some();
         paths.iter_mut().for_each(|path| path.covered = surrounded);
-        hits.resize(paths.len(), None);
         for edges in 1.. {
-            let count = alive.len();
-            if count == 0 {
+            let going = wavefront.trace(scene, counters);
+            if going.is_empty() {
                 break;
             }
-            counters.rays += count as u64;
-            scene.accel.closest_all(rays, hits);
-            scene.prefetch_surfaces(&hits[..count]);
-            let sampler = |i: usize| (&paths[alive[i]].sampler, FIRST_VERTEX + states[alive[i]].depth);
-            numbers.fill(count, self.pairs(scene, edges), sampler);
-            let mut kept = 0;
-            for i in 0..count {
-                let index = alive[i];
+            let sampler = |i: usize| (&paths[going[i]].sampler, FIRST_VERTEX + states[going[i]].depth);
+            numbers.fill(going.len(), self.pairs(scene, edges), sampler);
+            wavefront.advance(|Arrived { place, path: index, ray, hit }| {
+                if shadows.rays.len() > Shadows::MANY {
+                    shadows.resolve(scene, paths, shared, counters);
+                }
                 let flight = InFlight {
                     index,
                     path: &mut paths[index],
@@ -188,18 +177,8 @@ impl Path {
                     shared: &mut shared[index],
                     way: &mut ways[index],
                 };
-                let arrived = (&rays[i], hits[i], numbers.of(i));
-                let onward = self.step::<F>(scene, flight, arrived, shadows, counters);
-                if let Some(ray) = onward {
-                    (alive[kept], rays[kept]) = (index, ray);
-                    kept += 1;
-                }
-                if shadows.rays.len() > Shadows::MANY {
-                    shadows.resolve(scene, paths, shared, counters);
-                }
-            }
-            alive.truncate(kept);
-            rays.truncate(kept);
+                self.step::<F>(scene, flight, (ray, hit, numbers.of(place)), shadows, counters)
+            });
             shadows.resolve(scene, paths, shared, counters);
         }
     }

@@ -19,7 +19,6 @@ const SURE_EDGES: u32 = 2;
 
 /// A light path on its way.
 pub struct LightPath {
-    pub ray: Ray,
     owner: (usize, u32),
     sampler: Sampler,
     /// Of its numbers.
@@ -38,21 +37,20 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// `None` where no light leaves. The sampler is that of the group.
+    /// The path and its first ray; `None` where no light leaves. The sampler is that of the group.
     pub fn begin(
         sources: &LightSources,
         scene: &Scene,
         owner: (usize, u32),
         sampler: Sampler,
         λ: Wavelengths,
-    ) -> Option<Self> {
+    ) -> Option<(Self, Ray)> {
         let (sampler, beyond) = sampler.one_of(owner.1, sources.paths);
         let first_block = LIGHT_SOURCES + (beyond << 4);
         let start =
             sources.emission.sample(&scene.emitters, &scene.shapes, sampler.block(first_block), &λ)?;
         let scale = start.cos / (start.density * f64::from(sources.paths));
-        Some(Self {
-            ray: start.ray,
+        let path = Self {
             owner,
             sampler,
             first_block,
@@ -63,7 +61,8 @@ impl LightPath {
             scale,
             ratio: 1.0 / scale,
             from_matte: 0.0,
-        })
+        };
+        Some((path, start.ray))
     }
 
     /// Where the numbers of the vertex after so many edges come from.
@@ -71,20 +70,22 @@ impl LightPath {
         (&self.sampler, self.first_block + edges)
     }
 
-    /// Notes a source where the ray has arrived after so many edges, and scatters; whether the path goes on.
+    /// Notes a source where the ray has arrived after so many edges, and scatters: the ray with which the path
+    /// goes on.
     pub fn step(
         &mut self,
         sources: &LightSources,
         scene: &Scene,
-        (edges, hit, u): (u32, Hit, Numbers),
+        (ray, hit): (&Ray, Hit),
+        (edges, u): (u32, Numbers),
         found: &mut Vec<Lit>,
-    ) -> bool {
-        let (shape, point) = scene.surface::<{ Features::ALL }>(&self.ray, &hit);
-        let to_light = -self.ray.direction;
+    ) -> Option<Ray> {
+        let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
+        let to_light = -ray.direction;
         let side = side_towards(shape, point.ns.dot(to_light));
         let left_to_others = edges == 1 && side.traits.focuses() && scene.caustics.is_some();
         if side.traits.one_way || !side.traits.smooth || left_to_others {
-            return false;
+            return None;
         }
         let frame = point.frame(side.traits.anisotropic);
         let bsdf = scene.materials[side.material as usize].at(&point, &self.λ);
@@ -116,9 +117,7 @@ impl LightPath {
                 });
             }
         }
-        let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)).filter(|sample| !sample.delta) else {
-            return false;
-        };
+        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1)).filter(|sample| !sample.delta)?;
         let to_camera = vertex.to_world(sample.wi);
         let cos_camera = point.ng.dot(to_camera).abs();
         let back = bsdf.evaluate(sample.wi, vertex.wo);
@@ -126,15 +125,12 @@ impl LightPath {
         self.ratio *= further(sample.pdf, back.pdf + by_emitter, cos_camera, cos_light);
         self.from_matte = if albedo.is_some() { sample.pdf } else { 0.0 };
         if self.throughput.is_zero() {
-            return false;
+            return None;
         }
         if edges >= SURE_EDGES {
-            let Some(factor) = roulette(self.λ.mean(self.throughput) as f64, edges, false, u.one(6)) else {
-                return false;
-            };
-            self.throughput *= factor;
+            let carried = self.λ.mean(self.throughput) as f64;
+            self.throughput *= roulette(carried, edges, false, u.one(6))?;
         }
-        self.ray = Ray::leaving(point.p, to_camera, f64::INFINITY, primitive);
-        true
+        Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
     }
 }

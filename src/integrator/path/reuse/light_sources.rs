@@ -11,7 +11,8 @@ use super::shared::Source;
 use crate::emitter::{EmitterPoint, Emitters};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
-use crate::math::DVec3;
+use crate::integrator::wavefront::{Arrived, Wavefront};
+use crate::math::{DVec3, Ray};
 use crate::sampler::{ManyNumbers, PAIRS, Sampler};
 use crate::scene::{Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -49,9 +50,7 @@ impl LightSources {
 
     /// The factor of c from vₙ, where w is the direction back to vₙ₋₁.
     pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
-        let density = self.emission.density(&scene.emitters, &scene.shapes, end, w);
-        // No light leaves at a right angle, and no ratio is taken of it.
-        if density > 0.0 { f64::from(self.paths) * density / end.n.dot(w).abs() } else { 0.0 }
+        f64::from(self.paths) * self.emission.over_cos(scene, end, w)
     }
 
     /// Finds the sources of groups, for each of which a sampler and the wavelengths are given, in the order
@@ -67,27 +66,18 @@ impl LightSources {
         let begun = |(group, (sampler, λ)): (usize, (Sampler, Wavelengths))| {
             (0..self.paths).filter_map(move |i| LightPath::begin(self, scene, (group, i), sampler, λ))
         };
-        let mut all: Vec<LightPath> = groups.enumerate().flat_map(begun).collect();
+        let mut all: Vec<(LightPath, Ray)> = groups.enumerate().flat_map(begun).collect();
         let mut numbers = ManyNumbers::<STREAM>::default();
-        let mut rays = Vec::with_capacity(STREAM);
-        let mut hits = vec![None; STREAM];
+        let mut wavefront = Wavefront::default();
         for paths in all.chunks_mut(STREAM) {
-            let mut alive = paths.len();
+            wavefront.begin(paths.iter().map(|(_, ray)| *ray).enumerate());
             for edges in 1..=MOST_EDGES {
-                let paths = &mut paths[..alive];
-                rays.clear();
-                rays.extend(paths.iter().map(|path| path.ray));
-                counters.rays += rays.len() as u64;
-                scene.accel.closest_all(&rays, &mut hits);
-                numbers.fill(alive, PAIRS, |i| paths[i].numbers(edges));
-                alive = 0;
-                for i in 0..paths.len() {
-                    let Some(hit) = hits[i] else { continue };
-                    if paths[i].step(self, scene, (edges, hit, numbers.of(i)), found) {
-                        paths.swap(alive, i);
-                        alive += 1;
-                    }
-                }
+                let going = wavefront.trace(scene, counters);
+                numbers.fill(going.len(), PAIRS, |i| paths[going[i]].0.numbers(edges));
+                wavefront.advance(|Arrived { place, path, ray, hit }| {
+                    let (path, u) = (&mut paths[path].0, numbers.of(place));
+                    path.step(self, scene, (ray, hit?), (edges, u), found)
+                });
             }
         }
         found.sort_by_key(|lit| lit.owner);

@@ -6,6 +6,7 @@ use super::rivals::Tail;
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::light::Vertex;
+use crate::integrator::wavefront;
 use crate::math::ray::{Ends, way_between};
 use crate::math::{DVec3, Ray, length};
 use crate::scene::{Scene, Side};
@@ -66,11 +67,8 @@ fn between((p, primitive): (DVec3, u32), end: DVec3) -> Ray {
 
 /// Which of the rays between what pixels share are blocked.
 pub fn ask(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut Counters) {
-    occluded.clear();
-    occluded.resize(rays.len(), false);
-    counters.rays += rays.len() as u64;
     counters.shared += rays.len() as u64;
-    scene.accel.occluded_all(rays, occluded);
+    wavefront::occluded(scene, rays, occluded, counters);
 }
 
 /// How a receiver or a source scatters that is rough.

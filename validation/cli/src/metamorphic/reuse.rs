@@ -150,15 +150,11 @@ pub fn relations() -> Vec<Relation> {
     let brushed_metal = Case { pixels: 16, ..case("brushed_metal", brushed.clone()) };
     let metal_walls =
         Case { pixels: 16, light_paths: 0.0, integrator: path(6), ..case("metal_walls", polished) };
-    let rough = [
-        Case { integrator: path(-1), ..case("metal_roulette", brushed.clone()) }
-            .option("integer", "rr_depth", "3"),
-        Case {
-            integrator: path(-1),
-            ..case("metal_beside_glass", brushed.clone() + &sphere([0.6, -0.6, 0.4], 0.3, &glass))
-        }
-        .option("integer", "rr_depth", "3"),
-    ];
+    let beside = brushed.clone() + &sphere([0.6, -0.6, 0.4], 0.3, &glass);
+    let [metal_roulette, metal_beside_glass] =
+        [("metal_roulette", brushed.clone()), ("metal_beside_glass", beside)].map(|(name, scene)| {
+            Case { integrator: path(-1), ..case(name, scene) }.option("integer", "rr_depth", "3")
+        });
     // Light paths of a group find sources as well: few and many, short and long, by rough surfaces, and
     // beside what they leave to others.
     let lit = |case: Case, shared_light_paths: u32| Case {
@@ -194,14 +190,15 @@ pub fn relations() -> Vec<Relation> {
     relations.push(lit_metal.relation().samples(4096));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
-    relations.extend(rough.map(|case| case.relation().samples(4096)));
-    relations.push(brushed_metal.relation().samples(3 * 4096));
+    relations.push(metal_roulette.relation().samples(4096));
+    relations.push(metal_beside_glass.relation().samples(4096).at_length());
+    relations.push(brushed_metal.relation().samples(3 * 4096).at_length());
     relations.push(metal_walls.relation().samples(4 * 4096).at_length());
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
     // Without light paths pixels share what emitter samples through glass and by mirrors find.
     let links = with_links(&path(6), "everywhere");
     let sheet = sheet(&bsdf("twosided", &mirror));
-    relations.push(shared("links", &links, 0.0, &(globe() + &sheet)));
+    relations.push(shared("links", &links, 0.0, &(globe() + &sheet)).at_length());
     relations.push(shared("links_beside_light_paths", &links, 1.0, &(globe() + &sheet)));
     relations.push(hidden_lamp.relation().samples(8192));
     relations.push(sixteen.relation().samples(8192).at_length());
