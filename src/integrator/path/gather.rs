@@ -63,10 +63,10 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
         for which in 0..count {
             let u = match count {
-                1 => self.u,
+                1 => (self.u.pair(0), self.u.one(4)),
                 _ => shadows.numbers(scene, self.sampler, state.depth, (which, count)),
             };
-            let (u, counts) = ((u.pair(0), u.one(4)), (f64::from(count), 1.0));
+            let counts = (f64::from(count), 1.0);
             let found = light::sample_emitter(scene, vertex, n, u, counts, λ, light_paths);
             let Some((Proposal { ray, radiance }, sampled)) = found else { continue };
             let rivals = || {

@@ -5,8 +5,8 @@ use super::reuse::{Contested, Rivals, Shared};
 use super::stream::STREAM;
 use crate::integrator::wavefront::occluded;
 use crate::integrator::{CameraPath, Counters};
-use crate::math::Ray;
-use crate::sampler::{ManyNumbers, Numbers, Sampler};
+use crate::math::{DVec2, Ray};
+use crate::sampler::{ManyNumbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
@@ -28,7 +28,8 @@ impl Shadows {
     /// More than this need not wait.
     pub const MANY: usize = 4 * STREAM;
 
-    /// The numbers of one of `count` emitter samples at a vertex, which are asked for in turn.
+    /// The place and the digits (see [`sample_emitter`](crate::integrator::light::sample_emitter)) of one of
+    /// `count` emitter samples at a vertex, which are asked for in turn.
     #[inline(never)]
     pub fn numbers(
         &mut self,
@@ -36,13 +37,14 @@ impl Shadows {
         sampler: &Sampler,
         depth: u32,
         (which, count): (u32, u32),
-    ) -> Numbers {
+    ) -> (DVec2, f64) {
         if which.is_multiple_of(8) {
             // Place, and more digits for the choice of the emitter.
             let pairs = if scene.emitters.list.len() > FEW_EMITTERS { 3 } else { 1 };
             self.numbers = sampler.emitter_samples(depth, which, count, pairs);
         }
-        self.numbers.of(which as usize % 8)
+        let u = self.numbers.of(which as usize % 8);
+        (u.pair(0), u.one(4))
     }
 
     pub fn push(&mut self, (path, shares): (usize, bool), ray: Ray, light: Spectrum) {
