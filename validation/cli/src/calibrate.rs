@@ -12,9 +12,9 @@ use validation::statistics::Stream;
 use validation::statistics::distributions::normal_quantile;
 
 use crate::console::write;
-use crate::converge::{REFERENCES, seed};
 use crate::renderers::{self, Job};
 use crate::report::machine;
+use crate::study::{REFERENCES, seed};
 
 /// What the command takes.
 #[derive(Args)]

@@ -10,7 +10,7 @@
 //! [`closed_forms`] are scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must
 //! be alike; [`stability`] asks the same of stiff and extreme scenes. [`guest`] shows references and closed
 //! forms to any of the [`renderers`], and [`converge`] measures their error against their time, on one scene,
-//! [`table`] on all of the convergence table. [`museum`] asks whether all of this would notice a bug, and
+//! [`table`] on all of the convergence table, both by a [`study`]. [`museum`] asks whether all of this would notice a bug, and
 //! [`report`] puts all of it on one page.
 
 pub mod agreement;
@@ -41,6 +41,7 @@ pub mod sampling;
 pub mod scenes;
 pub mod stability;
 pub mod stage;
+pub mod study;
 pub mod table;
 pub mod trial;
 pub mod warps;

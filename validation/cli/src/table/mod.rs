@@ -1,22 +1,24 @@
 //! `validate table`: error against run time of every renderer on every scene of `validation/table.toml`.
 //!
-//! [`plan`] says what is asked, [`measure`] renders it into a folder, [`summary`] reads the folder, and
-//! [`sheet`] draws the page.
+//! [`plan`] says what is asked, [`study`](crate::study) renders it into a folder, [`summary`] reads the folder,
+//! and [`sheet`] draws the page.
 
-pub mod measure;
 pub mod plan;
 pub mod sheet;
 pub mod summary;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use clap::Args;
 use validation::Verdict;
 use validation::report::to_json;
 
 use crate::report::machine;
+use crate::study::bench::Bench;
+use crate::study::{Ladder, Settings};
 use crate::{console, renderers};
-use measure::{Bench, Settings};
+use plan::Entry;
 use summary::Table;
 
 /// What the command takes.
@@ -76,9 +78,9 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     let settings = kept_settings(
         &arguments.folder,
         Settings {
-            seconds,
+            ladder: Ladder::Seconds(seconds),
             seeds: arguments.seeds,
-            reference: arguments.reference,
+            reference: f64::from(arguments.reference),
             threads: arguments.threads,
             processor_time: arguments.processor_time,
         },
@@ -93,11 +95,15 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     let mut pages = vec![];
     for entry in &plan.scene {
         let folder = std::path::absolute(arguments.folder.join(&entry.name))?;
-        let bench = Bench { folder, renderers: &known, settings: &settings };
+        let scene = folder.join("scene.xml");
+        let bench = Bench { scene, folder, renderers: &known, settings: &settings };
+        let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
         let failed = if arguments.report_only {
             None
         } else {
-            bench.measure(entry, &plan, &arguments.shared, &|step| eprintln!("{step}")).err()
+            let progress = |step: &str| eprintln!("{}: {step}", entry.name);
+            let prepared = prepare(entry, &arguments.shared, &bench);
+            prepared.and_then(|()| bench.measure(&names, &progress)).err()
         };
         let scene = summary::scene(entry, &plan, &bench, failed)?;
         pages.push(sheet::section(&scene, &bench)?);
@@ -107,6 +113,22 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     print!("{}", table.markdown());
     let measured = table.scenes.iter().any(|scene| !scene.lines.is_empty());
     Ok(if measured { Verdict::Equivalent } else { Verdict::Inconclusive })
+}
+
+/// Writes the scene as all render it.
+fn prepare(entry: &Entry, shared: &Path, bench: &Bench) -> Result<(), String> {
+    let source = entry.path(shared);
+    if !source.is_file() {
+        return Err(format!("there is no {}", source.display()));
+    }
+    std::fs::create_dir_all(&bench.folder).map_err(|e| e.to_string())?;
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers/prepare_scene.py");
+    let size = format!("{}x{}", entry.size[0], entry.size[1]);
+    let mut command = Command::new("python3");
+    command.arg(script).arg(source).arg(&bench.scene).arg(size);
+    let output = command.output().map_err(|e| format!("python3: {e}"))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    if output.status.success() { Ok(()) } else { Err(said.lines().last().unwrap_or("").to_string()) }
 }
 
 /// The settings of the folder: those given, written there at first; others than those of its pictures are
@@ -149,9 +171,9 @@ mod tests {
     fn a_folder_keeps_its_settings() {
         let folder = std::env::temp_dir().join(format!("etalon-table-{}", std::process::id()));
         let settings = |seeds: u32, seconds: f64| Settings {
-            seconds: vec![seconds],
+            ladder: Ladder::Seconds(vec![seconds]),
             seeds,
-            reference: 4,
+            reference: 4.0,
             threads: 0,
             processor_time: false,
         };

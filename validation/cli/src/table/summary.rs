@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use serde::Serialize;
-use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, ratio};
-use validation::statistics::seed_for;
+use validation::converge::{Interval, Ratio};
 
-use super::measure::{Bench, Run, Schedule, Settings};
 use super::plan::{Entry, Plan};
-use crate::renderers::mean_of;
+use crate::study::Settings;
+use crate::study::bench::Bench;
+use crate::study::line::{Line, lines, missing};
 
 /// The whole table.
 #[derive(Serialize)]
@@ -33,25 +33,6 @@ pub struct Scene {
     pub against: Vec<Against>,
 }
 
-/// A renderer that ran.
-#[derive(Serialize)]
-pub struct Line {
-    pub renderer: String,
-    pub samples: Vec<u32>,
-    pub seeds: usize,
-    /// Whose converged mean it was held against.
-    pub mean_of: String,
-    /// The brightness of its longest pictures over the reference's.
-    pub brightness: Option<Interval>,
-    pub startup: f64,
-    pub trimmed: Option<Curve>,
-    pub whole: Option<Curve>,
-    pub median: Option<Curve>,
-    /// Our efficiency over this one's, by trimmed error and by the whole.
-    pub ratio_trimmed: Option<Ratio>,
-    pub ratio_whole: Option<Ratio>,
-}
-
 /// A baseline: the renderer with the largest efficiency of a group.
 #[derive(Serialize)]
 pub struct Against {
@@ -66,55 +47,10 @@ pub struct Against {
     pub verdict: String,
 }
 
-/// One of the errors.
-type Measure = fn(&Errors) -> f64;
-
-/// The rungs of one renderer, of the seeds that have all of them.
-fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<Rung> {
-    let count = settings.seconds.len();
-    let at =
-        |seed: u32, rung: usize| runs.iter().find(|r| r.renderer == name && r.seed == seed && r.rung == rung);
-    let whole: Vec<Vec<&Run>> = (0..settings.seeds)
-        .filter_map(|seed| (0..count).map(|rung| at(seed, rung)).collect::<Option<Vec<_>>>())
-        .collect();
-    let rung = |rung: usize| Rung {
-        samples: whole.first().map_or(0, |first| first[rung].samples),
-        errors: whole.iter().map(|seed| error(&seed[rung].errors)).collect(),
-        seconds: whole
-            .iter()
-            .map(|seed| if settings.processor_time { seed[rung].cpu_seconds } else { seed[rung].seconds })
-            .collect(),
-    };
-    if whole.is_empty() { vec![] } else { (0..count).map(rung).collect() }
-}
-
 /// What was measured of a scene so far; `failed` is why it was not measured at all.
 pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) -> Result<Scene, String> {
-    let (runs, schedule) = (bench.runs()?, bench.schedule()?);
-    let of = |name: &str, error: Measure| rungs(&runs, name, bench.settings, error);
-    let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
-    let ours = [of(&plan.ours, trimmed), of(&plan.ours, whole)];
-    let mut lines = vec![];
-    for name in plan.renderers() {
-        let [by_trimmed, by_whole] = [of(name, trimmed), of(name, whole)];
-        let Some(first) = by_trimmed.first() else { continue };
-        let mine: Vec<f64> = runs.iter().filter(|r| &r.renderer == name).map(|r| r.startup).collect();
-        let other = name != &plan.ours;
-        let seed = seed_for(name, 0);
-        lines.push(Line {
-            renderer: name.clone(),
-            samples: by_trimmed.iter().map(|r| r.samples).collect(),
-            seeds: first.errors.len(),
-            mean_of: mean_of(bench.renderers, name).to_string(),
-            brightness: of(name, |e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
-            startup: mine.iter().sum::<f64>() / mine.len() as f64,
-            ratio_trimmed: if other { ratio(&ours[0], &by_trimmed) } else { None },
-            ratio_whole: if other { ratio(&ours[1], &by_whole) } else { None },
-            trimmed: curve(&by_trimmed, seed),
-            whole: curve(&by_whole, seed),
-            median: curve(&of(name, |e| e.median), seed),
-        });
-    }
+    let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
+    let lines = lines(bench, &names, &bench.runs()?);
     let class = plan.class.get(&entry.class);
     let group = |group: &str, names: &[String], aim: f64| {
         let best = |of: fn(&Line) -> Option<Ratio>| {
@@ -131,15 +67,10 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     };
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
     let against = vec![group("Mitsuba", &plan.mitsuba, aims[0]), group("others", &plan.others, aims[1])];
-    let missing = missing(&schedule, failed);
+    let all = failed.map(|why| ("all".to_string(), why));
+    let missing = all.into_iter().chain(missing(&bench.schedule()?)).collect();
     let title = class.map_or_else(|| entry.class.clone(), |c| c.title.clone());
     Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, against })
-}
-
-fn missing(schedule: &Schedule, failed: Option<String>) -> Vec<(String, String)> {
-    let all = failed.map(|why| ("all".to_string(), why));
-    let refused = schedule.iter().filter_map(|(name, found)| Some((name.clone(), found.clone().err()?)));
-    all.into_iter().chain(refused).collect()
 }
 
 /// The difference of brightness from which a renderer does not render its reference.
@@ -163,12 +94,12 @@ fn verdict(found: Option<&Ratio>, aim: f64, biased: bool) -> &'static str {
 impl Table {
     /// The table for a document: a row for each scene.
     pub fn markdown(&self) -> String {
-        let clock = if self.settings.processor_time { "processor seconds" } else { "seconds" };
         let mut text = format!(
-            "How many times less relMSE {} makes in equal time ({clock} of {:?}, {} seeds), without the 0.1 % largest values and \
+            "How many times less relMSE {} makes in equal time ({}), without the 0.1 % largest values and \
              with them; brackets are 95 % intervals.\n\n| class | scene | best Mitsuba | trimmed | whole | aim | best other | \
              trimmed | whole | aim |\n|---|---|---|--:|--:|---|---|--:|--:|---|\n",
-            self.ours, self.settings.seconds, self.settings.seeds
+            self.ours,
+            self.settings.words()
         );
         for scene in &self.scenes {
             let mut row = format!("| {} | {} |", scene.class, scene.name);
@@ -204,27 +135,10 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use validation::converge::{Rung, ratio};
 
     #[test]
-    fn only_whole_seeds_count_and_verdicts_follow_the_interval() {
-        let errors = Errors { relative_mse: 2.0, trimmed: 1.0, median: 0.5, mse: 3.0, brightness: 1.0 };
-        let run = |seed, rung| Run {
-            renderer: "a".into(),
-            seed,
-            rung,
-            samples: 4,
-            seconds: 1.0,
-            cpu_seconds: 7.0,
-            startup: 0.0,
-            errors,
-        };
-        let settings =
-            Settings { seconds: vec![1.0, 2.0], seeds: 3, reference: 4, threads: 0, processor_time: true };
-        let found = rungs(&[run(0, 0), run(0, 1), run(1, 0)], "a", &settings, |e| e.trimmed);
-        assert_eq!(found.len(), 2);
-        assert_eq!((found[1].errors.clone(), found[1].seconds.clone()), (vec![1.0], vec![7.0]));
-        assert!(rungs(&[run(1, 0)], "a", &settings, |e| e.trimmed).is_empty());
-
+    fn verdicts_follow_the_interval() {
         let three = |cost: f64| {
             vec![Rung { samples: 1, errors: vec![cost, 1.1 * cost, 0.9 * cost], seconds: vec![1.0; 3] }]
         };

@@ -1,57 +1,28 @@
-//! Renders what a scene of the table lacks yet, and keeps everything in a folder, so that it can be stopped
-//! at any time.
+//! Renders what a study of a scene lacks yet, and keeps everything in a folder, so that it can be stopped at any
+//! time.
 //!
-//! - `scene.xml`: the scene as all render it;
-//! - `schedule.json`: the sample counts that take each renderer the seconds asked for, and who cannot render
-//!   it;
+//! - `schedule.json`: each renderer's sample counts, and who cannot render the scene;
 //! - `references/`: the pictures of each renderer's converged mean;
 //! - `runs.jsonl`: a line for every picture, in the order of rendering;
 //! - `pictures/`: the longest rung of the first seed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
-use validation::converge::{Errors, Picture, Reference, errors, reference};
+use validation::converge::{Picture, Reference, errors, reference};
 
-use super::plan::{Entry, Plan};
+use super::{Ladder, REFERENCES, Run, Settings, seed};
 use crate::console;
-use crate::converge::{REFERENCES, seed};
 use crate::renderers::{Job, Rendered, Renderers, mean_of, read};
-
-/// How long to look.
-#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
-pub struct Settings {
-    /// Seconds of each rung.
-    pub seconds: Vec<f64>,
-    pub seeds: u32,
-    /// Samples of a reference's picture over those of the longest rung.
-    pub reference: u32,
-    pub threads: usize,
-    /// Seconds are those of the processor, for machines that do other things meanwhile.
-    pub processor_time: bool,
-}
 
 /// A renderer's sample counts, one a rung, or why it has none.
 pub type Schedule = BTreeMap<String, Result<Vec<u32>, String>>;
 
-/// One picture.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Run {
-    pub renderer: String,
-    pub seed: u32,
-    pub rung: usize,
-    pub samples: u32,
-    pub seconds: f64,
-    pub cpu_seconds: f64,
-    pub startup: f64,
-    pub errors: Errors,
-}
-
 /// A scene's folder.
 pub struct Bench<'a> {
+    /// What all render.
+    pub scene: PathBuf,
     pub folder: PathBuf,
     pub renderers: &'a Renderers,
     pub settings: &'a Settings,
@@ -59,64 +30,57 @@ pub struct Bench<'a> {
 
 impl Bench<'_> {
     /// Measures what is missing. Fails where nothing at all can be measured.
-    pub fn measure(
-        &self,
-        entry: &Entry,
-        plan: &Plan,
-        shared: &Path,
-        progress: &dyn Fn(&str),
-    ) -> Result<(), String> {
+    pub fn measure(&self, names: &[&str], progress: &dyn Fn(&str)) -> Result<(), String> {
         for folder in ["references", "pictures"] {
             std::fs::create_dir_all(self.folder.join(folder)).map_err(|e| e.to_string())?;
         }
-        self.prepare(entry, &entry.path(shared))?;
         let mut schedule = self.schedule()?;
-        let mut references = BTreeMap::new();
-        for name in plan.renderers() {
+        let (mut tried, mut references) = (BTreeSet::new(), BTreeMap::new());
+        for name in names {
             let of = mean_of(self.renderers, name);
             for name in [name, of] {
-                if !matches!(schedule.get(name), Some(Ok(_))) {
-                    progress(&format!("{}: {name}: pilot", entry.name));
-                    schedule.insert(name.to_string(), self.pilot(name));
+                // Who failed in an earlier run may have been installed since.
+                if !matches!(schedule.get(name), Some(Ok(_))) && tried.insert(name) {
+                    progress(&format!("{name}: pilot"));
+                    schedule.insert(name.to_string(), self.counts(name));
                     self.keep("schedule.json", &schedule)?;
                 }
             }
-            let (Ok(_), Ok(counts)) = (&schedule[name], &schedule[of]) else { continue };
+            let (Ok(_), Ok(counts)) = (&schedule[*name], &schedule[of]) else { continue };
             if !references.contains_key(of) {
-                progress(&format!("{}: {of}: reference", entry.name));
+                progress(&format!("{of}: reference"));
                 let longest = counts.last().copied().unwrap_or(1);
-                match self.reference(of, longest.saturating_mul(self.settings.reference)) {
+                match self.reference(of, (f64::from(longest) * self.settings.reference).round() as u32) {
                     Ok(found) => drop(references.insert(of, found)),
                     Err(why) => drop(schedule.insert(of.to_string(), Err(why))),
                 }
             }
         }
         self.keep("schedule.json", &schedule)?;
-        self.runs_missing(entry, plan, &schedule, &references, progress)
+        self.runs_missing(names, &schedule, &references, progress)
     }
 
     /// A B A B: whatever the machine does meanwhile, it does to all.
     fn runs_missing(
         &self,
-        entry: &Entry,
-        plan: &Plan,
+        names: &[&str],
         schedule: &Schedule,
         references: &BTreeMap<&str, Reference>,
         progress: &dyn Fn(&str),
     ) -> Result<(), String> {
         let done = self.runs()?;
-        let last = self.settings.seconds.len() - 1;
+        let last = self.settings.ladder.count() - 1;
         for k in 0..self.settings.seeds {
             for rung in 0..=last {
-                for name in plan.renderers() {
+                for &name in names {
                     let reference = references.get(mean_of(self.renderers, name));
                     let (Some(Ok(counts)), Some(reference)) = (schedule.get(name), reference) else {
                         continue;
                     };
-                    if done.iter().any(|r| (&r.renderer, r.seed, r.rung) == (name, k, rung)) {
+                    if done.iter().any(|r| (r.renderer.as_str(), r.seed, r.rung) == (name, k, rung)) {
                         continue;
                     }
-                    progress(&format!("{}: {name}: seed {k}, rung {rung}", entry.name));
+                    progress(&format!("{name}: seed {k}, rung {rung}"));
                     let found = self.render(name, counts[rung], seed("picture", k))?;
                     if found.picture.len() != reference.mean.len() {
                         return Err(format!("{name}: its pictures differ in size"));
@@ -126,7 +90,7 @@ impl Bench<'_> {
                         std::fs::rename(self.out(), kept).map_err(|e| e.to_string())?;
                     }
                     self.add(&Run {
-                        renderer: name.clone(),
+                        renderer: name.to_string(),
                         seed: k,
                         rung,
                         samples: counts[rung],
@@ -167,24 +131,19 @@ impl Bench<'_> {
         Ok(reference(&pictures?))
     }
 
-    fn prepare(&self, entry: &Entry, source: &Path) -> Result<(), String> {
-        if !source.is_file() {
-            return Err(format!("there is no {}", source.display()));
+    /// The samples of each rung.
+    fn counts(&self, name: &str) -> Result<Vec<u32>, String> {
+        match &self.settings.ladder {
+            Ladder::Seconds(seconds) => self.pilot(name, seconds),
+            // Does it render at all?
+            Ladder::Samples(samples) => self.render(name, 1, seed("trial", 0)).map(|_| samples.clone()),
         }
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers/prepare_scene.py");
-        let size = format!("{}x{}", entry.size[0], entry.size[1]);
-        let mut command = Command::new("python3");
-        command.arg(script).arg(source).arg(self.folder.join("scene.xml")).arg(size);
-        let output = command.output().map_err(|e| format!("python3: {e}"))?;
-        let said = String::from_utf8_lossy(&output.stderr);
-        if output.status.success() { Ok(()) } else { Err(said.lines().last().unwrap_or("").to_string()) }
     }
 
-    fn pilot(&self, name: &str) -> Result<Vec<u32>, String> {
+    fn pilot(&self, name: &str, ladder: &[f64]) -> Result<Vec<u32>, String> {
         let seconds =
             |samples: u32| self.render(name, samples, seed("pilot", samples)).map(|r| self.time(&r));
-        let (first, last) =
-            (self.settings.seconds[0], self.settings.seconds[self.settings.seconds.len() - 1]);
+        let (first, last) = (ladder[0], ladder[ladder.len() - 1]);
         // The first picture finds programs and kernels cold.
         let few = seconds(4)?.min(seconds(4)?);
         // Few samples say little of a rate that must hold for many.
@@ -197,7 +156,7 @@ impl Bench<'_> {
             let exponent = libm::log2((wanted * rate).max(1.0)).round().min(24.0);
             1u32 << exponent as u32
         };
-        Ok(self.settings.seconds.iter().map(count).collect())
+        Ok(ladder.iter().map(count).collect())
     }
 
     fn reference(&self, name: &str, samples: u32) -> Result<Reference, String> {
@@ -217,8 +176,7 @@ impl Bench<'_> {
 
     fn render(&self, name: &str, samples: u32, seed: u32) -> Result<Rendered, String> {
         let renderer = self.renderers.get(name).ok_or_else(|| format!("there is no renderer {name:?}"))?;
-        let scene = self.folder.join("scene.xml");
-        let job = Job { scene: &scene, samples, seed, threads: self.settings.threads };
+        let job = Job { scene: &self.scene, samples, seed, threads: self.settings.threads };
         renderer.render(&job, &self.out())
     }
 
@@ -227,7 +185,7 @@ impl Bench<'_> {
     }
 
     /// The seconds that count.
-    pub fn time(&self, found: &Rendered) -> f64 {
+    fn time(&self, found: &Rendered) -> f64 {
         if self.settings.processor_time { found.took.cpu_seconds } else { found.took.seconds }
     }
 

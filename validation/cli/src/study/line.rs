@@ -1,0 +1,126 @@
+//! What the pictures of one renderer show.
+
+use serde::Serialize;
+use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio};
+use validation::statistics::seed_for;
+
+use super::bench::{Bench, Schedule};
+use super::{Run, Settings};
+use crate::renderers::mean_of;
+
+/// A renderer that ran.
+#[derive(Serialize)]
+pub struct Line {
+    pub renderer: String,
+    pub samples: Vec<u32>,
+    pub seeds: usize,
+    /// Whose converged mean it was held against.
+    pub mean_of: String,
+    /// The brightness of its longest pictures over the reference's.
+    pub brightness: Option<Interval>,
+    pub startup: f64,
+    pub trimmed: Option<Curve>,
+    pub whole: Option<Curve>,
+    pub median: Option<Curve>,
+    /// Our efficiency over this one's, by trimmed error and by the whole.
+    pub ratio_trimmed: Option<Ratio>,
+    pub ratio_whole: Option<Ratio>,
+}
+
+/// One of the errors.
+type Measure = fn(&Errors) -> f64;
+
+/// The rungs of one renderer, of the seeds that have all of them.
+fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<Rung> {
+    let count = settings.ladder.count();
+    let at =
+        |seed: u32, rung: usize| runs.iter().find(|r| r.renderer == name && r.seed == seed && r.rung == rung);
+    let whole: Vec<Vec<&Run>> = (0..settings.seeds)
+        .filter_map(|seed| (0..count).map(|rung| at(seed, rung)).collect::<Option<Vec<_>>>())
+        .collect();
+    let rung = |rung: usize| Rung {
+        samples: whole.first().map_or(0, |first| first[rung].samples),
+        errors: whole.iter().map(|seed| error(&seed[rung].errors)).collect(),
+        seconds: whole
+            .iter()
+            .map(|seed| if settings.processor_time { seed[rung].cpu_seconds } else { seed[rung].seconds })
+            .collect(),
+    };
+    if whole.is_empty() { vec![] } else { (0..count).map(rung).collect() }
+}
+
+/// A line for each renderer of these names that has rendered; the others are compared with the first.
+pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
+    let of = |name: &str, error: Measure| rungs(runs, name, bench.settings, error);
+    let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
+    let ours = names.first().map_or([vec![], vec![]], |name| [of(name, trimmed), of(name, whole)]);
+    let line = |(place, name): (usize, &&str)| {
+        let [by_trimmed, by_whole] = [of(name, trimmed), of(name, whole)];
+        let first = by_trimmed.first()?;
+        let startups: Vec<f64> = runs.iter().filter(|r| r.renderer == *name).map(|r| r.startup).collect();
+        let seed = seed_for(name, 0);
+        Some(Line {
+            renderer: name.to_string(),
+            samples: by_trimmed.iter().map(|r| r.samples).collect(),
+            seeds: first.errors.len(),
+            mean_of: mean_of(bench.renderers, name).to_string(),
+            brightness: of(name, |e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
+            startup: startups.iter().sum::<f64>() / startups.len() as f64,
+            ratio_trimmed: if place > 0 { ratio(&ours[0], &by_trimmed) } else { None },
+            ratio_whole: if place > 0 { ratio(&ours[1], &by_whole) } else { None },
+            trimmed: curve(&by_trimmed, seed),
+            whole: curve(&by_whole, seed),
+            median: curve(&of(name, |e| e.median), seed),
+        })
+    };
+    names.iter().enumerate().filter_map(line).collect()
+}
+
+/// Who cannot render the scene, and why.
+pub fn missing(schedule: &Schedule) -> Vec<(String, String)> {
+    schedule.iter().filter_map(|(name, found)| Some((name.clone(), found.clone().err()?))).collect()
+}
+
+/// The lines' plots and table.
+pub fn curves(lines: &[Line]) -> String {
+    fn shown(line: &Line) -> page::Line<'_> {
+        page::Line {
+            name: &line.renderer,
+            trimmed: line.trimmed.as_ref(),
+            whole: line.whole.as_ref(),
+            ratio_trimmed: line.ratio_trimmed.as_ref(),
+            ratio_whole: line.ratio_whole.as_ref(),
+            mean_of: &line.mean_of,
+            brightness: line.brightness,
+            startup: Some(line.startup),
+        }
+    }
+    if lines.is_empty() { String::new() } else { page::curves(&lines.iter().map(shown).collect::<Vec<_>>()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Ladder;
+    use super::*;
+
+    #[test]
+    fn only_whole_seeds_count() {
+        let errors = Errors { relative_mse: 2.0, trimmed: 1.0, median: 0.5, mse: 3.0, brightness: 1.0 };
+        let run = |seed, rung| Run {
+            renderer: "a".into(),
+            seed,
+            rung,
+            samples: 4,
+            seconds: 1.0,
+            cpu_seconds: 7.0,
+            startup: 0.0,
+            errors,
+        };
+        let ladder = Ladder::Seconds(vec![1.0, 2.0]);
+        let settings = Settings { ladder, seeds: 3, reference: 4.0, threads: 0, processor_time: true };
+        let found = rungs(&[run(0, 0), run(0, 1), run(1, 0)], "a", &settings, |e| e.trimmed);
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[1].errors.clone(), found[1].seconds.clone()), (vec![1.0], vec![7.0]));
+        assert!(rungs(&[run(1, 0)], "a", &settings, |e| e.trimmed).is_empty());
+    }
+}
