@@ -222,10 +222,10 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
         ));
     }
     bands.sort_by(|a, b| a.name.cmp(&b.name));
-    for i in 0..bands.len() {
-        if bands.iter().filter(|band| band.channel == bands[i].channel).count() > 1 {
-            bands[i].channel = bands[i].name.clone();
-        }
+    let alike = |channel: &str| bands.iter().filter(|band| band.channel == channel).count() > 1;
+    let alike: Vec<bool> = bands.iter().map(|band| alike(&band.channel)).collect();
+    for (band, _) in bands.iter_mut().zip(alike).filter(|(_, alike)| *alike) {
+        band.channel = band.name.clone();
     }
     Ok(bands)
 }
@@ -233,6 +233,7 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::load_text;
 
     const SIZE: (u32, u32) = (7, 5);
 
@@ -255,6 +256,21 @@ mod tests {
             let beyond = [first.x < 0.0, first.y < 0.0, last.x > 7.0, last.y > 5.0];
             assert_eq!(beyond, [border; 4], "{first} {last}");
         }
+    }
+
+    #[test]
+    fn responses_with_one_centroid_all_keep_their_names() {
+        let response = |name: &str, table: &str| format!(r#"<spectrum name="{name}" value="{table}"/>"#);
+        let text = format!(
+            r#"<scene version="3.0.0"><sensor type="perspective"><film type="specfilm">{}{}{}{}</film></sensor></scene>"#,
+            response("narrow", "540:1, 560:1"),
+            response("broad", "500:1, 600:1"),
+            response("broader", "450:1, 650:1"),
+            response("red", "640:1, 660:1"),
+        );
+        let scene = load_text("film.xml", &text, ColorMode::Spectral).expect("it loads");
+        let channels: Vec<&str> = scene.sensor.film.bands.iter().map(|band| band.channel.as_str()).collect();
+        assert_eq!(channels, ["broad", "broader", "narrow", "S0.650,000nm"]);
     }
 
     /// Light goes to the pixels whose samples lie where it falls: over all places, as often as their weights

@@ -11,12 +11,12 @@ use std::fs;
 pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
     const MOMENTS: u64 = 2 * size_of::<f32>() as u64;
     const SUMS: u64 = size_of::<ChannelAccumulator>() as u64;
-    // Either the tiles or the sums; the image; and the bytes of the file.
-    let kept = match (passes, settings.shard) {
-        (false, false) => MOMENTS,
-        (false, true) => 2 * SUMS,
-        (true, false) => SUMS,
-        (true, true) => 2 * SUMS,
+    // What is left of the tiles, or their sums; the image, with sums of its own if it is a shard; and the bytes
+    // of the file.
+    let kept = match settings.shard {
+        true => 2 * SUMS,
+        false if passes => SUMS,
+        false => MOMENTS,
     };
     let file = if settings.shard { MOMENTS + SUMS } else { MOMENTS };
     (kept + MOMENTS + file).saturating_mul(settings.window.pixels() as u64).saturating_mul(channels as u64)

@@ -13,9 +13,10 @@ pub mod sample;
 mod splats;
 mod tile;
 
-use crate::film::{Accumulators, BLOCK};
+use crate::film::BLOCK;
 use crate::image::{Attribute, Channel, Image, Provenance, Window};
-use crate::integrator::{KernelEntry, kernel_for};
+use crate::integrator::path::reuse::correlated_edge;
+use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
 use pilot::{Noise, Quality};
@@ -85,6 +86,21 @@ pub struct Report {
 }
 
 impl Report {
+    /// Adds what happened elsewhere.
+    fn add(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.rays += other.rays;
+        self.cut += other.cut;
+        self.non_finite += other.non_finite;
+        self.first_non_finite.extend(&other.first_non_finite);
+    }
+
+    /// Adds what was counted along paths.
+    fn count(&mut self, counters: &Counters) {
+        self.rays += counters.rays;
+        self.cut += counters.cut;
+    }
+
     /// Keeps of the non-finite samples the first in order of pixel and sample.
     fn list_first(&mut self) {
         self.first_non_finite.sort_by_key(|n| (n.pixel.1, n.pixel.0, n.sample));
@@ -123,7 +139,8 @@ fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
 /// [`with_threads`] tells before.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
-    if scene.caustics.is_some() {
+    // Exact sums are needed in the end, or light paths of as many samples as are held at a time.
+    if settings.shard || scene.caustics.is_some() {
         let begun = Partial::new(scene, settings);
         let done = render_passes(scene, settings, begun, progress, |_| ControlFlow::Continue(()))?;
         return Some(done.finished(scene, settings));
@@ -132,31 +149,44 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     let camera = Camera::new(scene, settings.seed, kernel);
     let names = camera.channel_names();
     let pool = pool(settings.threads).ok()?;
-    let tiles = pool.install(|| {
-        let windows: Vec<Window> = tiles(settings.window).collect();
-        windows
-            .into_par_iter()
-            .map(|w| tile(&camera, w, &Splats::default(), names.len(), settings, progress))
-            .collect::<Option<Vec<Tile>>>()
-    })?;
+    let windows: Vec<Window> = tiles(settings.window).collect();
+    let samples = &settings.samples;
+    let part = |window| {
+        let tile = tile(&camera, window, &Splats::default(), names.len(), samples, progress)?;
+        Some(Part::of(tile, names.len(), samples.end - samples.start, camera.reuse()))
+    };
+    let parts: Vec<Part> = pool.install(|| windows.into_par_iter().map(part).collect::<Option<_>>())?;
     let mut report = Report { kernel: kernel.name, threads: pool.current_num_threads(), ..Report::default() };
-    for tile in &tiles {
-        report.rays += tile.counters.rays;
-        report.cut += tile.counters.cut;
-        report.non_finite += tile.non_finite;
-        report.first_non_finite.extend(&tile.first_non_finite);
+    let mut noise = Noise::default();
+    for part in &parts {
+        report.add(&part.report);
+        noise.add(&part.noise);
     }
     report.list_first();
-    let count = settings.samples.end - settings.samples.start;
-    let mut noise = Noise::default();
-    for tile in &tiles {
-        let of_sums = || tile.noise(names.len(), count, camera.reuse());
-        noise.add(&if settings.shard { of_sums() } else { tile.noise });
-    }
     report.quality = Some(noise.quality(settings.window));
-    report.samples = count * settings.window.pixels() as u64;
+    report.samples = (samples.end - samples.start) * settings.window.pixels() as u64;
     let provenance = provenance(scene, settings, kernel);
-    Some((assemble(scene, settings, names, tiles, provenance), report))
+    Some((assemble(scene, settings.window, names, &parts, provenance), report))
+}
+
+/// What is left of a tile whose sums no other samples will be added to: sums are large.
+struct Part {
+    window: Window,
+    /// Mean and variance, pixel by pixel, channel by channel.
+    moments: Vec<(f32, f32)>,
+    noise: Noise,
+    report: Report,
+}
+
+impl Part {
+    /// Of a tile of so many channels and samples, of which so many pixels share.
+    fn of(Tile { window, sums, report }: Tile, channels: usize, count: u64, reuse: u32) -> Self {
+        let channel = |c: usize| sums.iter().skip(c).step_by(channels);
+        let exact = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
+        let noise = Noise::of(window, correlated_edge(reuse), exact);
+        let moments = sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
+        Self { window, moments, noise, report }
+    }
 }
 
 fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Provenance {
@@ -193,31 +223,20 @@ fn pixel(window: Window, i: usize) -> (u32, u32) {
     (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
 }
 
-/// Places the tiles; each pixel comes from exactly one.
+/// Places the parts; each pixel comes from exactly one.
 fn assemble(
     scene: &Scene,
-    settings: &Settings,
+    window: Window,
     names: Vec<String>,
-    tiles: Vec<Tile>,
+    parts: &[Part],
     provenance: Provenance,
 ) -> Image {
-    let (window, full) = (settings.window, scene.sensor.film.size);
-    if settings.shard {
-        let mut accumulators = Accumulators::new(window.width, window.height, names.len());
-        for tile in &tiles {
-            for (i, sums) in tile.sums.chunks_exact(names.len()).enumerate() {
-                let (x, y) = pixel(tile.window, i);
-                accumulators.pixel_mut(x - window.x, y - window.y).copy_from_slice(sums);
-            }
-        }
-        return Image::from_accumulators(full, window, &names, provenance, accumulators, true);
-    }
     let empty = || vec![0.0f32; window.pixels()];
     let mut channels: Vec<Channel> =
         names.into_iter().map(|name| Channel { name, mean: empty(), variance: Some(empty()) }).collect();
-    for tile in &tiles {
-        for (i, moments) in tile.moments.chunks_exact(channels.len()).enumerate() {
-            let (x, y) = pixel(tile.window, i);
+    for part in parts {
+        for (i, moments) in part.moments.chunks_exact(channels.len()).enumerate() {
+            let (x, y) = pixel(part.window, i);
             let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
             for (channel, (mean, variance)) in channels.iter_mut().zip(moments) {
                 channel.mean[at] = *mean;
@@ -225,5 +244,6 @@ fn assemble(
             }
         }
     }
+    let full = scene.sensor.film.size;
     Image { full, crop: window, channels, provenance: Some(provenance), accumulators: None }
 }

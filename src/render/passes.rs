@@ -6,7 +6,7 @@
 
 use super::pilot::Quality;
 use super::tile::{Tile, tile};
-use super::{NonFinite, Progress, Report, Settings, pixel, provenance, tiles};
+use super::{Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
 use crate::image::{Channel, Image, Window};
 use crate::integrator::{KernelEntry, kernel_for};
@@ -71,10 +71,7 @@ impl Partial {
                 sum.merge(part);
             }
         }
-        self.report.rays += tile.counters.rays;
-        self.report.cut += tile.counters.cut;
-        self.report.non_finite += tile.non_finite;
-        self.report.first_non_finite.extend::<&[NonFinite]>(&tile.first_non_finite);
+        self.report.add(&tile.report);
     }
 }
 
@@ -100,16 +97,14 @@ pub fn render_passes(
     let mut longest = BLOCK;
     while partial.samples.end < settings.samples.end {
         let pass = next_pass(partial.samples.end, settings.samples.end, longest);
-        let now = Settings { samples: pass.clone(), shard: true, ..settings.clone() };
         let begin = Instant::now();
         let channels = partial.channels.len();
         let splats = pool.install(|| Splats::trace(&camera, settings.window, &pass, progress))?;
-        partial.report.rays += splats.counters.rays;
-        partial.report.cut += splats.counters.cut;
+        partial.report.count(&splats.counters);
         let shared = Mutex::new(&mut partial);
         pool.install(|| {
             windows.par_iter().try_for_each(|&window| {
-                let done = tile(&camera, window, &splats, channels, &now, progress)?;
+                let done = tile(&camera, window, &splats, channels, &pass, progress)?;
                 shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
                 Some(())
             })

@@ -1,13 +1,13 @@
 //! The part of an image that one thread makes at a time.
 
-use super::pilot::Noise;
 use super::sample::Camera;
 use super::splats::Splats;
-use super::{LISTED, NonFinite, Progress, Settings, pixel};
+use super::{LISTED, NonFinite, Progress, Report, pixel};
 use crate::film::ChannelAccumulator;
 use crate::image::Window;
 use crate::integrator::Counters;
-use crate::integrator::path::reuse::{self, correlated_edge};
+use crate::integrator::path::reuse;
+use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 /// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
@@ -16,14 +16,10 @@ const BATCH: usize = 512;
 /// What was rendered of a window.
 pub struct Tile {
     pub window: Window,
-    /// Pixel by pixel, channel by channel: exact sums for a shard, else what will be written of them.
+    /// Pixel by pixel, channel by channel.
     pub sums: Vec<ChannelAccumulator>,
-    pub moments: Vec<(f32, f32)>,
-    /// None of a shard, whose sums tell it.
-    pub noise: Noise,
-    pub counters: Counters,
-    pub non_finite: u64,
-    pub first_non_finite: Vec<NonFinite>,
+    /// What happened on the way.
+    pub report: Report,
 }
 
 /// Renders the samples of a window. `None` if told to stop.
@@ -32,19 +28,12 @@ pub fn tile(
     window: Window,
     splats: &Splats,
     channels: usize,
-    settings: &Settings,
+    samples: &Range<u64>,
     progress: &Progress,
 ) -> Option<Tile> {
-    let count = settings.samples.end - settings.samples.start;
-    let mut tile = Tile {
-        window,
-        sums: vec![ChannelAccumulator::default(); channels * window.pixels()],
-        moments: vec![],
-        noise: Noise::default(),
-        counters: Counters::default(),
-        non_finite: 0,
-        first_non_finite: vec![],
-    };
+    let sums = vec![ChannelAccumulator::default(); channels * window.pixels()];
+    let mut tile = Tile { window, sums, report: Report::default() };
+    let mut counters = Counters::default();
     let mut which = Vec::with_capacity(BATCH);
     let mut values = vec![0.0; channels * BATCH];
     let mut make = |which: &mut Vec<((u32, u32), u64)>| {
@@ -52,7 +41,7 @@ pub fn tile(
             return None;
         }
         let values = &mut values[..channels * which.len()];
-        camera.samples(which, &mut tile.counters, values);
+        camera.samples(which, &mut counters, values);
         let done = tile.add(camera, which, splats, values);
         progress.done.fetch_add(done, Ordering::Relaxed);
         which.clear();
@@ -61,7 +50,7 @@ pub fn tile(
     if camera.reuse() == 1 {
         // Pixel by pixel, and each pixel's samples in order.
         for i in 0..window.pixels() {
-            for sample in settings.samples.clone() {
+            for sample in samples.clone() {
                 which.push((pixel(window, i), sample));
                 if which.len() == BATCH {
                     make(&mut which)?;
@@ -77,7 +66,7 @@ pub fn tile(
             window.y / CELL..=(window.y + window.height - 1) / CELL,
         );
         for (y, x) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))) {
-            for sample in settings.samples.clone() {
+            for sample in samples.clone() {
                 which.extend(reuse::cell((x * CELL, y * CELL), sample, camera.film_size()));
                 if which.len() + (CELL * CELL) as usize > BATCH {
                     make(&mut which)?;
@@ -88,22 +77,11 @@ pub fn tile(
     if !which.is_empty() {
         make(&mut which)?;
     }
-    if !settings.shard {
-        tile.noise = tile.noise(channels, count, camera.reuse());
-        tile.moments = tile.sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
-        tile.sums = vec![];
-    }
+    tile.report.count(&counters);
     Some(tile)
 }
 
 impl Tile {
-    /// How sure the pixels are, of which so many share, from the sums of so many samples.
-    pub fn noise(&self, channels: usize, count: u64, reuse: u32) -> Noise {
-        let channel = |c: usize| self.sums.iter().skip(c).step_by(channels);
-        let moments = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
-        Noise::of(self.window, correlated_edge(reuse), moments)
-    }
-
     /// Adds up camera samples with what light paths bring to them; how many of them lie in the window.
     fn add(
         &mut self,
@@ -129,9 +107,9 @@ impl Tile {
                 finite &= value.is_finite();
             }
             if !finite {
-                self.non_finite += 1;
-                if self.first_non_finite.len() < LISTED {
-                    self.first_non_finite.push(NonFinite { pixel, sample });
+                self.report.non_finite += 1;
+                if self.report.first_non_finite.len() < LISTED {
+                    self.report.first_non_finite.push(NonFinite { pixel, sample });
                 }
             }
         }
