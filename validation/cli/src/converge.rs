@@ -1,6 +1,6 @@
 //! `validate converge`: error against run time of any renderers on one scene.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -59,6 +59,10 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     if let Some(name) = arguments.renderers.iter().find(|name| !known.contains_key(*name)) {
         return Err(format!("{} has no renderer {name:?}", file.display()).into());
     }
+    let twice = |(i, name): (usize, &String)| arguments.renderers[..i].contains(name);
+    if let Some((_, name)) = arguments.renderers.iter().enumerate().find(|of| twice(*of)) {
+        return Err(format!("the renderer {name:?} is named twice").into());
+    }
     check_writable(&[&arguments.json, &arguments.html])?;
     let mut samples = arguments.spp;
     samples.sort_unstable();
@@ -71,13 +75,24 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
         processor_time: arguments.processor_time,
     };
     let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
     let bench = Bench { scene: arguments.scene, folder, renderers: &known, settings: &settings };
     let names: Vec<&str> = arguments.renderers.iter().map(String::as_str).collect();
-    let found = study(&bench, &names);
+    let verdict = tell(&bench, &names, arguments.json.as_deref(), arguments.html.as_deref());
     std::fs::remove_dir_all(&bench.folder)?;
-    let (study, page) = found?;
-    write(arguments.json.as_deref(), || Ok(to_json(&study)?))?;
-    write(arguments.html.as_deref(), || Ok(page))?;
+    verdict
+}
+
+/// Measures, and writes what was found while the pictures are there.
+fn tell(
+    bench: &Bench,
+    names: &[&str],
+    json: Option<&Path>,
+    html: Option<&Path>,
+) -> Result<Verdict, Box<dyn std::error::Error>> {
+    let study = study(bench, names)?;
+    write(json, || Ok(to_json(&study)?))?;
+    write(html, || Ok(study.html(bench)?))?;
     print!("{}", study.text());
     match study.lines.is_empty() {
         true => Err("no renderer rendered the scene".into()),
@@ -98,20 +113,17 @@ struct Study {
     runs: Vec<Run>,
 }
 
-/// Measures, and draws the page while the pictures are there. Fails if a renderer fails after it has once
-/// succeeded.
-fn study(bench: &Bench, names: &[&str]) -> Result<(Study, String), String> {
+/// Fails if a renderer fails after it has once succeeded.
+fn study(bench: &Bench, names: &[&str]) -> Result<Study, String> {
     bench.measure(names, &|step| eprintln!("{step}"))?;
     let runs = bench.runs()?;
-    let study = Study {
+    Ok(Study {
         scene: bench.scene.clone(),
         settings: bench.settings.clone(),
         lines: lines(bench, names, &runs),
-        missing: missing(&bench.schedule()?),
+        missing: missing(bench, names)?,
         runs,
-    };
-    let page = study.html(bench)?;
-    Ok((study, page))
+    })
 }
 
 impl Study {
@@ -143,8 +155,6 @@ impl Study {
 
     /// The page with plots, tables and pictures.
     fn html(&self, bench: &Bench) -> Result<String, String> {
-        let absent: Vec<(&str, &str)> =
-            self.missing.iter().map(|(name, why)| (name.as_str(), why.as_str())).collect();
         let names: Vec<String> = self.lines.iter().map(|line| line.renderer.clone()).collect();
         let body = [
             format!(
@@ -154,7 +164,7 @@ impl Study {
             ),
             curves(&self.lines),
             pictures(&names, &self.lines, bench)?,
-            page::missing(&absent),
+            page::missing(&self.missing),
         ];
         Ok(page::frame("Error against run time", &body.concat()))
     }

@@ -82,7 +82,7 @@ pub fn curves(lines: &[Line]) -> String {
 }
 
 /// Names and reasons, if there are any.
-pub fn missing(entries: &[(&str, &str)]) -> String {
+pub fn missing(entries: &[(String, String)]) -> String {
     let rows: String = entries.iter().map(|(name, why)| row(&[escape(name), escape(why)])).collect();
     if rows.is_empty() {
         String::new()
@@ -137,7 +137,7 @@ mod tests {
             brightness: None,
             startup: None,
         };
-        let html = frame("a & b", &(curves(&[line]) + &missing(&[("x", "not & here")])));
+        let html = frame("a & b", &(curves(&[line]) + &missing(&[("x".into(), "not & here".into())])));
         assert!(
             html.contains("&lt;b&gt;")
                 && html.contains("&lt;i&gt;")

@@ -4,7 +4,7 @@ use serde::Serialize;
 use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio};
 use validation::statistics::seed_for;
 
-use super::bench::{Bench, Schedule};
+use super::bench::Bench;
 use super::{Run, Settings};
 use crate::renderers::mean_of;
 
@@ -76,9 +76,12 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
     names.iter().enumerate().filter_map(line).collect()
 }
 
-/// Who cannot render the scene, and why.
-pub fn missing(schedule: &Schedule) -> Vec<(String, String)> {
-    schedule.iter().filter_map(|(name, found)| Some((name.clone(), found.clone().err()?))).collect()
+/// Which of these renderers cannot render the scene, or have no reference, and why.
+pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, String> {
+    let schedule = bench.schedule()?;
+    let failed = |name: &str| schedule.get(name)?.clone().err();
+    let why = |name: &str| failed(name).or_else(|| failed(mean_of(bench.renderers, name)));
+    Ok(names.iter().filter_map(|name| Some((name.to_string(), why(name)?))).collect())
 }
 
 /// The lines' plots and table.

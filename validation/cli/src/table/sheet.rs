@@ -50,8 +50,6 @@ fn cells_of(against: &Against) -> [String; 4] {
 
 /// One scene.
 pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
-    let absent: Vec<(&str, &str)> =
-        scene.missing.iter().map(|(name, why)| (name.as_str(), why.as_str())).collect();
     let shown = scene.lines.first().map(|line| line.renderer.clone());
     let best = scene.against.iter().filter_map(|a| a.best_trimmed.as_ref().map(|b| b.0.clone()));
     let names: Vec<String> = shown.into_iter().chain(best).collect();
@@ -63,6 +61,6 @@ pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
         scene.size[1],
         curves(&scene.lines),
         pictures(&names, &scene.lines, bench)?,
-        missing(&absent)
+        missing(&scene.missing)
     ))
 }

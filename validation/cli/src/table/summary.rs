@@ -68,7 +68,7 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
     let against = vec![group("Mitsuba", &plan.mitsuba, aims[0]), group("others", &plan.others, aims[1])];
     let all = failed.map(|why| ("all".to_string(), why));
-    let missing = all.into_iter().chain(missing(&bench.schedule()?)).collect();
+    let missing = all.into_iter().chain(missing(bench, &names)?).collect();
     let title = class.map_or_else(|| entry.class.clone(), |c| c.title.clone());
     Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, against })
 }
