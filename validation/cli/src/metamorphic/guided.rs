@@ -45,7 +45,7 @@ pub fn relations() -> Vec<Relation> {
         relation("slab", 0.0, &slab),
         up_to(3, "one_edge_too_far", 0.0, &ball(&clear())),
         up_to(4, "no_edge_too_far", 0.0, &ball(&clear())),
-        relation("dispersion", 0.0, &(block(flint) + &ball(&metal()))).in_spectra(),
+        relation("dispersion", 0.0, &(block(flint) + &ball(&metal()))).in_spectra().longer(2),
         shared("path_re_use", 1.0).at_length(),
         shared("path_re_use_at_all_vertices", 0.0),
     ]

@@ -81,10 +81,13 @@ pub fn relations() -> Vec<Relation> {
         "<integer name=\"reuse\" value=\"16\"/><integer name=\"shared_light_paths\" value=\"2\"/></integrator>",
     );
     vec![
-        all_kinds("path", &path(4)),
+        all_kinds("path", &path(4)).longer(2),
         all_kinds("direct", direct).samples(1024),
-        all_kinds("by_emitters_alone", by_emitters),
-        together("light_paths_and_links", &found_by_all, (&things, &[]), None).within(0.02).samples(1024),
+        all_kinds("by_emitters_alone", by_emitters).longer(2),
+        together("light_paths_and_links", &found_by_all, (&things, &[]), None)
+            .within(0.02)
+            .samples(1024)
+            .at_length(),
         together("shared_paths", &shared, ("", &[]), Some(one_of::<4>)).within(0.05).samples(1024),
     ]
 }

@@ -129,20 +129,22 @@ pub fn relations() -> Vec<Relation> {
     let cases = vec![
         case("matte", room(&matte)),
         Case { pixels: 2, ..case("two", room(&matte)) },
-        Case { camera: wide, ..case("gaussian_film", room(&matte)) },
         Case { integrator: path(-1), ..case("roulette", room(&matte)) }.option("integer", "rr_depth", "2"),
         case("smooth_normals", room(&vase(&diffuse(0.8)))),
         case("two_sides", room(&(screen(&both_sides) + &vase(&both_sides)))),
-        case("veil", room(&screen(&veil))),
         Case { pixels: 16, ..case("pickets", room(&pickets)) },
         case("rough_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))),
-        case("glass", room(&ball(&glass))),
         case("mirror", room(&(ball(&mirror) + &screen(&mirror)))),
         case("glass_before_mirror", room(&(ball(&glass) + &screen(&mirror)))),
         case(
             "bulb",
             room(&(sphere([-0.5, 0.0, 1.0], 0.3, &area(3.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass))),
         ),
+    ];
+    let noisy = [
+        Case { camera: wide, ..case("gaussian_film", room(&matte)) },
+        case("veil", room(&screen(&veil))),
+        case("glass", room(&ball(&glass))),
     ];
     // Rough receivers and rough sources, and both at once.
     let brushed = room(&(ball(&metal(0.2)) + &screen(&metal(0.1))));
@@ -184,13 +186,14 @@ pub fn relations() -> Vec<Relation> {
     let hidden_lamp = hidden_lamp.option("boolean", "hide_emitters", "true");
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
+    relations.extend(noisy.map(|case| case.relation().longer(2)));
     relations.push(case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3));
     relations.push(lit_matte.relation().longer(3));
     relations.push(lit_glass.relation().longer(4));
-    relations.push(lit_metal.relation().samples(4096));
+    relations.push(lit_metal.relation().longer(3));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
-    relations.push(metal_roulette.relation().samples(4096));
+    relations.push(metal_roulette.relation().samples(4096).at_length());
     relations.push(metal_beside_glass.relation().samples(4096).at_length());
     relations.push(brushed_metal.relation().samples(3 * 4096).at_length());
     relations.push(metal_walls.relation().samples(4 * 4096).at_length());
@@ -199,8 +202,8 @@ pub fn relations() -> Vec<Relation> {
     let links = with_links(&path(6), "everywhere");
     let sheet = sheet(&bsdf("twosided", &mirror));
     relations.push(shared("links", &links, 0.0, &(globe() + &sheet)).at_length());
-    relations.push(shared("links_beside_light_paths", &links, 1.0, &(globe() + &sheet)));
-    relations.push(hidden_lamp.relation().samples(8192));
+    relations.push(shared("links_beside_light_paths", &links, 1.0, &(globe() + &sheet)).at_length());
+    relations.push(hidden_lamp.relation().samples(8192).at_length());
     relations.push(sixteen.relation().samples(8192).at_length());
     // What is black to one pixel's receiver must not end for the others.
     let colours = Case {
@@ -210,6 +213,6 @@ pub fn relations() -> Vec<Relation> {
     };
     relations.push(colours.option("integer", "rr_depth", "2").relation().samples(16_384));
     relations.push(case("dispersion", room(&ball(&flint))).relation().in_spectra().samples(4096));
-    relations.push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().samples(4096));
+    relations.push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().longer(4));
     relations
 }

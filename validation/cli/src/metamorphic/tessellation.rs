@@ -42,7 +42,8 @@ pub fn relations() -> Vec<Relation> {
             "sphere_by_transform",
             vec![Term::new(with_light(&ball([0.0, -1.0, 2.0], 0.3)))],
             vec![Term::new(with_light(&scaled))],
-        ),
+        )
+        .longer(2),
         Relation::expectation(
             "floor_of_2_triangles",
             plain(),

@@ -47,7 +47,7 @@ fn interfaces() -> Vec<ClosedForm> {
     cases.push(
         ClosedForm::new("panes_100", source, scene, m * r / (1.0 + (m - 1.0) * r))
             .margin(0.0025)
-            .samples(1 << 15),
+            .samples(1 << 14),
     );
     cases.push(chain(1000));
     cases
@@ -99,12 +99,12 @@ fn roughness() -> Vec<ClosedForm> {
                 mirror(30.0, &float("alpha", alpha)),
                 expected,
             )
-            .samples(1 << 15),
+            .samples(1 << 14),
         );
     }
     let source = "facets sloped along one axis: ∫ G₁(r)/2(1 + x²)^{3/2} dx, tan r = 2x/(1 − x²)";
     let scene = mirror(0.0, &(float("alpha_u", 1.0) + &float("alpha_v", 1e-4)));
-    cases.push(ClosedForm::new("anisotropy_1e4", source, scene, one_axis()).margin(0.0025).samples(1 << 15));
+    cases.push(ClosedForm::new("anisotropy_1e4", source, scene, one_axis()).margin(0.0025).samples(1 << 14));
     cases
 }
 
