@@ -92,6 +92,7 @@ impl Summary<'_> {
         let mut document = serde_json::json!({
             "seconds": self.seconds,
             "load_seconds": self.load_seconds,
+            "plan_seconds": self.scene.planning.as_secs_f64(),
             "samples": report.samples,
             "samples_per_pixel": samples.end - samples.start,
             "rays": report.rays,

@@ -222,9 +222,9 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
         ));
     }
     bands.sort_by(|a, b| a.name.cmp(&b.name));
-    let alike = |channel: &str| bands.iter().filter(|band| band.channel == channel).count() > 1;
-    let alike: Vec<bool> = bands.iter().map(|band| alike(&band.channel)).collect();
-    for (band, _) in bands.iter_mut().zip(alike).filter(|(_, alike)| *alike) {
+    let channels: Vec<String> = bands.iter().map(|band| band.channel.clone()).collect();
+    let alike = |channel: &String| channels.iter().filter(|other| *other == channel).count() > 1;
+    for band in bands.iter_mut().filter(|band| alike(&band.channel)) {
         band.channel = band.name.clone();
     }
     Ok(bands)

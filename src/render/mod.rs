@@ -59,6 +59,11 @@ impl Settings {
         let (seed, window) = (sensor.sampler.seed, sensor.film.crop);
         Self { samples, seed, window, threads: 1, shard: false, kernel: None }
     }
+
+    /// What renders a scene.
+    fn kernel(&self, scene: &Scene) -> &'static KernelEntry {
+        self.kernel.unwrap_or_else(|| kernel_for(scene.features))
+    }
 }
 
 /// A camera sample whose value is not a number or infinite.
@@ -145,7 +150,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         let done = render_passes(scene, settings, begun, progress, |_| ControlFlow::Continue(()))?;
         return Some(done.finished(scene, settings));
     }
-    let kernel = settings.kernel.unwrap_or_else(|| kernel_for(scene.features));
+    let kernel = settings.kernel(scene);
     let camera = Camera::new(scene, settings.seed, kernel);
     let names = camera.channel_names();
     let pool = pool(settings.threads).ok()?;
@@ -164,7 +169,6 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     }
     report.list_first();
     report.quality = Some(noise.quality(settings.window));
-    report.samples = (samples.end - samples.start) * settings.window.pixels() as u64;
     let provenance = provenance(scene, settings, kernel);
     Some((assemble(scene, settings.window, names, &parts, provenance), report))
 }

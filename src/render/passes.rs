@@ -9,7 +9,6 @@ use super::tile::{Tile, tile};
 use super::{Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
 use crate::image::{Channel, Image, Window};
-use crate::integrator::{KernelEntry, kernel_for};
 use crate::render::sample::Camera;
 use crate::render::splats::{self, Splats};
 use crate::scene::Scene;
@@ -37,7 +36,7 @@ pub struct Partial {
 impl Partial {
     /// A render that has not begun.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
-        let channels = Camera::new(scene, settings.seed, kernel(scene, settings)).channel_names();
+        let channels = Camera::new(scene, settings.seed, settings.kernel(scene)).channel_names();
         Self {
             samples: settings.samples.start..settings.samples.start,
             sums: Accumulators::new(settings.window.width, settings.window.height, channels.len()),
@@ -53,7 +52,7 @@ impl Partial {
             full: scene.sensor.film.size,
             crop: settings.window,
             channels: Channel::all(&self.channels, &self.sums, self.samples.end - self.samples.start),
-            provenance: Some(provenance(scene, &so_far, kernel(scene, settings))),
+            provenance: Some(provenance(scene, &so_far, settings.kernel(scene))),
             accumulators: settings.shard.then(|| self.sums.clone()),
         }
     }
@@ -75,10 +74,6 @@ impl Partial {
     }
 }
 
-fn kernel(scene: &Scene, settings: &Settings) -> &'static KernelEntry {
-    settings.kernel.unwrap_or_else(|| kernel_for(scene.features))
-}
-
 /// Goes on with a render to the end of `settings.samples`, or until `after_pass` breaks. `None` if `progress`
 /// was told to stop, which ends it in the middle of a pass, or if the threads could not be started.
 pub fn render_passes(
@@ -88,7 +83,7 @@ pub fn render_passes(
     progress: &Progress,
     mut after_pass: impl FnMut(&Partial) -> ControlFlow<()>,
 ) -> Option<Partial> {
-    let kernel = kernel(scene, settings);
+    let kernel = settings.kernel(scene);
     let camera = Camera::new(scene, settings.seed, kernel);
     let pool = super::pool(settings.threads).ok()?;
     let windows: Vec<Window> = tiles(settings.window).collect();
@@ -109,7 +104,6 @@ pub fn render_passes(
                 Some(())
             })
         })?;
-        partial.report.samples += (pass.end - pass.start) * settings.window.pixels() as u64;
         partial.report.list_first();
         partial.samples.end = pass.end;
         let many = (pass.end - pass.start) * camera.light_paths() >= splats::MANY;

@@ -43,6 +43,7 @@ pub fn tile(
         let values = &mut values[..channels * which.len()];
         camera.samples(which, &mut counters, values);
         let done = tile.add(camera, which, splats, values);
+        tile.report.samples += done;
         progress.done.fetch_add(done, Ordering::Relaxed);
         which.clear();
         Some(())

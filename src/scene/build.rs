@@ -27,6 +27,7 @@ use crate::shape::accel::Accel;
 use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// Asks whether a file can hold all channels of the image. A model has seen to its own; this is about those of
 /// film and integrator together.
@@ -151,11 +152,14 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         mode,
         features,
         several_lobes,
+        planning: Duration::ZERO,
         hash,
         files: [&document.files[..], &loader.files()].concat(),
     };
     scene.settle_caustics();
+    let begin = Instant::now();
     plan::settle(&mut scene);
+    scene.planning = begin.elapsed();
     Ok(scene)
 }
 

@@ -40,6 +40,7 @@ pub use build::load_text;
 use instances::Instances;
 use owners::Owners;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// A surface: its geometry, what it is made of and what it emits.
 pub struct Shape {
@@ -131,6 +132,8 @@ pub struct Scene {
     pub features: Features,
     /// Some material that emitters are sampled for has several lobes.
     pub several_lobes: bool,
+    /// How long pilots took to settle what the file leaves open: a part of loading, and yet rendering.
+    pub planning: Duration,
     /// A hash of the scene file with all it refers to, as 32 hexadecimal digits.
     pub hash: String,
 }

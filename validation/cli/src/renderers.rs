@@ -169,6 +169,7 @@ fn sibling(program: &str) -> PathBuf {
 /// What the JSON at the end of standard output says: on the last such line, or as a whole document.
 #[derive(Debug, Default, PartialEq)]
 struct Said {
+    /// With those that it took to find out how to render the scene, which a study counts as rendering.
     seconds: Option<f64>,
     cpu_seconds: Option<f64>,
 }
@@ -181,7 +182,11 @@ impl Said {
             return Said::default();
         };
         let number = |name: &str| document.get(name)?.as_f64().filter(|s| *s > 0.0);
-        Said { seconds: number("seconds"), cpu_seconds: number("cpu_seconds") }
+        let planning = number("plan_seconds").unwrap_or(0.0);
+        Said {
+            seconds: number("seconds").map(|seconds| planning + seconds),
+            cpu_seconds: number("cpu_seconds"),
+        }
     }
 }
 
@@ -229,6 +234,7 @@ mod tests {
         assert_eq!(said("noise\n{\"seconds\": 1.5, \"startup\": 9}\n"), Some(1.5));
         assert_eq!(said("{\"seconds\": 1.5}\nlast words\n"), Some(1.5));
         assert_eq!(said("{\n\"seconds\": 2\n}\n"), Some(2.0));
+        assert_eq!(said("{\"seconds\": 1.5, \"plan_seconds\": 0.25}"), Some(1.75));
         assert_eq!(said("done"), None);
     }
 
