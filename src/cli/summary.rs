@@ -52,10 +52,11 @@ impl Summary<'_> {
         let taken = self.taken() as f64;
         let rays = report.rays as f64 * if report.samples > 0 { taken / report.samples as f64 } else { 0.0 };
         let [r, g, b] = quality.mean;
+        let pilots = self.scene.planning.as_secs_f64();
         say!(
-            "{:.2} s rendering, {:.2} s loading, {} threads, kernel `{}`",
+            "{:.2} s rendering, {pilots:.2} s pilots, {:.2} s loading, {} threads, kernel `{}`",
             self.seconds,
-            self.load_seconds,
+            self.load_seconds - pilots,
             report.threads,
             report.kernel
         );

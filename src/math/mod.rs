@@ -23,7 +23,7 @@ pub use bounds::Bounds;
 pub use discrete::Discrete;
 pub use frame::{Frame, length};
 pub use glam::{DVec2, DVec3};
-pub use ray::Ray;
+pub use ray::{Origin, Ray};
 pub use transform::Transform;
 
 /// The largest number below 1.

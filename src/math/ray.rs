@@ -32,6 +32,14 @@ pub enum Ends {
     OnSurfaces,
 }
 
+/// A point of a surface from which rays leave (world).
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    pub p: DVec3,
+    /// The primitive that it lies on.
+    pub primitive: u32,
+}
+
 impl Ray {
     /// The `from` of a ray that starts in free space.
     pub const FREE: u32 = u32::MAX;

@@ -5,7 +5,7 @@ use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::side_towards;
-use crate::math::{DVec3, INV_PI};
+use crate::math::{DVec3, INV_PI, Origin};
 use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Sampler};
 use crate::scene::{Features, Scene};
 use crate::shape::SurfacePoint;
@@ -50,8 +50,14 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
             let linked = passage.and_then(|(passage, chance)| {
                 let end = (start.end.emitter, &SurfacePoint::plain(start.end.p, start.end.n, start.end.n));
                 let mut counters = Counters::default();
-                let found =
-                    density_of(scene, (point.p, hit.primitive), (w, passage), end, &λ, &mut counters)?;
+                let found = density_of(
+                    scene,
+                    Origin { p: point.p, primitive: hit.primitive },
+                    (w, passage),
+                    end,
+                    &λ,
+                    &mut counters,
+                )?;
                 // Of a matte surface; of others it is not known for whom they scatter.
                 Some(found / (chance * point.ng.dot(w).abs() * INV_PI))
             });

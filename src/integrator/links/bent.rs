@@ -15,7 +15,7 @@ use super::passage::{Turn, turn};
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::path::side_towards;
-use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Ray, length};
+use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Origin, Ray, length};
 use crate::scene::{Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -46,7 +46,7 @@ impl Bent {
     /// surfaces.
     pub fn new(
         scene: &Scene,
-        (p, primitive): (DVec3, u32),
+        Origin { p, primitive }: Origin,
         direction: DVec3,
         surfaces: &[Surface],
         to: DVec3,

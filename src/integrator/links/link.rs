@@ -11,7 +11,7 @@ use super::element::Element;
 use super::lens::Starts;
 use crate::integrator::Counters;
 use crate::math::frame::unit;
-use crate::math::{DVec3, Frame, Ray, length};
+use crate::math::{DVec3, Frame, Origin, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -83,7 +83,7 @@ impl<'a> Chain<'a> {
     fn read(
         &mut self,
         scene: &Scene,
-        (mut p, mut primitive): (DVec3, u32),
+        Origin { mut p, mut primitive }: Origin,
         to: DVec3,
         until: Option<&Element>,
         counters: &mut Counters,
@@ -110,7 +110,7 @@ impl<'a> Chain<'a> {
 /// What is to be looked for: ways by these surfaces to a point, from each of some directions.
 pub struct Search<'a> {
     scene: &'a Scene,
-    from: (DVec3, u32),
+    from: Origin,
     to: DVec3,
     chain: Chain<'a>,
     starts: Starts,
@@ -126,7 +126,7 @@ impl<'a> Search<'a> {
     /// surfaces than `most`.
     pub fn new(
         scene: &'a Scene,
-        from: (DVec3, u32),
+        from: Origin,
         to: DVec3,
         by: Option<&'a Element>,
         most: usize,
@@ -152,10 +152,16 @@ impl<'a> Search<'a> {
                     found.ball.centre
                 }
                 None => {
-                    let seen = element.reflection(from.0, to)?;
+                    let seen = element.reflection(from.p, to)?;
                     chain.read(scene, from, seen, by, counters)?;
                     chain.push(Surface::Mirror(element))?;
-                    chain.read(scene, (seen, element.primitives[0]), to, None, counters)?;
+                    chain.read(
+                        scene,
+                        Origin { p: seen, primitive: element.primitives[0] },
+                        to,
+                        None,
+                        counters,
+                    )?;
                     seen
                 }
             },
@@ -164,10 +170,10 @@ impl<'a> Search<'a> {
             return None;
         }
         let starts = match lens {
-            Some(lens) => lens.ways(from.0, to),
-            None => Starts::one(unit(first - from.0)),
+            Some(lens) => lens.ways(from.p, to),
+            None => Starts::one(unit(first - from.p)),
         };
-        let distance = length(first - from.0) + length(to - first);
+        let distance = length(first - from.p) + length(to - first);
         Some(Self { scene, from, to, chain, starts, exact: lens.is_some(), distance })
     }
 

@@ -37,7 +37,7 @@ use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::{AnyEmitter, EmitterPoint};
 use crate::math::bounds::union;
 use crate::math::ray::{free_way, position_error};
-use crate::math::{DVec2, DVec3, Ray, length};
+use crate::math::{DVec2, DVec3, Origin, Ray, length};
 use crate::scene::{Scene, Shape};
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -154,7 +154,7 @@ impl Links {
 /// a point of an emitter; `None` if there is another way that it would take, or none.
 pub fn density_of(
     scene: &Scene,
-    from: (DVec3, u32),
+    from: Origin,
     (direction, passage): (DVec3, Passage),
     (emitter, point): (usize, &SurfacePoint),
     λ: &Wavelengths,
@@ -162,11 +162,11 @@ pub fn density_of(
 ) -> Option<f64> {
     let entry = &scene.emitters.list[emitter];
     let geometry = &scene.shapes[entry.shape? as usize].geometry;
-    let technique = scene.links.as_ref()?.technique(from.0, &passage)?;
-    let seen_from = technique.seen_from(from.0)?;
+    let technique = scene.links.as_ref()?.technique(from.p, &passage)?;
+    let seen_from = technique.seen_from(from.p)?;
     let towards = point.p - seen_from;
     let distance = length(towards);
-    let straight = Ray::leaving(seen_from, towards / distance, distance, from.1);
+    let straight = Ray::leaving(seen_from, towards / distance, distance, from.primitive);
     if straight.direction.dot(point.ng) >= 0.0 {
         return None;
     }
@@ -176,7 +176,7 @@ pub fn density_of(
         |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
     let link = search.links(λ, counters).find(is_it)?;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
-    let chosen = scene.emitters.probability(emitter, (from.0, DVec3::ZERO)) * technique.chance;
+    let chosen = scene.emitters.probability(emitter, (from.p, DVec3::ZERO)) * technique.chance;
     Some(chosen * density(pdf, (straight.direction, distance), &link, point.ng))
 }
 
@@ -204,8 +204,8 @@ pub fn sample_emitter<B: Bsdf>(
         return None;
     }
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let from = (vertex.point.p, vertex.primitive);
-    let seen_from = technique.seen_from(from.0)?;
+    let from = Origin { p: vertex.point.p, primitive: vertex.primitive };
+    let seen_from = technique.seen_from(from.p)?;
     let light = entry.emitter.sample(shape, (seen_from, DVec3::ZERO), u, λ)?;
     if light.radiance.is_zero() {
         return None;

@@ -4,7 +4,7 @@ use super::density_of;
 use crate::bsdf::Sample;
 use crate::integrator::Counters;
 use crate::integrator::guide::{Directions, MOST_SURFACES};
-use crate::math::DVec3;
+use crate::math::{DVec3, Origin};
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::Wavelengths;
@@ -64,7 +64,7 @@ impl Passage {
 /// What a path has been through since it left a vertex that asked for links.
 #[derive(Clone, Copy, Debug)]
 pub struct Way {
-    from: (DVec3, u32),
+    from: Origin,
     direction: DVec3,
     /// The density of the direction, times the chance of the turns since.
     pdf: f64,
@@ -76,12 +76,17 @@ pub struct Way {
 }
 
 impl Way {
-    pub const NONE: Self =
-        Self { from: (DVec3::ZERO, 0), direction: DVec3::ZERO, pdf: 0.0, passage: None, guided: (0.0, 0) };
+    pub const NONE: Self = Self {
+        from: Origin { p: DVec3::ZERO, primitive: 0 },
+        direction: DVec3::ZERO,
+        pdf: 0.0,
+        passage: None,
+        guided: (0.0, 0),
+    };
 
     /// Leaves a vertex in a sampled direction (world); `seen` is what guides its emitter samples, if anything
     /// does.
-    pub fn begin(from: (DVec3, u32), direction: DVec3, sample: &Sample, seen: Option<&Directions>) -> Self {
+    pub fn begin(from: Origin, direction: DVec3, sample: &Sample, seen: Option<&Directions>) -> Self {
         let passage = (!sample.delta && seen.is_none()).then_some(Passage::default());
         let seen = seen.filter(|_| !sample.delta);
         let guided = seen.map_or(0.0, |seen| seen.density(direction) / sample.pdf);

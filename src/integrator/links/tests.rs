@@ -1,7 +1,7 @@
 use super::passage::Turn;
 use super::*;
-use crate::math::Frame;
 use crate::math::frame::unit;
+use crate::math::{Frame, Origin};
 use crate::scene::load_text;
 use crate::shape::mesh_data::{MeshData, write_ply};
 use crate::spectrum::ColorMode;
@@ -96,7 +96,7 @@ fn link(scene: &Scene, x: DVec3, y: DVec3) -> Option<Link> {
 
 fn by(scene: &Scene, x: DVec3, y: DVec3, element: Option<&Element>) -> Vec<Link> {
     let mut counters = Counters::default();
-    let search = Search::new(scene, (x, 0), y, element, 8, &mut counters);
+    let search = Search::new(scene, Origin { p: x, primitive: 0 }, y, element, 8, &mut counters);
     search
         .iter()
         .flat_map(|search| search.links(&Wavelengths::rgb(), &mut Counters::default()).collect::<Vec<_>>())
@@ -270,7 +270,9 @@ fn both_sides_agree_on_the_density_by_mirrors() {
             let chance = mirrors.technique(x, known).chance;
             let expected = chance * density(light.pdf, (light.wi, light.distance), &found, light.n);
             let end = (index, &SurfacePoint::plain(y, light.n, light.n));
-            let of = |way| density_of(&scene, (x, 0), way, end, &λ, &mut Counters::default());
+            let of = |way| {
+                density_of(&scene, Origin { p: x, primitive: 0 }, way, end, &λ, &mut Counters::default())
+            };
             match of(way(primitive)) {
                 Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                 None => assert!(found.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
@@ -326,15 +328,20 @@ fn both_sides_agree_on_the_density() {
                     None => passage,
                 };
                 let way = (link.direction, within(through(link.surfaces - inner, alone)));
-                match density_of(&scene, (x, 0), way, end, &λ, counters) {
+                match density_of(&scene, Origin { p: x, primitive: 0 }, way, end, &λ, counters) {
                     Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                     None => assert!(link.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
                 }
                 // Another direction is another way, and another number of interfaces too.
                 let aside = unit(link.direction + DVec3::X * 1e-3);
-                assert!(density_of(&scene, (x, 0), (aside, way.1), end, &λ, counters).is_none());
+                assert!(
+                    density_of(&scene, Origin { p: x, primitive: 0 }, (aside, way.1), end, &λ, counters)
+                        .is_none()
+                );
                 let fewer = (way.0, within(through(link.surfaces - inner - 1, alone)));
-                assert!(density_of(&scene, (x, 0), fewer, end, &λ, counters).is_none());
+                assert!(
+                    density_of(&scene, Origin { p: x, primitive: 0 }, fewer, end, &λ, counters).is_none()
+                );
                 tried += 1;
             }
         }
@@ -368,7 +375,7 @@ fn what_is_not_refracted_is_not_linked() {
     ));
     let find = |most| {
         let mut counters = Counters::default();
-        Search::new(&twice, (x, 0), y, None, most, &mut counters)
+        Search::new(&twice, Origin { p: x, primitive: 0 }, y, None, most, &mut counters)
             .is_some_and(|search| search.links(&Wavelengths::rgb(), &mut counters).next().is_some())
     };
     assert!(find(8) && find(4) && !find(3));

@@ -20,10 +20,12 @@ const LIGHT_PATH: f64 = 12.0;
 /// What it costs to ask how a receiver and a source scatter of which one is rough.
 const EVALUATION: f64 = 0.25;
 
-/// Cells, unless the film has fewer, and samples of each of their pixels: some hundredths of a second. The same
-/// is chosen by three times as many, or what is as good.
-const CELLS: u64 = 24;
+/// Samples of each pixel of a cell.
 const CAMERA_SAMPLES: u64 = 32;
+
+/// The fewest cells, unless the film has fewer, and the most. Between them a look takes as many paths as one
+/// sample of every pixel of the film.
+const CELLS: [u64; 2] = [12, 64];
 
 /// Samples that are summed before sums are compared: what stratification does away with is no gain.
 const BLOCK: u64 = 8;
@@ -53,13 +55,15 @@ impl Look {
         let film = scene.sensor.film.crop;
         let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
         let all = u64::from(columns) * u64::from(rows);
+        let [fewest, most] = CELLS;
+        let looked_at = all.min((all / CAMERA_SAMPLES).clamp(fewest, most));
         let channels = camera.channel_names().len();
         let path = scene.integrator.path();
         let [pixels, light_paths] =
             path.map_or([1, 0], |path| [path.reuse, path.shared_light_paths]).map(f64::from);
         let of_cell = |i: u64| {
             let mut counters = Counters::default();
-            let at = if all > CELLS { scattered(i, all) } else { i } as u32;
+            let at = if all > looked_at { scattered(i, all) } else { i } as u32;
             let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
             // Of every pixel: the sum, the sum of squares of blocks, the block at hand.
             let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
@@ -92,7 +96,7 @@ impl Look {
             let variance = relative / pixels_of_cell * BLOCKS / (BLOCKS - 1.0) * CAMERA_SAMPLES as f64;
             (Cell { corner, light: light / samples, variance }, cost / samples)
         };
-        let (cells, rays): (Vec<Cell>, Vec<f64>) = (0..all.min(CELLS)).into_par_iter().map(of_cell).unzip();
+        let (cells, rays): (Vec<Cell>, Vec<f64>) = (0..looked_at).into_par_iter().map(of_cell).unzip();
         let sharing = if pixels > 1.0 {
             SHARING + HANDING_ON * pixels + LIGHT_PATH * light_paths / pixels
         } else {

@@ -146,8 +146,11 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
     for (pixels, price) in PIXELS {
         let choice = Choice { pixels, ..given };
         let judged = judge(choice, look(scene, choice), price);
-        best = better(best, judged);
-        price_of_best = if best.choice.pixels == pixels { price } else { price_of_best };
+        // Where some pixels do not pay for asking each other, more do not.
+        if judged.product >= best.product {
+            break;
+        }
+        (best, price_of_best) = (judged, price);
     }
     let (each, price) = LIGHT_PATHS;
     let lit = Choice { light_paths: best.choice.pixels / each, ..best.choice };

@@ -105,8 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         for samples in &arguments.spp {
             for (side, rungs) in sides.iter_mut().enumerate() {
                 let found = render(*samples, seed("picture", 2 * k + side as u32))?;
-                let seconds =
-                    if arguments.processor_time { found.took.cpu_seconds } else { found.took.seconds };
+                let seconds = found.took.counted(arguments.processor_time);
                 rungs.push([errors(&found.picture, &reference).trimmed, seconds]);
             }
         }

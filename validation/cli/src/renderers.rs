@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use validation::converge::Picture;
 use validation::image;
 
@@ -31,7 +31,7 @@ pub struct Job<'a> {
 }
 
 /// How long it took.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Took {
     /// Without start-up.
     pub seconds: f64,
@@ -39,6 +39,13 @@ pub struct Took {
     pub cpu_seconds: f64,
     /// What came before and after.
     pub startup: f64,
+}
+
+impl Took {
+    /// The seconds that count: the processor's on a machine that does other things meanwhile.
+    pub fn counted(&self, processor_time: bool) -> f64 {
+        if processor_time { self.cpu_seconds } else { self.seconds }
+    }
 }
 
 /// What came of it.

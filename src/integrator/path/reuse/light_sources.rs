@@ -73,6 +73,9 @@ impl LightSources {
             wavefront.begin(paths.iter().map(|(_, ray)| *ray).enumerate());
             for edges in 1..=MOST_EDGES {
                 let going = wavefront.trace(scene, counters);
+                if going.is_empty() {
+                    break;
+                }
                 numbers.fill(going.len(), PAIRS, |i| paths[going[i]].0.numbers(edges));
                 wavefront.advance(|Arrived { place, path, ray, hit }| {
                     let (path, u) = (&mut paths[path].0, numbers.of(place));

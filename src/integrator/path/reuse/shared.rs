@@ -8,7 +8,7 @@ use crate::integrator::Counters;
 use crate::integrator::light::Vertex;
 use crate::integrator::wavefront;
 use crate::math::ray::{Ends, way_between};
-use crate::math::{DVec3, Ray, length};
+use crate::math::{DVec3, Origin, Ray, length};
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -32,7 +32,7 @@ pub struct Receiver {
 impl Receiver {
     /// Asks whether anything is between.
     pub fn ray_to(&self, source: &Source) -> Ray {
-        between((self.p, self.primitive), source.p)
+        between(Origin { p: self.p, primitive: self.primitive }, source.p)
     }
 }
 
@@ -54,11 +54,11 @@ pub struct Source {
 impl Source {
     /// Asks whether anything is between.
     pub fn ray_to(&self, other: &Source) -> Ray {
-        between((self.p, self.primitive), other.p)
+        between(Origin { p: self.p, primitive: self.primitive }, other.p)
     }
 }
 
-fn between((p, primitive): (DVec3, u32), end: DVec3) -> Ray {
+fn between(Origin { p, primitive }: Origin, end: DVec3) -> Ray {
     let way = end - p;
     let distance = length(way);
     let ray = Ray::leaving(p, way / distance, way_between(distance, p, end), primitive);

@@ -94,9 +94,7 @@ impl Bench<'_> {
                         seed: k,
                         rung,
                         samples: counts[rung],
-                        seconds: found.took.seconds,
-                        cpu_seconds: found.took.cpu_seconds,
-                        startup: found.took.startup,
+                        took: found.took,
                         errors: errors(&found.picture, reference),
                     })?;
                 }
@@ -141,8 +139,10 @@ impl Bench<'_> {
     }
 
     fn pilot(&self, name: &str, ladder: &[f64]) -> Result<Vec<u32>, String> {
-        let seconds =
-            |samples: u32| self.render(name, samples, seed("pilot", samples)).map(|r| self.time(&r));
+        let seconds = |samples: u32| {
+            let found = self.render(name, samples, seed("pilot", samples))?;
+            Ok::<f64, String>(found.took.counted(self.settings.processor_time))
+        };
         let (first, last) = (ladder[0], ladder[ladder.len() - 1]);
         // The first picture finds programs and kernels cold.
         let few = seconds(4)?.min(seconds(4)?);
@@ -182,11 +182,6 @@ impl Bench<'_> {
 
     fn out(&self) -> PathBuf {
         self.folder.join("picture.exr")
-    }
-
-    /// The seconds that count.
-    fn time(&self, found: &Rendered) -> f64 {
-        if self.settings.processor_time { found.took.cpu_seconds } else { found.took.seconds }
     }
 
     fn keep(&self, name: &str, schedule: &Schedule) -> Result<(), String> {

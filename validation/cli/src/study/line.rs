@@ -41,10 +41,7 @@ fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<R
     let rung = |rung: usize| Rung {
         samples: whole.first().map_or(0, |first| first[rung].samples),
         errors: whole.iter().map(|seed| error(&seed[rung].errors)).collect(),
-        seconds: whole
-            .iter()
-            .map(|seed| if settings.processor_time { seed[rung].cpu_seconds } else { seed[rung].seconds })
-            .collect(),
+        seconds: whole.iter().map(|seed| seed[rung].took.counted(settings.processor_time)).collect(),
     };
     if whole.is_empty() { vec![] } else { (0..count).map(rung).collect() }
 }
@@ -57,7 +54,8 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
     let line = |(place, name): (usize, &&str)| {
         let [by_trimmed, by_whole] = [of(name, trimmed), of(name, whole)];
         let first = by_trimmed.first()?;
-        let startups: Vec<f64> = runs.iter().filter(|r| r.renderer == *name).map(|r| r.startup).collect();
+        let startups: Vec<f64> =
+            runs.iter().filter(|r| r.renderer == *name).map(|r| r.took.startup).collect();
         let seed = seed_for(name, 0);
         Some(Line {
             renderer: name.to_string(),
@@ -105,6 +103,7 @@ pub fn curves(lines: &[Line]) -> String {
 mod tests {
     use super::super::Ladder;
     use super::*;
+    use crate::renderers::Took;
 
     #[test]
     fn only_whole_seeds_count() {
@@ -114,9 +113,7 @@ mod tests {
             seed,
             rung,
             samples: 4,
-            seconds: 1.0,
-            cpu_seconds: 7.0,
-            startup: 0.0,
+            took: Took { seconds: 1.0, cpu_seconds: 7.0, startup: 0.0 },
             errors,
         };
         let ladder = Ladder::Seconds(vec![1.0, 2.0]);

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 use validation::converge::Errors;
 use validation::statistics::seed_for;
 
+use crate::renderers::Took;
+
 /// How long to look.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Settings {
@@ -67,9 +69,8 @@ pub struct Run {
     pub seed: u32,
     pub rung: usize,
     pub samples: u32,
-    pub seconds: f64,
-    pub cpu_seconds: f64,
-    pub startup: f64,
+    #[serde(flatten)]
+    pub took: Took,
     pub errors: Errors,
 }
 
