@@ -157,8 +157,12 @@ mod tests {
 
     #[test]
     fn passes_give_the_image_of_one_run_at_every_end() {
-        let scene = load_text("scene.xml", SCENE, ColorMode::Spectral).expect("it loads");
-        for (samples, shard) in [(0..45, false), (8..61, true)] {
+        for (samples, shard, reuse) in [(0..45, false, 1), (8..61, true, 1), (0..45, false, 16)] {
+            let sharing = format!(
+                r#"<integrator type="path"><integer name="reuse" value="{reuse}"/></integrator><sensor "#
+            );
+            let text = SCENE.replace("<sensor ", &sharing);
+            let scene = load_text("scene.xml", &text, ColorMode::Spectral).expect("it loads");
             let settings = Settings {
                 samples,
                 seed: 1,
@@ -176,7 +180,9 @@ mod tests {
                 let (expected, expected_report) =
                     render(&scene, &alone, &Progress::default()).expect("it renders");
                 assert_eq!(image, expected);
-                assert_eq!((report.rays, report.samples), (expected_report.rays, expected_report.samples));
+                assert_eq!(report.rays, expected_report.rays);
+                let count = (partial.samples.end - partial.samples.start) * settings.window.pixels() as u64;
+                assert_eq!([report.samples, expected_report.samples], [count; 2]);
                 ends += 1;
                 ControlFlow::Continue(())
             });

@@ -111,10 +111,21 @@ struct Tile {
     squares: f64,
 }
 
-/// By the place of a pixel.
+/// The tile of a pixel.
 fn tile(film: Window, tiles: usize, (x, y): (u32, u32)) -> usize {
-    let along = |offset: u32, size: u32| (u64::from(offset) * tiles as u64 / u64::from(size)) as usize;
-    along(y - film.y, film.height) * tiles + along(x - film.x, film.width)
+    tile_along(y - film.y, film.height, tiles) * tiles + tile_along(x - film.x, film.width, tiles)
+}
+
+/// Along one side of the film.
+fn tile_along(offset: u32, size: u32, tiles: usize) -> usize {
+    (u64::from(offset) * tiles as u64 / u64::from(size)) as usize
+}
+
+/// How many pixels each tile has along one side: of a small film one or none.
+fn pixels_along(size: u32, tiles: usize) -> Vec<u32> {
+    let mut pixels = vec![0; tiles];
+    (0..size).for_each(|offset| pixels[tile_along(offset, size, tiles)] += 1);
+    pixels
 }
 
 /// What light paths bring to so many tiles along each side, and how many rays each takes.
@@ -124,16 +135,17 @@ fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) 
     let mut counters = Counters::default();
     let paths = f64::from(caustics.paths);
     // Green stands for all colours.
-    pilot_camera(scene).trace_light(0..LIGHT_PATHS, &mut counters, |_, pixel, values| {
+    pilot_camera(scene).trace_light(0..LIGHT_PATHS, &mut counters, |_, at, values| {
         // Had it been the only one.
         let brought = paths * values[1];
-        let tile = &mut tiles[tile(film, along, pixel)];
+        let tile = &mut tiles[tile(film, along, at)];
         tile.light += brought;
         tile.squares += brought * brought;
     });
+    let (columns, rows) = (pixels_along(film.width, along), pixels_along(film.height, along));
     let pixels = film.pixels() as f64;
-    let samples = LIGHT_PATHS as f64 * (pixels / (along * along) as f64);
-    for tile in &mut tiles {
+    for (i, tile) in tiles.iter_mut().enumerate() {
+        let samples = LIGHT_PATHS as f64 * f64::from((columns[i % along] * rows[i / along]).max(1));
         *tile = Tile { light: tile.light / samples, squares: tile.squares / (samples * pixels) };
     }
     (tiles, counters.rays as f64 / LIGHT_PATHS as f64)
@@ -148,12 +160,16 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let channels = camera.channel_names().len();
     let mut values = vec![0.0; channels * which.len()];
     camera.samples(&which, &mut Counters::default(), &mut values);
-    let mut seen = vec![0.0; TILES * TILES];
+    // Of each tile: the sum of samples, and how many.
+    let mut seen = vec![(0.0, 0.0); TILES * TILES];
     for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
-        seen[tile(film, TILES, *pixel)] += values[1] * (TILES * TILES) as f64 / CAMERA_SAMPLES as f64;
+        let (light, samples) = &mut seen[tile(film, TILES, *pixel)];
+        (*light, *samples) = (*light + values[1], *samples + 1.0);
     }
     let (brought, _) = splats(scene, caustics, TILES);
-    let parts = seen.iter().zip(&brought).map(|(seen, brought)| brought.light / (seen + brought.light));
+    let part =
+        |((seen, samples), brought): (&(f64, f64), &Tile)| brought.light / (seen / samples + brought.light);
+    let parts = seen.iter().zip(&brought).map(part);
     let lit: Vec<f64> = parts.filter(|part| part.is_finite()).map(|part| part.clamp(0.0, 1.0)).collect();
     if lit.is_empty() { 0.0 } else { lit.iter().sum::<f64>() / lit.len() as f64 }
 }

@@ -25,7 +25,7 @@ const CAMERA_SAMPLES: u64 = 32;
 
 /// The fewest cells, unless the film has fewer, and the most. Between them a look takes as many paths as one
 /// sample of every pixel of the film.
-const CELLS: [u64; 2] = [12, 64];
+const CELLS: [u64; 2] = [24, 64];
 
 /// Samples that are summed before sums are compared: what stratification does away with is no gain.
 const BLOCK: u64 = 8;
@@ -67,9 +67,12 @@ impl Look {
             let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
             // Of every pixel: the sum, the sum of squares of blocks, the block at hand.
             let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
+            // The film may end within the cell.
+            let mut on_film = 0;
             for sample in 0..CAMERA_SAMPLES {
                 let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
-                let mut values = vec![0.0; channels * which.len()];
+                on_film = which.len();
+                let mut values = vec![0.0; channels * on_film];
                 camera.samples(&which, &mut counters, &mut values);
                 for (((x, y), _), values) in which.into_iter().zip(values.chunks(channels)) {
                     let sum = &mut sums[(y % CELL * CELL + x % CELL) as usize];
@@ -85,7 +88,7 @@ impl Look {
             let relative = |[sum, squares, _]: &[f64; 3]| {
                 if *sum > 0.0 { (squares / (sum * sum) - 1.0 / BLOCKS).max(0.0) } else { 0.0 }
             };
-            let pixels_of_cell = sums.len() as f64;
+            let pixels_of_cell = on_film as f64;
             let samples = pixels_of_cell * CAMERA_SAMPLES as f64;
             let light: f64 = sums.iter().map(|sum| sum[0]).sum();
             let relative: f64 = sums.iter().map(relative).sum();

@@ -32,6 +32,9 @@ struct Choice {
 /// compared: correlated errors are a price as well, which a small gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
+/// A product so many times the best is far from it: twice as many pixels have at most half the variance.
+const FAR: f64 = 1.5;
+
 /// How many pixels there are to a shared light path, and the price of light paths. The pilot, which looks at
 /// one colour and few samples, promises more than they bring where little noise is left.
 const LIGHT_PATHS: (u32, f64) = (8, 1.4);
@@ -146,11 +149,13 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
     for (pixels, price) in PIXELS {
         let choice = Choice { pixels, ..given };
         let judged = judge(choice, look(scene, choice), price);
-        // Where some pixels do not pay for asking each other, more do not.
-        if judged.product >= best.product {
+        // Where some pixels are far from worth their while, more are not looked at.
+        if judged.product > FAR * best.product {
             break;
         }
-        (best, price_of_best) = (judged, price);
+        if judged.product < best.product {
+            (best, price_of_best) = (judged, price);
+        }
     }
     let (each, price) = LIGHT_PATHS;
     let lit = Choice { light_paths: best.choice.pixels / each, ..best.choice };

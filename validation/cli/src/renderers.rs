@@ -33,9 +33,11 @@ pub struct Job<'a> {
 /// How long it took.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Took {
-    /// Without start-up.
+    /// Without start-up and planning.
     pub seconds: f64,
-    /// The same in processor time of all threads; of the whole process where the renderer does not say.
+    /// To find out how to render the scene, whatever the number of samples.
+    pub planning: f64,
+    /// Of both, processor time of all threads; of the whole process where the renderer does not say.
     pub cpu_seconds: f64,
     /// What came before and after.
     pub startup: f64,
@@ -44,7 +46,7 @@ pub struct Took {
 impl Took {
     /// The seconds that count: the processor's on a machine that does other things meanwhile.
     pub fn counted(&self, processor_time: bool) -> f64 {
-        if processor_time { self.cpu_seconds } else { self.seconds }
+        if processor_time { self.cpu_seconds } else { self.planning + self.seconds }
     }
 }
 
@@ -115,8 +117,9 @@ impl Renderer {
         }
         let said = Said::of(&String::from_utf8_lossy(&output.stdout));
         let seconds = said.seconds.unwrap_or(wall);
+        let planning = said.planning.unwrap_or(0.0);
         let cpu_seconds = said.cpu_seconds.unwrap_or(cpu.max(1e-3));
-        Ok(Took { seconds, cpu_seconds, startup: (wall - seconds).max(0.0) })
+        Ok(Took { seconds, planning, cpu_seconds, startup: (wall - planning - seconds).max(0.0) })
     }
 }
 
@@ -176,8 +179,8 @@ fn sibling(program: &str) -> PathBuf {
 /// What the JSON at the end of standard output says: on the last such line, or as a whole document.
 #[derive(Debug, Default, PartialEq)]
 struct Said {
-    /// With those that it took to find out how to render the scene, which a study counts as rendering.
     seconds: Option<f64>,
+    planning: Option<f64>,
     cpu_seconds: Option<f64>,
 }
 
@@ -189,9 +192,9 @@ impl Said {
             return Said::default();
         };
         let number = |name: &str| document.get(name)?.as_f64().filter(|s| *s > 0.0);
-        let planning = number("plan_seconds").unwrap_or(0.0);
         Said {
-            seconds: number("seconds").map(|seconds| planning + seconds),
+            seconds: number("seconds"),
+            planning: number("plan_seconds"),
             cpu_seconds: number("cpu_seconds"),
         }
     }
@@ -241,7 +244,7 @@ mod tests {
         assert_eq!(said("noise\n{\"seconds\": 1.5, \"startup\": 9}\n"), Some(1.5));
         assert_eq!(said("{\"seconds\": 1.5}\nlast words\n"), Some(1.5));
         assert_eq!(said("{\n\"seconds\": 2\n}\n"), Some(2.0));
-        assert_eq!(said("{\"seconds\": 1.5, \"plan_seconds\": 0.25}"), Some(1.75));
+        assert_eq!(Said::of("{\"seconds\": 1.5, \"plan_seconds\": 0.25}").planning, Some(0.25));
         assert_eq!(said("done"), None);
     }
 

@@ -213,7 +213,7 @@ pub fn relations() -> Vec<Relation> {
             .at_length(),
         four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished))))
             .at_length(),
-        relation("frosted_glass", &view, &room(&block(&frosted))).at_length(),
+        relation("frosted_glass", &view, &room(&block(&frosted))),
         relation("bulb_in_a_globe", &view, &room(&bulb)),
         relation("block_of_glass", &view, &room(&block(&glass("")))),
         relation("tinted_glass", &view, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),

@@ -139,21 +139,29 @@ impl Bench<'_> {
     }
 
     fn pilot(&self, name: &str, ladder: &[f64]) -> Result<Vec<u32>, String> {
-        let seconds = |samples: u32| {
-            let found = self.render(name, samples, seed("pilot", samples))?;
-            Ok::<f64, String>(found.took.counted(self.settings.processor_time))
+        // What it takes to plan, which samples do not change, and what samples take.
+        let look = |samples: u32| {
+            let took = self.render(name, samples, seed("pilot", samples))?.took;
+            let split = (took.planning, took.seconds);
+            Ok::<_, String>(if self.settings.processor_time { (0.0, took.cpu_seconds) } else { split })
         };
         let (first, last) = (ladder[0], ladder[ladder.len() - 1]);
         // The first picture finds programs and kernels cold.
-        let few = seconds(4)?.min(seconds(4)?);
+        let (_, cold) = look(4)?;
+        let (planning, warm) = look(4)?;
+        let few = cold.min(warm);
         // Few samples say little of a rate that must hold for many.
         let more = (4.0 * (0.5 * first / few).clamp(1.0, 1024.0)) as u32;
-        let rate = if more > 8 { f64::from(more) / seconds(more)? } else { 4.0 / few };
-        if last * rate < 1.0 {
-            return Err(format!("a sample takes {:.1} s, longer than the longest rung", 1.0 / rate));
+        let rate = if more > 8 { f64::from(more) / look(more)?.1 } else { 4.0 / few };
+        if (last - planning) * rate < 1.0 {
+            let sample = 1.0 / rate;
+            return Err(format!(
+                "planning and a sample take {:.1} s, longer than the longest rung",
+                planning + sample
+            ));
         }
         let count = |wanted: &f64| {
-            let exponent = libm::log2((wanted * rate).max(1.0)).round().min(24.0);
+            let exponent = libm::log2(((wanted - planning) * rate).max(1.0)).round().min(24.0);
             1u32 << exponent as u32
         };
         Ok(ladder.iter().map(count).collect())

@@ -113,7 +113,7 @@ mod tests {
             seed,
             rung,
             samples: 4,
-            took: Took { seconds: 1.0, cpu_seconds: 7.0, startup: 0.0 },
+            took: Took { seconds: 1.0, planning: 0.5, cpu_seconds: 7.0, startup: 0.0 },
             errors,
         };
         let ladder = Ladder::Seconds(vec![1.0, 2.0]);
