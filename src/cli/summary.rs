@@ -52,11 +52,11 @@ impl Summary<'_> {
         let taken = self.taken() as f64;
         let rays = report.rays as f64 * if report.samples > 0 { taken / report.samples as f64 } else { 0.0 };
         let [r, g, b] = quality.mean;
-        let pilots = self.scene.planning.as_secs_f64();
+        let planning = self.scene.planning.as_secs_f64();
         say!(
-            "{:.2} s rendering, {pilots:.2} s pilots, {:.2} s loading, {} threads, kernel `{}`",
+            "{:.2} s rendering, {planning:.2} s planning, {:.2} s loading, {} threads, kernel `{}`",
             self.seconds,
-            self.load_seconds - pilots,
+            self.load_seconds - planning,
             report.threads,
             report.kernel
         );

@@ -32,7 +32,7 @@ struct Choice {
 /// compared: correlated errors are a price as well, which a small gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
-/// A product so many times the best is far from it: twice as many pixels have at most half the variance.
+/// Where some pixels make a product so many times the best, more have not been seen to pay.
 const FAR: f64 = 1.5;
 
 /// How many pixels there are to a shared light path, and the price of light paths. The pilot, which looks at
