@@ -25,7 +25,10 @@ const CAMERA_SAMPLES: u64 = 32;
 
 /// The fewest cells, unless the film has fewer, and the most. Between them a look takes as many paths as one
 /// sample of every pixel of the film.
-const CELLS: [u64; 2] = [24, 64];
+pub const CELLS: [u64; 2] = [24, 64];
+
+/// The same where a glance will do.
+pub const GLANCE: [u64; 2] = [8, 8];
 
 /// Samples that are summed before sums are compared: what stratification does away with is no gain.
 const BLOCK: u64 = 8;
@@ -49,13 +52,13 @@ pub struct Cell {
 }
 
 impl Look {
-    /// Renders cells that lie all over the film, with the scene's settings as they are.
-    pub fn at(scene: &Scene) -> Self {
+    /// Renders cells that lie all over the film, so many at least and at most, with the scene's settings as
+    /// they are.
+    pub fn at(scene: &Scene, [fewest, most]: [u64; 2]) -> Self {
         let camera = pilot_camera(scene);
         let film = scene.sensor.film.crop;
         let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
         let all = u64::from(columns) * u64::from(rows);
-        let [fewest, most] = CELLS;
         let looked_at = all.min((all / CAMERA_SAMPLES).clamp(fewest, most));
         let channels = camera.channel_names().len();
         let path = scene.integrator.path();
@@ -69,19 +72,18 @@ impl Look {
             let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
             // The film may end within the cell.
             let mut on_film = 0;
-            for sample in 0..CAMERA_SAMPLES {
-                let which: Vec<_> = cell(corner, sample, scene.sensor.film.size).collect();
-                on_film = which.len();
-                let mut values = vec![0.0; channels * on_film];
+            for block in 0..CAMERA_SAMPLES / BLOCK {
+                let pixels = |sample| cell(corner, sample, scene.sensor.film.size);
+                let which: Vec<_> = (block * BLOCK..(block + 1) * BLOCK).flat_map(pixels).collect();
+                on_film = which.len() / BLOCK as usize;
+                let mut values = vec![0.0; channels * which.len()];
                 camera.samples(&which, &mut counters, &mut values);
                 for (((x, y), _), values) in which.into_iter().zip(values.chunks(channels)) {
-                    let sum = &mut sums[(y % CELL * CELL + x % CELL) as usize];
-                    sum[0] += values[1];
-                    sum[2] += values[1];
-                    if sample % BLOCK == BLOCK - 1 {
-                        sum[1] += sum[2] * sum[2];
-                        sum[2] = 0.0;
-                    }
+                    sums[(y % CELL * CELL + x % CELL) as usize][2] += values[1];
+                }
+                for [sum, squares, of_block] in &mut sums {
+                    (*sum, *squares) = (*sum + *of_block, *squares + *of_block * *of_block);
+                    *of_block = 0.0;
                 }
             }
             const BLOCKS: f64 = (CAMERA_SAMPLES / BLOCK) as f64;

@@ -12,7 +12,7 @@
 //! many, tell what any number of them leaves of any other look, and all is chosen together.
 
 use super::light_paths;
-use super::look::{Cell, Look};
+use super::look::{CELLS, Cell, GLANCE, Look};
 use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
@@ -99,7 +99,7 @@ pub fn settle(scene: &mut Scene) {
     if !free.reuse {
         set(scene, given);
         if scene.caustics.is_some() && light_paths::is_free(scene) {
-            light_paths::balance(scene, &Look::at(scene));
+            light_paths::balance(scene, &Look::at(scene, CELLS));
         }
         return;
     }
@@ -120,14 +120,28 @@ pub fn settle(scene: &mut Scene) {
     }
 }
 
-/// The best choice for a scene as it is.
+/// The best choice for a scene as it is. A glance will do where sharing is far from worth its while, unless
+/// light paths are to be balanced with what is seen.
 fn choose(scene: &mut Scene, given: Choice) -> Judged {
+    let glanced = scene.caustics.is_none().then(|| among(scene, given, true));
+    match glanced {
+        Some((glanced, true)) => glanced,
+        _ => among(scene, given, false).0,
+    }
+}
+
+/// The best choice, and whether sharing is far from worth its while; a glance is for the latter.
+fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
-    let alone = look(scene, given);
+    let mut look = |choice: Choice| {
+        set(scene, choice);
+        Look::at(scene, if glance { GLANCE } else { CELLS })
+    };
+    let alone = look(given);
     let numbers = SAMPLES.map(|(times, price)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price));
     let many = numbers[SAMPLES.len() - 1].0;
     let direct = (free.first_emitter_samples && many > given.samples).then(|| {
-        let looked = look(scene, Choice { samples: many, ..given });
+        let looked = look(Choice { samples: many, ..given });
         Direct::between((given.samples, &alone), (many, &looked))
     });
     // Of a look with so many samples: what number of them is best.
@@ -145,12 +159,13 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
         others.into_iter().fold(first, better)
     };
     let mut best = judge(given, alone, 1.0);
-    let mut price_of_best = 1.0;
-    for (pixels, price) in PIXELS {
+    let (mut price_of_best, mut far) = (1.0, false);
+    for &(pixels, price) in if glance { &PIXELS[..1] } else { &PIXELS } {
         let choice = Choice { pixels, ..given };
-        let judged = judge(choice, look(scene, choice), price);
+        let judged = judge(choice, look(choice), price);
         // Where some pixels are far from worth their while, more are not looked at.
         if judged.product > FAR * best.product {
+            far = best.choice.pixels == given.pixels;
             break;
         }
         if judged.product < best.product {
@@ -159,11 +174,11 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
     }
     let (each, price) = LIGHT_PATHS;
     let lit = Choice { light_paths: best.choice.pixels / each, ..best.choice };
-    if free.shared_light_paths && lit.light_paths > 0 {
-        let judged = judge(lit, look(scene, lit), price * price_of_best);
+    if free.shared_light_paths && lit.light_paths > 0 && !glance {
+        let judged = judge(lit, look(lit), price * price_of_best);
         best = better(best, judged);
     }
-    best
+    (best, far)
 }
 
 /// The one that costs less; of two alike the first.
@@ -174,12 +189,8 @@ fn better(a: Judged, b: Judged) -> Judged {
 /// The product of variance and cost, up to a factor that all choices have.
 fn product(look: &Look) -> f64 {
     let deviation: f64 = look.cells.iter().map(|cell| cell.variance.sqrt()).sum();
-    deviation * deviation * look.cost
-}
-
-fn look(scene: &mut Scene, choice: Choice) -> Look {
-    set(scene, choice);
-    Look::at(scene)
+    let mean = deviation / look.cells.len() as f64;
+    mean * mean * look.cost
 }
 
 fn set(scene: &mut Scene, choice: Choice) {
