@@ -3,7 +3,7 @@
 use crate::bsdf::Bsdf;
 use crate::emitter::{DirectSample, EmitterPoint};
 use crate::math::ray::Ends;
-use crate::math::{DVec2, DVec3, Frame, Ray};
+use crate::math::{DVec2, DVec3, Frame, Origin, Ray};
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -34,6 +34,12 @@ pub struct Vertex<'a, B> {
 }
 
 impl<'a, B> Vertex<'a, B> {
+    /// From where rays leave it.
+    #[inline]
+    pub fn origin(&self) -> Origin {
+        Origin { p: self.point.p, primitive: self.primitive }
+    }
+
     /// `wo` in world space.
     #[inline]
     pub fn new(

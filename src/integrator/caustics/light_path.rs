@@ -8,7 +8,7 @@ use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, density_of_samples, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::{roulette, side_towards};
-use crate::math::{DVec2, DVec3, Origin, Ray};
+use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Side};
 use crate::shape::{Hit, SurfacePoint};
@@ -141,8 +141,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
                 let EmitterPoint { emitter, p, n } = path.end;
                 let end = (emitter, &SurfacePoint::plain(p, n, n));
-                let from = Origin { p: point.p, primitive };
-                let found = density_of(scene, from, (to_light, passage), end, &λ, counters);
+                let found = density_of(scene, vertex.origin(), (to_light, passage), end, &λ, counters);
                 found.unwrap_or(0.0) * f64::from(caustics.settings.emitter_samples) / chance
             });
         if edges > 1 && seen && side.traits.smooth {

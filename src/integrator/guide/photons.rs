@@ -50,14 +50,8 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
             let linked = passage.and_then(|(passage, chance)| {
                 let end = (start.end.emitter, &SurfacePoint::plain(start.end.p, start.end.n, start.end.n));
                 let mut counters = Counters::default();
-                let found = density_of(
-                    scene,
-                    Origin { p: point.p, primitive: hit.primitive },
-                    (w, passage),
-                    end,
-                    &λ,
-                    &mut counters,
-                )?;
+                let from = Origin { p: point.p, primitive: hit.primitive };
+                let found = density_of(scene, from, (w, passage), end, &λ, &mut counters)?;
                 // Of a matte surface; of others it is not known for whom they scatter.
                 Some(found / (chance * point.ng.dot(w).abs() * INV_PI))
             });

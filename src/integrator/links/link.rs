@@ -155,13 +155,8 @@ impl<'a> Search<'a> {
                     let seen = element.reflection(from.p, to)?;
                     chain.read(scene, from, seen, by, counters)?;
                     chain.push(Surface::Mirror(element))?;
-                    chain.read(
-                        scene,
-                        Origin { p: seen, primitive: element.primitives[0] },
-                        to,
-                        None,
-                        counters,
-                    )?;
+                    let mirrored = Origin { p: seen, primitive: element.primitives[0] };
+                    chain.read(scene, mirrored, to, None, counters)?;
                     seen
                 }
             },

@@ -204,7 +204,7 @@ pub fn sample_emitter<B: Bsdf>(
         return None;
     }
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let from = Origin { p: vertex.point.p, primitive: vertex.primitive };
+    let from = vertex.origin();
     let seen_from = technique.seen_from(from.p)?;
     let light = entry.emitter.sample(shape, (seen_from, DVec3::ZERO), u, λ)?;
     if light.radiance.is_zero() {

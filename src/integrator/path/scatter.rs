@@ -9,7 +9,7 @@ use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::integrator::Counters;
 use crate::integrator::light::Vertex;
 use crate::integrator::links::Way;
-use crate::math::{DVec3, Origin, Ray};
+use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Side};
 use crate::shape::SurfacePoint;
@@ -78,8 +78,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             // they share.
             state.from_caster = state.depth > 0 && side.traits.focuses();
             if ways.any() {
-                let from = Origin { p: point.p, primitive };
-                *way = Way::begin(from, vertex.to_world(sample.wi), &sample, ways.seen);
+                *way = Way::begin(vertex.origin(), vertex.to_world(sample.wi), &sample, ways.seen);
             } else if side.traits.smooth {
                 *way = Way::NONE;
             } else {

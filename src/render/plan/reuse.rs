@@ -123,11 +123,12 @@ pub fn settle(scene: &mut Scene) {
 /// The best choice for a scene as it is. A glance will do where sharing is far from worth its while, unless
 /// light paths are to be balanced with what is seen.
 fn choose(scene: &mut Scene, given: Choice) -> Judged {
-    let glanced = scene.caustics.is_none().then(|| among(scene, given, true));
-    match glanced {
-        Some((glanced, true)) => glanced,
-        _ => among(scene, given, false).0,
+    if scene.caustics.is_none()
+        && let (glanced, true) = among(scene, given, true)
+    {
+        return glanced;
     }
+    among(scene, given, false).0
 }
 
 /// The best choice, and whether sharing is far from worth its while; a glance is for the latter.

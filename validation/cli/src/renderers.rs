@@ -44,9 +44,16 @@ pub struct Took {
 }
 
 impl Took {
-    /// The seconds that count: the processor's on a machine that does other things meanwhile.
+    /// The seconds that count, of planning and of samples: the processor's, of which planning cannot be told,
+    /// on a machine that does other things meanwhile.
+    pub fn parts(&self, processor_time: bool) -> (f64, f64) {
+        if processor_time { (0.0, self.cpu_seconds) } else { (self.planning, self.seconds) }
+    }
+
+    /// All of them.
     pub fn counted(&self, processor_time: bool) -> f64 {
-        if processor_time { self.cpu_seconds } else { self.planning + self.seconds }
+        let (planning, samples) = self.parts(processor_time);
+        planning + samples
     }
 }
 

@@ -99,12 +99,12 @@ fn roughness() -> Vec<ClosedForm> {
                 mirror(30.0, &float("alpha", alpha)),
                 expected,
             )
-            .samples(1 << 14),
+            .samples(1 << 15),
         );
     }
     let source = "facets sloped along one axis: ∫ G₁(r)/2(1 + x²)^{3/2} dx, tan r = 2x/(1 − x²)";
     let scene = mirror(0.0, &(float("alpha_u", 1.0) + &float("alpha_v", 1e-4)));
-    cases.push(ClosedForm::new("anisotropy_1e4", source, scene, one_axis()).margin(0.0025).samples(1 << 14));
+    cases.push(ClosedForm::new("anisotropy_1e4", source, scene, one_axis()).margin(0.0025).samples(1 << 15));
     cases
 }
 

@@ -142,8 +142,7 @@ impl Bench<'_> {
         // What it takes to plan, which samples do not change, and what samples take.
         let look = |samples: u32| {
             let took = self.render(name, samples, seed("pilot", samples))?.took;
-            let split = (took.planning, took.seconds);
-            Ok::<_, String>(if self.settings.processor_time { (0.0, took.cpu_seconds) } else { split })
+            Ok::<_, String>(took.parts(self.settings.processor_time))
         };
         let (first, last) = (ladder[0], ladder[ladder.len() - 1]);
         // The first picture finds programs and kernels cold.
