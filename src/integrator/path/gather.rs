@@ -114,7 +114,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         let (throughput, shares) = state.delivers::<F>(scene, shared, true);
         if let Some(links) = ways.links {
             let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.caustics {
-                Some(caustics) if state.light_ratio > 0.0 => {
+                Some(caustics) if state.light_ratio > 0.0 && !vertex.side.traits.one_way => {
                     let here = self.ratio(vertex.to_local(link.direction), pdf);
                     state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
                 }

@@ -84,8 +84,8 @@ impl Tail {
 
     /// Takes note of the vertex where the path has arrived.
     pub fn arrive<B: Bsdf>(&mut self, source: Option<&Source>, vertex: &Vertex<B>) {
-        if self.edges == MOST_EDGES {
-            // All that is found from here on is longer than what light paths make.
+        if self.edges == MOST_EDGES || vertex.side.traits.one_way {
+            // All that is found from here on is longer than what light paths make, or they do not come here.
             self.ratio = 0.0;
         }
         if self.ratio > 0.0
@@ -115,8 +115,7 @@ impl Tail {
     /// Goes on from a vertex.
     pub fn leave<B: Bsdf>(&mut self, vertex: &Vertex<B>, sample: &Sample) {
         if self.ratio > 0.0 {
-            let ends = sample.delta || vertex.side.traits.one_way;
-            self.ratio *= if ends { 0.0 } else { self.factor(vertex, sample.wi, sample.pdf) };
+            self.ratio *= if sample.delta { 0.0 } else { self.factor(vertex, sample.wi, sample.pdf) };
             self.edges += 1;
         }
     }

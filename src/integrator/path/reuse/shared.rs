@@ -128,7 +128,8 @@ impl Shared {
                 }
                 false
             }
-            (Some(receiver), _) if state.depth == receiver.edges + 1 => {
+            // Light paths do not come to what is one-way.
+            (Some(receiver), _) if state.depth == receiver.edges + 1 && !side.traits.one_way => {
                 if faces && (albedo.is_some() || goes_on) {
                     let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
                     let (albedo, lobes) = (albedo.unwrap_or(Spectrum::ONE), lobes());

@@ -72,8 +72,14 @@ pub(super) fn within() -> String {
 }
 
 /// Matte, and half of all light passes.
-fn half_open(albedo: f64) -> String {
+pub(super) fn half_open(albedo: f64) -> String {
     format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo))
+}
+
+/// Sides that may let light through, and differ: no light path goes where it would have to know from where the
+/// camera comes.
+pub(super) fn two_sided(wears: &str) -> String {
+    format!("<bsdf type=\"twosided\"><boolean name=\"allow_transmission\" value=\"true\"/>{wears}</bsdf>")
 }
 
 /// An upright sheet that faces the camera.
@@ -163,9 +169,6 @@ pub fn relations() -> Vec<Relation> {
         format!("<bsdf type=\"blendbsdf\">{}{}{}</bsdf>", float("weight", 0.5), diffuse(0.5), mirror());
     let second =
         shape("rectangle", &[scale([0.3; 3]), rotate('y', 90.0), translate([-2.0, -0.5, 1.0])], &area(20.0));
-    let two_sided = |wears: &str| {
-        format!("<bsdf type=\"twosided\"><boolean name=\"allow_transmission\" value=\"true\"/>{wears}</bsdf>")
-    };
     let two_sided_veil = upright(-0.9, &two_sided(&(half_open(0.9) + &half_open(0.1))));
     let shining_floor = floor(&(diffuse(0.7) + &area(0.1)));
     let polished = bsdf("roughconductor", &float("alpha", 0.1));

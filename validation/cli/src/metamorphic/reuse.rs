@@ -3,7 +3,7 @@
 //! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and
 //! light that a wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
 
-use super::caustics::{globe, sheet, vase, with_links};
+use super::caustics::{globe, half_open, sheet, two_sided, vase, with_links};
 use super::still_life::*;
 use super::{Relation, Term, chosen};
 use crate::stage::*;
@@ -170,6 +170,8 @@ pub fn relations() -> Vec<Relation> {
     let lit_matte = limited(lit(case("lit", room(&matte)), 2));
     let lit_glass = limited(lit(case("lit_glass_and_mirror", room(&(ball(&glass) + &screen(&mirror)))), 4));
     let lit_metal = lit(case("lit_metal", brushed.clone()), 4);
+    let one_way = two_sided(&(diffuse(0.7) + &half_open(0.5)));
+    let lit_one_way = lit(case("lit_walls_of_two_sides", closed_room(&one_way) + &ball(&diffuse(0.5))), 16);
     let lit_at_length = [
         lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
         lit(case("lit_by_many", room(&matte)), 16).option("integer", "rr_depth", "3"),
@@ -191,6 +193,7 @@ pub fn relations() -> Vec<Relation> {
     relations.push(lit_matte.relation().longer(3));
     relations.push(lit_glass.relation().longer(4));
     relations.push(lit_metal.relation().longer(3));
+    relations.push(lit_one_way.relation().longer(3));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.push(metal_roulette.relation().samples(4096).at_length());

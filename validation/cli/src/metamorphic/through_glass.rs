@@ -3,8 +3,8 @@
 
 use super::Relation;
 use super::caustics::{
-    as_plain, ball, block, glass, room, sheet, vase, veil, with_integrator, with_light_paths, with_links,
-    within,
+    as_plain, ball, block, glass, half_open, room, sheet, two_sided, vase, veil, with_integrator,
+    with_light_paths, with_links, within,
 };
 use super::still_life::*;
 use crate::stage::*;
@@ -63,10 +63,10 @@ pub fn relations() -> Vec<Relation> {
             + &float("radius", 0.4) + &clear()),
     );
     let mirror = sheet(&bsdf("conductor", ""));
-    let rough = |kind: &str, more: &str| {
-        let floor = [scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])];
-        shape("rectangle", &floor, &bsdf(kind, &(float("alpha", 0.3) + more)))
-    };
+    let floor =
+        |wears: &str| shape("rectangle", &[scale([3.0, 3.0, 1.0]), translate([0.0, 0.0, 0.02])], wears);
+    let rough = |kind: &str, more: &str| floor(&bsdf(kind, &(float("alpha", 0.3) + more)));
+    let one_way = two_sided(&(diffuse(0.7) + &half_open(0.5)));
     let schlick = glass("<string name=\"fresnel\" value=\"schlick\"/>");
     let second = sphere([1.0, -0.5, 1.6], 0.3, &area(12.0));
     let four = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
@@ -102,6 +102,8 @@ pub fn relations() -> Vec<Relation> {
             &(globe.clone() + &rough("roughplastic", &grey("diffuse_reflectance", 0.5))),
         )
         .at_length(),
+        relation("upon_what_has_two_sides", 1.0, &(ball(&clear()) + &floor(&one_way))),
+        relation("two_sided_glass", 1.0, &ball(&two_sided(&clear()))),
         relation("two_lamps", 1.0, &(ball(&clear()) + &second)).at_length(),
         relation("behind_a_veil", 1.0, &(globe.clone() + &veil())).at_length(),
         with_integrator(relation("four_samples", 1.0, &globe), four).at_length(),
