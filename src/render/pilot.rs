@@ -206,7 +206,8 @@ pub fn for_error(
     let quality_of = |partial: &Partial| Quality::of(partial, scene, settings.window);
     let pilot = run(scene, settings, progress, |partial| {
         let n = partial.samples.end as f64;
-        if partial.samples.end < FEWEST {
+        // How long passes are is a matter of time, but each power of two is the end of one.
+        if partial.samples.end < FEWEST || !partial.samples.end.is_power_of_two() {
             return ControlFlow::Continue(());
         }
         let quality = quality_of(partial);
