@@ -109,8 +109,9 @@ impl Tile {
             }
             if !finite {
                 self.report.non_finite += 1;
-                if self.report.first_non_finite.len() < LISTED {
-                    self.report.first_non_finite.push(NonFinite { pixel, sample });
+                self.report.first_non_finite.push(NonFinite { pixel, sample });
+                if self.report.first_non_finite.len() > 2 * LISTED {
+                    self.report.list_first();
                 }
             }
         }
