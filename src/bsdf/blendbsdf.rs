@@ -54,8 +54,9 @@ impl Material for Blend {
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let about = "share of the second material: 0 is the first alone, 1 the second";
         let weight = params.optional_texture("weight", Usage::Reflectance, about)?;
-        let weight =
-            weight.ok_or_else(|| SceneError::at(&params.element.span, "there is no `weight`", "add one"))?;
+        let weight = weight
+            .ok_or_else(|| SceneError::at(&params.element.span, "there is no `weight`", "add one"))?
+            .scalar();
         let [first, second] = params.objects("bsdf", "the two materials")[..] else {
             return Err(SceneError::at(
                 &params.element.span,

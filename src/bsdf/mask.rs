@@ -46,7 +46,7 @@ impl Material for Mask {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let about = "share of the light that meets the material";
-        let opacity = params.texture("opacity", 0.5, Usage::Reflectance, about)?;
+        let opacity = params.texture("opacity", 0.5, Usage::Reflectance, about)?.scalar();
         Ok(Self { opacity, nested: Box::new(AnyMaterial::parse_nested(params)?) })
     }
 

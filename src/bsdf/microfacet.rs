@@ -8,7 +8,7 @@ use super::slope::{SQRT_PI, gaussian, visible_gaussian};
 use crate::math::frame::unit;
 use crate::math::function::{exp, ln, sin_cos_turn};
 use crate::math::{DVec2, DVec3};
-use crate::scene::error::{SceneError, known};
+use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::texture::AnyTexture;
 use libm::erfc;
@@ -198,6 +198,7 @@ impl Roughness {
         )?;
         let u = params.optional_texture("alpha_u", Usage::Unbounded, "roughness along the tangent")?;
         let v = params.optional_texture("alpha_v", Usage::Unbounded, "roughness across the tangent")?;
+        let (both, u, v) = (both.scalar(), u.map(AnyTexture::scalar), v.map(AnyTexture::scalar));
         match (u, v) {
             (None, None) => Ok(Self { shape, alpha_u: both, alpha_v: None, visible }),
             (Some(u), Some(v)) => Ok(Self { shape, alpha_u: u, alpha_v: Some(v), visible }),
@@ -233,23 +234,9 @@ impl Roughness {
 /// Reads `distribution` and `sample_visible`.
 pub fn parse_shape(params: &mut Params) -> Result<(Shape, bool), SceneError> {
     let about = "how the facets' slopes are distributed: beckmann or ggx";
-    let shape = match params.raw("distribution", "string", "beckmann", about)? {
-        None => Shape::Beckmann,
-        Some(element) => {
-            let value = element.require("value")?;
-            match value.value.to_lowercase().as_str() {
-                "beckmann" => Shape::Beckmann,
-                "ggx" => Shape::Ggx,
-                other => {
-                    let message = format!("unknown distribution `{other}`");
-                    return Err(SceneError::at(
-                        &value.value_span,
-                        message,
-                        known(other, &["beckmann", "ggx"]),
-                    ));
-                }
-            }
-        }
+    let shape = match params.word("distribution", &["beckmann", "ggx"], about)? {
+        "ggx" => Shape::Ggx,
+        _ => Shape::Beckmann,
     };
     let about = "sample only facets that the viewer sees; changes the noise, not the image";
     Ok((shape, params.boolean("sample_visible", true, about)?))

@@ -54,7 +54,7 @@ impl Material for RoughPlastic {
         ior::refuse_equal(params, coat.eta)?;
         let (shape, visible) = parse_shape(params)?;
         let about = "roughness: √2 times the deviation of the facets' slope";
-        let alpha = params.float_where("alpha", 0.1, about, "no negative number", |a| a >= 0.0)?;
+        let alpha = params.amount("alpha", 0.1, about)?;
         let seen = Distribution::new(shape, alpha, alpha, true);
         Ok(Self {
             facets: Distribution::new(shape, alpha, alpha, visible),

@@ -189,7 +189,7 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
     Ok(Film { size: (width, height), crop, filter: FilterSampler::new(profile), border, alpha, bands })
 }
 
-/// Every nested spectrum is a channel under its own name.
+/// Every nested spectrum is a channel, named as [`channel_of`] says.
 fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
     if params.loader.mode == ColorMode::Rgb {
         return Err(SceneError::at(
@@ -199,7 +199,7 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
         ));
     }
     let mut bands = vec![];
-    for element in params.objects("spectrum", "a response; its name is the channel's") {
+    for element in params.objects("spectrum", "a response; its channel is called by its centroid, such as S0.550,000nm, or if another has the same, by its own name") {
         let name = element.require("name")?;
         let response = match AnyTexture::parse(element, params.loader, Usage::Unbounded)? {
             AnyTexture::Constant(SpectralFunction::Table(table)) => (*table).clone(),

@@ -3,7 +3,7 @@
 use super::function::{sincos, tan};
 use glam::{DMat4, DVec3, DVec4};
 
-/// An affine (or, for cameras, projective) map and its inverse.
+/// An affine map and its inverse; the last row of both is 0, 0, 0, 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     pub matrix: DMat4,
@@ -19,8 +19,10 @@ impl Default for Transform {
 impl Transform {
     pub const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, inverse: DMat4::IDENTITY };
 
-    /// From a matrix; `None` if it is singular or not finite.
+    /// From a matrix, whose last row is taken for 0, 0, 0, 1; `None` if it is singular or not finite.
     pub fn from_matrix(matrix: DMat4) -> Option<Self> {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|i| matrix.col(i).truncate());
+        let matrix = DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), w.extend(1.0));
         let inverse = matrix.inverse();
         let usable = matrix.is_finite() && inverse.is_finite() && matrix.determinant() != 0.0;
         usable.then_some(Self { matrix, inverse })

@@ -242,16 +242,36 @@ impl<'a, 'd> Params<'a, 'd> {
         self.value(name, &["string"])
     }
 
-    /// One of a few words.
+    /// One of a few words, by default the first, that are written in full.
     pub fn choice(
         &mut self,
         name: &'static str,
         options: &[&'static str],
         about: &'static str,
     ) -> Result<&'static str, SceneError> {
+        self.one_of(name, options, about, |option, value| option == value)
+    }
+
+    /// The same of words that may be written in capitals.
+    pub fn word(
+        &mut self,
+        name: &'static str,
+        options: &[&'static str],
+        about: &'static str,
+    ) -> Result<&'static str, SceneError> {
+        self.one_of(name, options, about, str::eq_ignore_ascii_case)
+    }
+
+    fn one_of(
+        &mut self,
+        name: &'static str,
+        options: &[&'static str],
+        about: &'static str,
+        means: impl Fn(&str, &str) -> bool,
+    ) -> Result<&'static str, SceneError> {
         self.ask(name, "string", options.join(" | "), about);
         let Some(value) = self.value(name, &["string"])? else { return Ok(options[0]) };
-        let chosen = options.iter().find(|o| **o == value.value);
+        let chosen = options.iter().find(|option| means(option, &value.value));
         chosen.copied().ok_or_else(|| {
             SceneError::at(
                 &value.value_span,
@@ -282,7 +302,7 @@ impl<'a, 'd> Params<'a, 'd> {
                 "expected <point> or <vector>",
             ));
         }
-        super::transform::coordinates(element, "name", 0.0).map(Some)
+        super::transform::coordinates(element, &["name"], 0.0).map(Some)
     }
 
     pub fn transform(&mut self, name: &'static str, about: &'static str) -> Result<Transform, SceneError> {

@@ -28,24 +28,22 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
     let singular =
         |what: &str| SceneError::at(&step.span, format!("this <{}> is singular", step.tag), what.to_owned());
     match step.tag.as_str() {
-        "translate" => Ok(Transform::translate(coordinates(step, "", 0.0)?)),
-        "scale" => Transform::scale(coordinates(step, "", 1.0)?)
+        "translate" => Ok(Transform::translate(coordinates(step, &[], 0.0)?)),
+        "scale" => Transform::scale(coordinates(step, &[], 1.0)?)
             .ok_or_else(|| singular("expected factors other than 0")),
         "rotate" => {
             let angle = step.require("angle")?;
             let degrees = number(&angle.value).ok_or_else(|| bad_number(&angle.value_span, &angle.value))?;
-            let axis = coordinates(step, "angle", 0.0)?;
+            let axis = coordinates(step, &["angle"], 0.0)?;
             Transform::rotate(axis, degrees).ok_or_else(|| singular("expected an axis with a length"))
         }
         "lookat" | "look_at" => {
             step.only(&["origin", "target", "up"])?;
             let point = |name| step.require(name).and_then(triple);
             let (origin, target) = (point("origin")?, point("target")?);
-            let up = match step.attribute("up") {
-                Some(up) => triple(up)?,
-                // As in Mitsuba, whatever the same construction of a frame makes of the viewing direction.
-                None => Frame::about(unit(target - origin)).s,
-            };
+            let up = step.attribute("up").map(triple).transpose()?.filter(|up| *up != DVec3::ZERO);
+            // As in Mitsuba, whatever the same construction of a frame makes of the viewing direction.
+            let up = up.unwrap_or_else(|| Frame::about(unit(target - origin)).s);
             Transform::look_at(origin, target, up).ok_or_else(|| {
                 singular("expected a target apart from the origin, and `up` not along the view")
             })
@@ -53,6 +51,7 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
         "matrix" => {
             step.only(&["value"])?;
             let value = step.require("value")?;
+            // Of sixteen the last four are read and, as in Mitsuba, mean nothing.
             let numbers = numbers(value)?;
             let entries: [f64; 16] = match numbers[..] {
                 [a, b, c, d, e, f, g, h, i] => [a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0, 0.0, 0.0, 0.0, 1.0],
@@ -79,9 +78,9 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
 }
 
 /// `x= y= z=` or `value="x, y, z"`; one number in `value` means all three. `rest` stands for coordinates left
-/// out.
-pub fn coordinates(element: &Element, other: &str, rest: f64) -> Result<DVec3, SceneError> {
-    element.only(&["x", "y", "z", "value", other, "name"])?;
+/// out; `others` are the attributes besides.
+pub fn coordinates(element: &Element, others: &[&str], rest: f64) -> Result<DVec3, SceneError> {
+    element.only(&[&["x", "y", "z", "value"], others].concat())?;
     if let Some(value) = element.attribute("value") {
         if let Some(extra) = element.attributes.iter().find(|a| ["x", "y", "z"].contains(&a.name.as_str())) {
             return Err(SceneError::at(
@@ -140,6 +139,26 @@ mod tests {
         let map = place(r#"<matrix value="1 2 0 5  0 1 0 6  0 3 1 7  0 0 0 1"/>"#);
         assert_eq!(map, DVec3::new(26.0, 16.0, 137.0));
         assert_eq!(place(r#"<matrix value="1 2 0  0 1 0  0 3 1"/>"#), DVec3::new(21.0, 10.0, 130.0));
+    }
+
+    #[test]
+    fn the_last_row_of_a_matrix_is_that_of_an_affine_map() {
+        let text = |steps: &str| {
+            format!(r#"<scene version="3.0.0"><transform name="to_world">{steps}</transform></scene>"#)
+        };
+        let read = |steps: &str| parse(&xml::read_text("t", &text(steps)).unwrap().root.children[0]).unwrap();
+        let rows = "1 2 0 5  0 1 0 6  0 3 1 7";
+        let [plain, odd] = ["0 0 0 1", "1 2 3 4"]
+            .map(|row| read(&format!(r#"<matrix value="{rows} {row}"/><translate x="2"/>"#)));
+        assert_eq!(plain, odd);
+        let p = DVec3::new(1.0, 10.0, 100.0);
+        assert!(length(odd.inverted().point(odd.point(p)) - p) < 1e-12);
+    }
+
+    #[test]
+    fn a_view_without_up_has_one() {
+        let view = |up: &str| place(&format!(r#"<lookat origin="1 2 3" target="4 2 9" {up}/>"#));
+        assert_eq!(view(r#"up="0 0 0""#), view(""));
     }
 
     #[test]

@@ -165,6 +165,13 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
             .float_where("near_clip", 1e-2, "nothing nearer is seen", "a positive distance", |v| v > 0.0)?;
     let expected = "a distance beyond `near_clip`";
     let far = params.float_where("far_clip", 1e4, "nothing farther is seen", expected, |v| v > near)?;
+    if far <= near {
+        return Err(params.error(
+            "near_clip",
+            "`near_clip` is beyond `far_clip`",
+            "add a `far_clip` beyond it",
+        ));
+    }
     let film = match params.object("film", "what the camera records on")? {
         None => Film::default(),
         Some(element) => construct(FILMS, element, params.loader, Usage::Unbounded)?,

@@ -85,6 +85,19 @@ impl SpectralFunction {
         }
     }
 
+    /// The largest value in the visible range, or of a channel.
+    pub fn peak(&self) -> f32 {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Rgb(rgb) => rgb.iter().fold(0.0, |most, v| v.max(most)),
+            Self::Sigmoid(_) => 1.0,
+            _ => {
+                let largest = |λ: &Wavelengths| self.eval(λ).0.into_iter().fold(0.0, f32::max);
+                visible().map(|λ| largest(&λ)).fold(0.0, f32::max)
+            }
+        }
+    }
+
     /// Luminance under D65 of luminance 1: of a reflectance, how bright it is beside white.
     pub fn luminance(&self) -> f64 {
         match self {
@@ -103,12 +116,18 @@ fn illuminant(scale: f32, color: &Sigmoid, λ: &Wavelengths) -> Spectrum {
     Spectrum::from_fn(|i| scale * color[i] * λ.d65[i])
 }
 
-/// The mean of an estimate over 128 wavelengths, evenly spaced in the visible range.
-fn over_the_visible(estimate: impl Fn(&Wavelengths) -> f64) -> f64 {
-    const STEPS: usize = 16;
-    let step = |step: usize| {
+/// How many times [`LANES`] wavelengths [`visible`] makes.
+const STEPS: usize = 16;
+
+/// 128 wavelengths, evenly spaced in the visible range.
+fn visible() -> impl Iterator<Item = Wavelengths> {
+    (0..STEPS).map(|step| {
         let u = (step as f64 + 0.5) / (STEPS * LANES) as f64;
-        estimate(&Wavelengths::sample_uniform(u, observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX))
-    };
-    (0..STEPS).map(step).sum::<f64>() / STEPS as f64
+        Wavelengths::sample_uniform(u, observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX)
+    })
+}
+
+/// The mean of an estimate over these.
+fn over_the_visible(estimate: impl Fn(&Wavelengths) -> f64) -> f64 {
+    visible().map(|λ| estimate(&λ)).sum::<f64>() / STEPS as f64
 }

@@ -4,7 +4,7 @@ use super::AnyTexture;
 use crate::image::srgb;
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
-use crate::scene::params::{Params, Usage};
+use crate::scene::params::{self, Params, Usage};
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
@@ -95,6 +95,21 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
     let count = pixels.width * pixels.height;
     let texels = || (0..count).into_par_iter();
+    const MOST: f32 = params::MOST as f32;
+    let (allowed, expected) = match params.usage {
+        Usage::Reflectance => (0.0..=1.0, "expected 0 to 1"),
+        Usage::Emission | Usage::Unbounded => {
+            (0.0..=MOST, "expected no negative number, and none above 1.7e38")
+        }
+        // A bump's height may be below zero.
+        Usage::Vector => (-MOST..=MOST, "expected finite numbers, none above 1.7e38"),
+    };
+    let strange = |i: &usize| !pixels.linear(*i, raw).iter().all(|v| allowed.contains(v));
+    if let Some(i) = texels().find_first(strange) {
+        let (x, y, values) = (i % pixels.width, i / pixels.width, pixels.linear(i, raw));
+        let message = format!("texel ({x}, {y}) of {} is {values:?}", path.display());
+        return Err(SceneError::at(&place.value_span, message, expected));
+    }
     let scalar = texels().map(|i| {
         let rgb = pixels.linear(i, raw);
         if pixels.channels == 1 { rgb[0] } else { observer::luminance(rgb.map(|v| v as f64)) as f32 }

@@ -23,6 +23,11 @@ pub struct UnderD65 {
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let scale = params.amount("scale", 1.0, "factor")?;
     if let Some(element) = params.raw("color", "rgb", "1", "linear sRGB colour of the light")? {
+        if !["rgb", "srgb"].contains(&element.tag.as_str()) {
+            let message = format!("`color` cannot be a <{}>", element.tag);
+            return Err(SceneError::at(&element.span, message, "expected <rgb>"));
+        }
+        element.only(&["name", "value"])?;
         let value = element.require("value")?;
         let rgb = color::parse_rgb(value)?.map(|v| v * scale);
         color::check_range(&rgb, value, Usage::Emission)?;
@@ -50,6 +55,11 @@ impl UnderD65 {
 
     pub fn mean(&self) -> f64 {
         self.texture.mean() * self.scale as f64 * SpectralFunction::mean(&color::white_illuminant(1.0))
+    }
+
+    /// Of a texture of reflectances that reaches 1.
+    pub fn peak(&self) -> f32 {
+        color::white_illuminant(1.0).peak() * self.scale
     }
 
     pub fn varies(&self) -> bool {

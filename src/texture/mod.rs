@@ -51,11 +51,22 @@ entries!(bitmap, checkerboard, uniform, regular, irregular, srgb, d65, blackbody
 impl AnyTexture {
     /// Reads `<rgb>`, `<spectrum>`, `<float>` or `<texture>`.
     pub fn parse<'d>(element: &'d Element, loader: &Loader<'d>, usage: Usage) -> Result<Self, SceneError> {
-        match element.tag.as_str() {
+        let texture = match element.tag.as_str() {
             "texture" => construct(TEXTURES, element, loader, usage),
             "spectrum" if element.attribute("type").is_some() => construct(TEXTURES, element, loader, usage),
             _ => color::parse(element, loader, usage).map(Self::Constant),
+        }?;
+        let peak = match &texture {
+            Self::Constant(function) => function.peak(),
+            Self::UnderD65(product) => product.peak(),
+            // Looked at texel by texel, and side by side.
+            Self::Bitmap(_) | Self::Checkerboard(_) => 0.0,
+        };
+        if usage == Usage::Reflectance && peak > 1.0 {
+            let message = format!("values up to {peak} are no reflectance");
+            return Err(SceneError::at(&element.span, message, "expected 0 to 1"));
         }
+        Ok(texture)
     }
 
     /// The constant that stands where a file gives nothing.
@@ -103,6 +114,16 @@ impl AnyTexture {
             Self::Bitmap(bitmap) => bitmap.eval_scalar(uv),
             Self::Checkerboard(board) => board.scalar_side(uv).eval_scalar(uv),
             Self::UnderD65(product) => product.eval_scalar(uv),
+        }
+    }
+
+    /// A texture for [`AnyTexture::eval_scalar`] alone: the mean of a colour is taken once, not at every look.
+    pub fn scalar(self) -> Self {
+        match self {
+            Self::Constant(function) if function.constant().is_none() => {
+                Self::Constant(SpectralFunction::Uniform(function.mean() as f32))
+            }
+            other => other,
         }
     }
 

@@ -16,6 +16,10 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         params.float_where("wavelength_min", 360.0, "first wavelength in nm", "a wavelength", |v| v > 0.0)?;
     let max =
         params.float_where("wavelength_max", 830.0, "last wavelength in nm", "a wavelength", |v| v > min)?;
+    if max <= min {
+        let expected = "add a `wavelength_max` beyond it";
+        return Err(params.error("wavelength_min", "`wavelength_min` is beyond `wavelength_max`", expected));
+    }
     let (values, place) = number_list(params, "values", "the values")?;
     let table =
         Tabulated::regular(min as f32, max as f32, values).map_err(|e| params.error("values", e, ""))?;

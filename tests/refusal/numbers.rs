@@ -1,6 +1,6 @@
 //! Numbers, transforms and sizes that cannot be.
 
-use super::{all_refused, refused};
+use super::{Folder, all_refused, refused, scene};
 use std::time::Instant;
 
 #[test]
@@ -15,8 +15,9 @@ fn numbers_out_of_range_are_refused() {
         all_refused(&[("name=\"radius\"", &body, &["is no integer"])]);
     }
     // 0 is accepted and means nearly smooth, as in Mitsuba.
-    for (model, value) in
-        ["roughconductor", "roughdielectric", "roughplastic"].iter().flat_map(|m| [(m, "-0.1"), (m, "nan")])
+    for (model, value) in ["roughconductor", "roughdielectric", "roughplastic"]
+        .iter()
+        .flat_map(|m| ["-0.1", "nan", "1e200"].map(|v| (m, v)))
     {
         let body = format!("<bsdf type=\"{model}\">\n<float name=\"alpha\" value=\"{value}\"/></bsdf>");
         all_refused(&[("name=\"alpha\"", &body, &[value])]);
@@ -24,6 +25,18 @@ fn numbers_out_of_range_are_refused() {
     for value in ["2", "-0.1", "0.5, 0.5, 1.01", "0.5, nan, 0.5", "1, 2", "#12345g"] {
         let body = format!("<bsdf type=\"diffuse\">\n<rgb name=\"reflectance\" value=\"{value}\"/></bsdf>");
         all_refused(&[("name=\"reflectance\"", &body, &["expected"])]);
+    }
+    // Light is no reflectance, however it is written.
+    for (kind, inside) in [
+        ("uniform", "<float name=\"value\" value=\"5\"/>"),
+        ("d65", ""),
+        ("d65", "<rgb name=\"color\" value=\"2\"/>"),
+        ("d65", "<texture type=\"checkerboard\"/>"),
+        ("blackbody", ""),
+    ] {
+        let spectrum = format!("<spectrum type=\"{kind}\" name=\"reflectance\">{inside}</spectrum>");
+        let body = format!("<bsdf type=\"diffuse\">\n{spectrum}</bsdf>");
+        all_refused(&[("<spectrum", &body, &["no reflectance", "expected 0 to 1"])]);
     }
     all_refused(&[
         (
@@ -95,6 +108,18 @@ fn numbers_out_of_range_are_refused() {
 }
 
 #[test]
+fn pictures_of_light_are_no_reflectances() {
+    // One texel of 4, 4, 4.
+    let picture = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 128, 128, 131]];
+    let texture =
+        "<texture type=\"bitmap\" name=\"NAME\">\n<string name=\"filename\" value=\"a.hdr\"/></texture>";
+    let text = |object: &str, name: &str| scene(&format!("{object}{}</bsdf>", texture.replace("NAME", name)));
+    let folder = Folder::new(text("<bsdf type=\"diffuse\">", "reflectance").as_bytes());
+    std::fs::write(folder.path().join("a.hdr"), picture.concat()).expect("written");
+    folder.refused(&["texel (0, 0)", "[4.0, 4.0, 4.0]", "expected 0 to 1", "scene.xml:"]);
+}
+
+#[test]
 fn spots_shine_into_less_than_a_half_space() {
     for value in ["-5", "0", "90", "180"] {
         let spot =
@@ -134,6 +159,11 @@ fn cameras_and_films_that_cannot_be_are_refused() {
     let scene = |inside: &str| {
         format!("<scene version=\"3.0.0\">\n<sensor type=\"perspective\">\n{inside}\n</sensor>\n</scene>")
     };
+    refused(
+        &scene("<float name=\"near_clip\" value=\"20000\"/>"),
+        "near_clip",
+        &["beyond `far_clip`", "far_clip"],
+    );
     for fov in ["0", "180", "-5", "NaN", "inf", "270"] {
         let text = scene(&format!("<float name=\"fov\" value=\"{fov}\"/>"));
         refused(&text, "\"fov\"", &["expected degrees above 0 and below 180"]);

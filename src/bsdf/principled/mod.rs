@@ -76,7 +76,9 @@ impl Material for Principled {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = params.texture("base_color", 0.5, Usage::Reflectance, "colour of the material")?;
-        let mut share = |name, default, about| params.texture(name, default, Usage::Reflectance, about);
+        let mut share = |name, default, about| {
+            params.texture(name, default, Usage::Reflectance, about).map(AnyTexture::scalar)
+        };
         let roughness = share("roughness", 0.5, "square root of the microfacets' α")?;
         let anisotropic = share("anisotropic", 0.0, "how much rougher it is along the tangent than across")?;
         let metallic =

@@ -48,6 +48,9 @@ pub struct EnvironmentMap {
     mean: f64,
 }
 
+/// Along a side: a block of [`directions`] then has fewer cells along a side than a choice has steps.
+const MOST_TEXELS: usize = 1 << 16;
+
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let found = params.file("filename", "an EXR, HDR, PNG or JPEG file")?;
     let scale = params.amount("scale", 1.0, "factor")?;
@@ -61,6 +64,10 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
     if pixels.width < 2 || pixels.height < 3 {
         return Err(params.error("filename", "the image is too small", "expected at least 2 × 3 texels"));
+    }
+    if pixels.width.max(pixels.height) > MOST_TEXELS {
+        let expected = format!("expected at most {MOST_TEXELS} texels along a side");
+        return Err(params.error("filename", "the image is too large", expected));
     }
     let rgb: Vec<[f32; 3]> = (0..pixels.width * pixels.height).map(|i| pixels.linear(i, false)).collect();
     if let Some(i) = rgb.iter().position(|c| c.iter().any(|v| !(0.0..=MOST).contains(&f64::from(*v)))) {

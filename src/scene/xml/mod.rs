@@ -134,7 +134,21 @@ mod tests {
                 .is_some()
         );
         assert!(error("<scene version=\"3.0.0\">hello</scene>").message.contains("text"));
-        let deep = format!("<scene version=\"3.0.0\">{}", "<a>".repeat(100_000));
-        assert!(error(&deep).message.contains("nested"));
+    }
+
+    #[test]
+    fn depth_is_counted_in_elements() {
+        let nested = |depth: usize, tag: &str| {
+            format!("<scene version=\"3.0.0\">{}{}</scene>", tag.repeat(depth), "</a>".repeat(depth))
+        };
+        // Whatever their attributes look like.
+        for tag in ["<a>", "<a x=\"/>\">"] {
+            assert!(read_text("t", &nested(127, tag)).is_ok());
+            for depth in [128, 100_000] {
+                assert!(error(&nested(depth, tag)).message.contains("nested"), "{depth}");
+            }
+        }
+        let comment = format!("<scene version=\"3.0.0\"><!-- {} --></scene>", "a <b ".repeat(1000));
+        assert!(read_text("t", &comment).is_ok());
     }
 }

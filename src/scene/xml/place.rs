@@ -1,11 +1,6 @@
 //! Where text comes from, and where in it things stand.
 
-use crate::scene::error::{SceneError, Source, Span};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-/// Elements may be nested this deep; no scene needs a tenth of it, and recursion over the tree must end.
-const MAX_ELEMENT_DEPTH: usize = 128;
 
 /// The bytes of a file. A device or pipe may have no end, and is no file.
 pub fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
@@ -29,29 +24,6 @@ pub fn read_utf8(path: &Path) -> Result<String, String> {
 /// The first of `folders` that has `name`.
 pub fn find(folders: &[PathBuf], name: &str) -> Option<PathBuf> {
     folders.iter().map(|folder| folder.join(name)).find(|path| path.exists())
-}
-
-/// Refuses nesting that would exhaust the stack of any recursive reader, before one sees it.
-pub fn check_nesting(source: &Arc<Source>) -> Result<(), SceneError> {
-    let mut depth = 0usize;
-    let bytes = source.text.as_bytes();
-    for (i, byte) in bytes.iter().enumerate() {
-        match (byte, bytes.get(i + 1)) {
-            (b'<', Some(b'/')) => depth = depth.saturating_sub(1),
-            (b'<', Some(c)) if *c != b'!' && *c != b'?' => depth += 1,
-            (b'/', Some(b'>')) => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        if depth > MAX_ELEMENT_DEPTH {
-            let span = Span { source: source.clone(), range: i..i + 1 };
-            return Err(SceneError::at(
-                &span,
-                format!("elements are nested over {MAX_ELEMENT_DEPTH} deep"),
-                "",
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// The bytes of a node's start tag.

@@ -1,7 +1,7 @@
 //! Reads files and what they include into one tree.
 
 use super::parameters::Parameters;
-use super::place::{check_nesting, find, offset, read_file, start_tag};
+use super::place::{find, offset, read_file, start_tag};
 use super::{Attribute, Document, Element};
 use crate::scene::error::{SceneError, Source, Span};
 use crate::scene::{encoding, upgrade};
@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Elements may be nested this deep, those around an `<include>` counted; no scene needs a tenth of it, and
+/// recursion over the tree must end.
+const MAX_ELEMENT_DEPTH: usize = 128;
 /// Includes may be nested this deep, as in Mitsuba.
 const MAX_INCLUDE_DEPTH: usize = 15;
 /// So many files may be included, one often counted as often: files that include two each multiply.
@@ -18,6 +21,8 @@ const MOST_INCLUDES: usize = 1 << 12;
 pub struct Reader {
     parameters: Parameters,
     aliases: BTreeMap<String, Attribute>,
+    /// How many elements are being read, each within the one before.
+    depth: usize,
     /// The files being read, innermost last.
     open: Vec<PathBuf>,
     /// Those that were read, each as often as it was.
@@ -40,6 +45,7 @@ impl Reader {
         Self {
             parameters: Parameters::new(definitions),
             aliases: BTreeMap::new(),
+            depth: 0,
             open: vec![],
             files: vec![],
             search: vec![],
@@ -81,7 +87,6 @@ impl Reader {
     /// The root element of a text, as if it stood in a file.
     pub fn text(&mut self, path: &Path, text: String) -> Result<Element, SceneError> {
         let source = Arc::new(Source { path: path.to_owned(), text });
-        check_nesting(&source)?;
         let document = roxmltree::Document::parse(&source.text).map_err(|e| {
             let range = offset(&source.text, e.pos());
             SceneError::at(&Span { source: source.clone(), range }, format!("not well-formed XML: {e}"), "")
@@ -114,6 +119,12 @@ impl Reader {
     fn element(&mut self, node: roxmltree::Node, file: &mut File) -> Result<Element, SceneError> {
         let source = file.source.clone();
         let span = |range| Span { source: source.clone(), range };
+        let element_span = span(start_tag(node));
+        if self.depth == MAX_ELEMENT_DEPTH {
+            let message = format!("elements are nested over {MAX_ELEMENT_DEPTH} deep");
+            return Err(SceneError::at(&element_span, message, ""));
+        }
+        self.depth += 1;
         let mut attributes = vec![];
         for a in node.attributes() {
             let value_span = span(a.range_value());
@@ -129,7 +140,6 @@ impl Reader {
                 value_span,
             });
         }
-        let element_span = span(start_tag(node));
         if node.has_tag_name("integer") {
             check_integer(&attributes)?;
         }
@@ -162,6 +172,7 @@ impl Reader {
         if file.version < 2 {
             upgrade::texture_offsets(&mut element);
         }
+        self.depth -= 1;
         Ok(element)
     }
 
