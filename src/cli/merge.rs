@@ -15,13 +15,15 @@ pub struct Arguments {
     #[arg(short, long, value_name = "OUT.exr", value_parser = super::exr_file())]
     output: PathBuf,
     /// Also write an 8-bit picture
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = super::png_file())]
     png: Option<PathBuf>,
 }
 
 impl Arguments {
     pub fn run(self) -> Outcome {
         image::check_outputs(&[], &[Some(&self.output), self.png.as_ref()])?;
+        // A merged file may take the place of a part, a picture may not.
+        image::check_outputs(&self.parts, &[self.png.as_ref()])?;
         let merged = image::merge_files(self.parts)?;
         // Both can be made before one is written.
         let picture = self.png.as_ref().map(|_| image::develop(&merged)).transpose()?;

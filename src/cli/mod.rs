@@ -11,9 +11,12 @@ mod tax;
 mod watch;
 
 use clap::Parser;
-use clap::builder::{PathBufValueParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use etalon::integrator::INTEGRATORS;
 use etalon::integrator::links::Where;
 use etalon::integrator::path::reuse::{AUTO, PIXELS};
+use etalon::sampler::SAMPLERS;
+use etalon::scene::registry::Entry;
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
@@ -78,10 +81,10 @@ struct SceneArguments {
     #[arg(long, value_name = "spectral|rgb", default_value = "spectral", value_parser = color)]
     color: ColorMode,
     /// Integrator to use instead of the scene's, with its default settings
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = one_of(INTEGRATORS))]
     integrator: Option<String>,
     /// Edges of the longest path, instead of the scene's; -1 means no limit
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
     max_depth: Option<i64>,
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
@@ -101,26 +104,38 @@ struct SceneArguments {
     #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
     size: Option<(u32, u32)>,
     /// Sampler to use instead of the scene's
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = one_of(SAMPLERS))]
     sampler: Option<String>,
     /// Another seed, another noise; 0 by default, or the scene's
     #[arg(long, value_name = "S")]
     seed: Option<u32>,
 }
 
+/// Takes the name of a model.
+fn one_of<T>(models: &'static [Entry<T>]) -> PossibleValuesParser {
+    models.iter().map(|model| model.name).collect::<Vec<_>>().into()
+}
+
 /// Takes the name of an OpenEXR file, unless it is that of a file of another kind.
 fn exr_file() -> impl TypedValueParser<Value = PathBuf> {
-    const OTHERS: [&str; 5] = ["png", "jpg", "jpeg", "hdr", "xml"];
-    PathBufValueParser::new().try_map(|path| {
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.filter(|extension| OTHERS.contains(&extension.as_str())) {
-            None => Ok(path),
-            Some(other) => {
-                let expected = path.with_extension("exr").display().to_string();
-                Err(format!("the file is OpenEXR, not .{other}: expected such as {expected}"))
-            }
+    PathBufValueParser::new().try_map(|path| of_kind(path, "exr", "OpenEXR"))
+}
+
+/// The same of a PNG file.
+fn png_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| of_kind(path, "png", "PNG"))
+}
+
+fn of_kind(path: PathBuf, ending: &str, kind: &str) -> Result<PathBuf, String> {
+    const ENDINGS: [&str; 6] = ["exr", "png", "jpg", "jpeg", "hdr", "xml"];
+    let found = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match found.filter(|found| found != ending && ENDINGS.contains(&found.as_str())) {
+        None => Ok(path),
+        Some(other) => {
+            let expected = path.with_extension(ending).display().to_string();
+            Err(format!("the file is {kind}, not .{other}: expected such as {expected}"))
         }
-    })
+    }
 }
 
 /// Checks that a text is HOST:PORT.

@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "OUT.exr", value_parser = super::exr_file())]
     pub output: PathBuf,
     /// Also write an 8-bit picture
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = super::png_file())]
     png: Option<PathBuf>,
     /// Samples a pixel, instead of the scene's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "samples")]

@@ -71,6 +71,8 @@ impl Summary<'_> {
                 "relative standard error {:.4} % of the mean",
                 100.0 * quality.relative_standard_error_of_mean
             );
+        } else if !(r + g + b).is_finite() {
+            say!("no relative standard error: the mean is not finite");
         } else if r + g + b != 0.0 {
             say!("no relative standard error: that takes two blocks of four samples");
         } else if self.scene.integrator.has_radiance() {

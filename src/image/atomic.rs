@@ -77,7 +77,7 @@ pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result
         }
         let partial = partial(&target);
         if taken.contains(&target) || taken.contains(&partial) {
-            return Err(ImageError::new("a file of the scene or another output has this place").at(path));
+            return Err(ImageError::new("a file that is read or another output has this place").at(path));
         }
         taken.extend([target, partial]);
     }

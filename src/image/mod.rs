@@ -20,9 +20,10 @@ pub use self::exr::{check_names, read_exr, write_exr};
 pub(crate) use atomic::write_file_with;
 pub use atomic::{check_outputs, check_writable, write_file};
 pub use merge::{merge, merge_files};
-pub use png::{Rgb8, check_developable, develop, encode_srgb, write_png};
+pub use png::{Rgb8, check_developable, develop, encode_png, write_png};
 pub use provenance::{Attribute, Provenance};
 pub use sheet::contact_sheet;
+pub use srgb::encode_srgb;
 
 use crate::film::Accumulators;
 use std::fmt;

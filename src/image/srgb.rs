@@ -8,6 +8,13 @@ pub fn decode(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
+/// The code of a linear value in 0..1, rounded to the nearest of 256. Values outside are clamped.
+pub fn encode_srgb(linear: f32) -> u8 {
+    let linear = f64::from(linear).clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * pow(linear, 1.0 / 2.4) - 0.055 };
+    (255.0 * encoded + 0.5) as u8
+}
+
 /// What the codes of eight bits mean, by [`decode`].
 static CODES: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| decode(f64::from(of_code(i as u8))) as f32));
@@ -31,8 +38,14 @@ mod tests {
     fn the_curve_meets_its_known_points_and_the_encoder() {
         assert!((decode(0.5) - 0.214_041).abs() < 1e-6);
         for code in 0..=255u8 {
-            assert_eq!(crate::image::encode_srgb(decode(code as f64 / 255.0) as f32), code);
+            assert_eq!(encode_srgb(decode(code as f64 / 255.0) as f32), code);
         }
+    }
+
+    #[test]
+    fn values_outside_are_clamped() {
+        assert_eq!([-1.0, -0.0, 1.0, 1e30].map(encode_srgb), [0, 0, 255, 255]);
+        assert!((0..1000).map(|i| encode_srgb(i as f32 / 999.0)).is_sorted());
     }
 
     #[test]

@@ -115,8 +115,9 @@ fn command_lines_that_make_no_sense_are_refused() {
         (&["--spp", "4", "--samples", "0..4"], "--samples"),
         (&["--seed", "4294967296"], "4294967296"),
         (&["--color", "cmyk"], "`spectral` or `rgb`"),
-        (&["--integrator", "pth"], "did you mean `path`?"),
-        (&["--max-depth", "-5"], "integer from -1"),
+        (&["--integrator", "pth"], "'path'"),
+        (&["--sampler", "sobl"], "'sobol'"),
+        (&["--max-depth", "-5"], "-1..="),
         (&["--bogus"], "--bogus"),
         (&["--png", "gone/a.png"], "gone"),
         (&["--png", "scene.xml/a.png"], "scene.xml"),
@@ -172,12 +173,14 @@ fn what_takes_colours_is_refused_before_a_render_without() {
 #[test]
 fn no_output_is_written_over_another_or_over_the_scene() {
     let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
-    let words = ["a file of the scene or another output has this place"];
-    folder.refused_given(&["--png", "out.exr"], &words);
+    let words = ["a file that is read or another output has this place"];
+    folder.command_refused(&["render", "scene.xml", "-o", "both", "--png", "both"], &words);
     folder.refused_given(&["--checkpoint", "./out.exr"], &words);
     folder.refused_given(&["--checkpoint", "out.exr.partial"], &words);
-    folder.refused_given(&["--png", "scene.xml"], &words);
+    folder.refused_given(&["--checkpoint", "scene.xml"], &words);
     folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &words);
+    std::fs::write(folder.path().join("part"), "of a render").expect("written");
+    folder.command_refused(&["merge", "part", "-o", "out.exr", "--png", "./part"], &words);
     // Nor over what the scene is made of.
     let (mesh, part) = (folder.path().join("a.obj"), folder.path().join("part.xml"));
     let triangle = "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n";
@@ -189,8 +192,8 @@ fn no_output_is_written_over_another_or_over_the_scene() {
         r#"<scene version="3.0.0"><include filename="part.xml"/></scene>"#,
     )
     .expect("written");
+    folder.refused_given(&["--png", "a.obj"], &words);
     for output in ["a.obj", "part.xml"] {
-        folder.refused_given(&["--png", output], &words);
         folder.refused_given(&["--checkpoint", output], &words);
     }
     folder.command_refused(&["render", "scene.xml", "-o", "a.obj"], &words);
@@ -211,6 +214,9 @@ fn an_image_is_not_given_the_name_of_another_kind_of_file() {
         folder.command_refused(&["render", "scene.xml", "-o", name], &words);
         folder.command_refused(&["merge", "out.exr", "-o", name], &words);
     }
+    let words = ["PNG", "expected such as a.png"];
+    folder.command_refused(&["render", "scene.xml", "-o", "b.exr", "--png", "a.exr"], &words);
+    folder.command_refused(&["merge", "out.exr", "-o", "b.exr", "--png", "a.jpg"], &words);
 }
 
 #[test]
