@@ -82,8 +82,6 @@ pub struct Event {
     pub throughput: Spectrum,
     /// Gathered so far, emission at this vertex included.
     pub radiance: Spectrum,
-    /// Wavelength of lane 0 in nm.
-    pub nm: f32,
 }
 
 /// A camera ray, and what is found along it.
@@ -96,7 +94,8 @@ pub struct CameraPath {
     /// Neighbours with the same number share what they find, if the integrator has them do so.
     pub group: u32,
     pub radiance: Spectrum,
-    /// Something is seen: a surface, or light from the environment.
+    /// Something is seen: a surface, or light from the environment. As in Mitsuba, a surface at which paths of
+    /// the greatest length end is none, and `direct` does not count the environment.
     pub covered: bool,
 }
 

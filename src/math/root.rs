@@ -1,7 +1,7 @@
 //! Where a function of one variable is zero.
 
 /// A zero of a function between two places where its values have different signs; `None` if they have not, or
-/// if it is not found to within `error` of zero.
+/// if 64 steps do not find it. It is found to within `error` of zero, or to the last digit.
 ///
 /// False position, where the end that stays is believed less each time (the Illinois method). Six or seven
 /// steps are usual; halving alone would need as many as there are bits.

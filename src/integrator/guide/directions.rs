@@ -6,7 +6,7 @@ use crate::math::{BELOW_ONE, DVec2, DVec3, INV_PI, warp};
 /// A square is divided where so many directions lie in it.
 const DIVIDED: usize = 16;
 
-/// How often a square is divided at most: to a 256th of a turn.
+/// How often a square is divided at most: to a 512th of a turn.
 const DEEPEST: u32 = 8;
 
 /// The sphere of directions as a square of the same measure ([`warp::sphere`]), divided into quarters and

@@ -43,7 +43,7 @@ pub struct Path {
     pub hide_emitters: bool,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
-    /// The same at the first vertex that is more than a mirror or smooth glass.
+    /// The same at vertices that the camera sees, straight or by mirrors, smooth glass and smooth coats.
     pub first_emitter_samples: u32,
     /// Light paths to a camera path, where there are caustics; see [`caustics`](super::caustics). By default
     /// a pilot decides.
@@ -97,7 +97,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let about = "emitter samples at every vertex (an extension)";
     let most = i64::from(MOST_EMITTER_SAMPLES);
     let emitter_samples = params.integer("emitter_samples", 1, 1..=most, about)? as u32;
-    let about = "emitter samples at the first vertex that is more than a mirror or smooth glass: by default `emitter_samples`, or, where a pilot decides on `reuse`, what it finds best (an extension)";
+    let about = "emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth coats: by default `emitter_samples`, or, where a pilot decides on `reuse`, what it finds best (an extension)";
     let first = params.integer("first_emitter_samples", AUTO.into(), 1..=most, about)? as u32;
     let max_depth = u32::try_from(max_depth).unwrap_or(u32::MAX);
     let about =

@@ -104,7 +104,7 @@ impl Path {
         }
         if let Some(log) = &mut counters.log {
             let (throughput, radiance) = (state.throughput, path.radiance);
-            log.push(Event { hit, p: point.p, throughput, radiance, nm: λ.nm[0] });
+            log.push(Event { hit, p: point.p, throughput, radiance });
         }
         if state.depth + 1 >= self.max_depth {
             return None;
