@@ -2,7 +2,7 @@
 
 Mitsuba reads the scene, and the renderers' own Python environments need not have it: `MITSUBA_PYTHON` names the
 interpreter that has (`python3` by default). A translation is kept beside the scene's other translations in the folder
-`ETALON_TRANSLATIONS` (the temporary folder by default), under the hash of the scene file and of what translates it.
+`ETALON_TRANSLATIONS` (the temporary folder by default), under the hash of the scene's files and of what translates it.
 """
 import hashlib
 import json
@@ -13,13 +13,17 @@ import sys
 import tempfile
 from pathlib import Path
 
+import scene_features
+
 
 def scene(path):
     """The neutral scene of a Mitsuba file; ends the program with the reason if there is none."""
     here = Path(__file__).parent
     translators = b"".join((here / name).read_bytes() for name in ("neutral_scene.py", "neutral_mesh.py"))
-    known = str(Path(path).resolve()).encode() + Path(path).read_bytes() + translators
-    name = hashlib.sha256(known).hexdigest()[:24]
+    known = hashlib.sha256(str(Path(path).resolve()).encode() + translators)
+    for file in files(Path(path).resolve()):
+        known.update(hashlib.sha256(file.read_bytes()).digest())
+    name = known.hexdigest()[:24]
     kept = Path(os.environ.get("ETALON_TRANSLATIONS", Path(tempfile.gettempdir()) / "etalon-translations"))
     folder = kept / name
     if not (folder / "scene.json").exists():
@@ -29,6 +33,14 @@ def scene(path):
         if done.returncode != 0:
             sys.exit((done.stderr.strip() or "the scene was not translated").splitlines()[-1])
     return json.loads((folder / "scene.json").read_text())
+
+
+def files(path):
+    """The scene and every file that it reads; itself alone where one is missing, which its translation will say."""
+    try:
+        return scene_features.inputs(path)
+    except StopIteration:
+        return [path]
 
 
 def clean():

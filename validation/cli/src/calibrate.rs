@@ -85,7 +85,7 @@ fn seeds_needed(scatter: f64) -> u32 {
 }
 
 /// The promises are kept if for some number of seeds equal sides are called different in at most 1 % of
-/// trials, and sides that differ by 5 % in at least 90 %.
+/// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs says nothing.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
@@ -127,6 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         }
     }
     let kept = found.chunks(2).any(|pair| pair[0].share <= 0.01 && pair[1].share >= 0.9);
+    let asked_nothing = found.is_empty();
     let scatter = [scatter(&pool, |[e, _]| e), scatter(&pool, |[_, s]| s), scatter(&pool, |[e, s]| e * s)];
     let seeds_needed = seeds_needed(scatter[2]);
     println!(
@@ -148,7 +149,11 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         pool,
     };
     write(arguments.json.as_deref(), || Ok(to_json(&calibration)?))?;
-    Ok(if kept { Verdict::Equivalent } else { Verdict::Different })
+    Ok(match kept {
+        _ if asked_nothing => Verdict::Inconclusive,
+        true => Verdict::Equivalent,
+        false => Verdict::Different,
+    })
 }
 
 #[cfg(test)]

@@ -43,13 +43,23 @@ pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> 
 
 /// A share written with a per cent sign. Error: anything else, or nothing at all.
 pub fn percentage(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches('%').parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
-    number.map(|v| v / 100.0).ok_or_else(|| "expected such as 0.25%".into())
+    let number = text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
+    number
+        .filter(|v| *v > 0.0 && v.is_finite())
+        .map(|v| v / 100.0)
+        .ok_or_else(|| "expected such as 0.25%".into())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_percentage_has_its_sign() {
+        assert_eq!([" 0.25% ", "50 %"].map(percentage), [Ok(0.0025), Ok(0.5)]);
+        let refused = ["0.005", "1%%", "%", "-1%", "NaN%", "inf%", ""];
+        assert!(refused.into_iter().all(|text| percentage(text).is_err()));
+    }
 
     #[test]
     fn a_document_that_cannot_be_written_leaves_the_old_one() {

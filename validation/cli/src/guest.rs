@@ -98,8 +98,9 @@ impl Guest<'_> {
         let judged = || {
             let pictures = self.pictures(&reference.name, &reference.scene, samples, seeds)?;
             let theirs = load(&reference.image).map_err(|e| e.to_string())?;
-            let shared = Image::shared_noise(&pictures);
+            // Whether they are alike at all comes first.
             let mut ours = Image::from_replicates(&pictures).map_err(|e| e.to_string())?;
+            let shared = Image::shared_noise(&pictures);
             ours.channels.retain(|own| theirs.channels.iter().any(|other| other.name == own.name));
             // The reference's pixels share samples as well, if these do.
             let [theirs, ours] = [theirs, ours].map(|image| image.with_variances_times(&shared));

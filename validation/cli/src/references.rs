@@ -3,6 +3,8 @@
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{self, Overrides};
 use etalon::spectrum::ColorMode;
+use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use validation::Outcome;
 use validation::image::{self, Comparison};
@@ -14,6 +16,15 @@ pub struct Reference {
     pub scene: PathBuf,
     pub image: PathBuf,
     pub mode: ColorMode,
+    /// The standard error of each channel's mean, from whole replicates.
+    errors: Vec<(String, f64)>,
+}
+
+/// What `references.json` says of an image.
+#[derive(Deserialize)]
+struct Record {
+    channels: Vec<String>,
+    standard_error: Vec<f64>,
 }
 
 /// The folder of the references.
@@ -23,6 +34,10 @@ pub fn folder() -> PathBuf {
 
 /// All references below a folder, by name.
 pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
+    let list = folder.join("references.json");
+    let told = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
+    let text = std::fs::read_to_string(&list).map_err(|e| told(&e))?;
+    let records: BTreeMap<String, Record> = serde_json::from_str(&text).map_err(|e| told(&e))?;
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut found = vec![];
     for entry in entries.filter_map(Result::ok) {
@@ -31,7 +46,11 @@ pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
             if let Some(stem) = file.strip_suffix(&format!(".{}.exr", mode.name())) {
                 let scene = folder.join("scenes").join(format!("{stem}.xml"));
                 let name = format!("{stem}::{}", mode.name());
-                found.push(Reference { name, scene, image: entry.path(), mode });
+                let record = records.get(&format!("{stem}.{}", mode.name()));
+                let Record { channels, standard_error } =
+                    record.ok_or_else(|| told(&format!("there is no {file}")))?;
+                let errors = channels.iter().cloned().zip(standard_error.iter().copied()).collect();
+                found.push(Reference { name, scene, image: entry.path(), mode, errors });
             }
         }
     }
@@ -40,6 +59,21 @@ pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
 }
 
 impl Reference {
+    /// Mitsuba's image. Where its filter is wider than a pixel, pixels share samples: their variances then add
+    /// up to less than the variance of the mean, and are enlarged by as much.
+    pub fn image(&self) -> Result<image::Image, String> {
+        let image = image::load(&self.image).map_err(|e| e.to_string())?;
+        let factor = |(name, error): &(String, f64)| {
+            let channel = image.channels.iter().find(|channel| channel.name == *name)?;
+            let count = channel.mean.len() as f64;
+            let alone = channel.variance.as_ref()?.iter().sum::<f64>() / (count * count);
+            let factor = error * error / alone;
+            (factor.is_finite() && factor > 1.0).then(|| (name.clone(), factor))
+        };
+        let factors: Vec<_> = self.errors.iter().filter_map(factor).collect();
+        Ok(image.with_variances_times(&factors))
+    }
+
     /// Etalon's image, with `samples` a pixel. `number` draws another seed.
     pub fn render(&self, samples: u32, number: u64) -> Result<image::Image, String> {
         let seed = validation::statistics::seed_for(&self.name, number) as u32;
@@ -71,7 +105,7 @@ impl Reference {
         number: u64,
     ) -> Result<Comparison, String> {
         let mut ours = self.render(samples, number)?;
-        let reference = image::load(&self.image).map_err(|e| e.to_string())?;
+        let reference = self.image()?;
         // Beside the bands of a specfilm there are colours here, and none in Mitsuba's file.
         ours.channels.retain(|own| reference.channels.iter().any(|theirs| theirs.name == own.name));
         let comparison = image::compare(&reference, &ours, settings).map_err(|e| e.to_string())?;

@@ -4,6 +4,7 @@ use crate::console::{check_writable, percentage, print, write};
 use crate::crew::ask_and_print;
 use crate::documents::Documents;
 use crate::provenance::Provenance;
+use crate::stage::asked_again;
 use crate::{closed_forms, metamorphic, references};
 use std::error::Error;
 use std::path::PathBuf;
@@ -40,7 +41,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let mut outcomes = vec![];
     for reference in references::references(&references::folder())? {
         if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
-            let outcome = reference.check(spp, margin, number)?;
+            let outcome = asked_again(number, |number| reference.check(spp, margin, number))?;
             print(&outcome);
             outcomes.push(outcome);
         }
@@ -48,11 +49,12 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let chosen = |other: &str| name.as_ref().is_none_or(|n| other.contains(n));
     let effort = if thorough { 64 } else { 1 };
     let cases: Vec<_> = closed_forms::cases().into_iter().filter(|case| chosen(&case.name)).collect();
-    let known = ask_and_print(&cases, |case| case.check(effort, number).map(Some))?;
+    let known =
+        ask_and_print(&cases, |case| asked_again(number, |number| case.check(effort, number)).map(Some))?;
     let relations: Vec<_> = metamorphic::relations().into_iter().filter(|r| chosen(&r.name)).collect();
     let related = ask_and_print(&relations, |relation| {
         let relation = if thorough { relation.clone().thorough() } else { relation.clone() };
-        relation.check(1, number).map(Some)
+        asked_again(number, |number| relation.check(1, number)).map(Some)
     })?;
     outcomes.extend(known.iter().chain(&related).cloned());
     if outcomes.is_empty() {

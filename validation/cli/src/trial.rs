@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use validation::checks::{CHECKS, Check, Effort};
 use validation::scatterer::{DVec3, direction};
 use validation::statistics::{Verdict, seed_for};
@@ -81,10 +82,38 @@ pub fn effort_of_sampling(samples: usize, count: usize, thorough: bool) -> Effor
     Effort { smallest: 1e-9, ..effort(samples, count, thorough) }
 }
 
-/// The trials as tests of libtest-mimic see them: only a fault fails.
-pub fn judge(trial: &Trial, effort: &Effort) -> Result<(), String> {
-    match trial.run(effort, 0)? {
-        Some(outcome) if outcome.verdict == Verdict::Different => Err(outcome.message),
-        _ => Ok(()),
+/// How many answers of a suite of tests are none. Tests take few samples, and one that cannot tell must not
+/// fail; but if many could not, the suite would say nothing.
+#[derive(Default)]
+pub struct Tally {
+    asked: AtomicUsize,
+    undecided: AtomicUsize,
+}
+
+impl Tally {
+    /// The outcome as libtest-mimic sees it: only a fault fails.
+    pub fn judge(&self, outcome: Option<Outcome>) -> Result<(), String> {
+        let Some(outcome) = outcome else { return Ok(()) };
+        self.asked.fetch_add(1, Ordering::Relaxed);
+        match outcome.verdict {
+            Verdict::Different => return Err(outcome.message),
+            Verdict::Inconclusive => {
+                self.undecided.fetch_add(1, Ordering::Relaxed);
+            }
+            Verdict::Equivalent => {}
+        }
+        Ok(())
+    }
+
+    /// Ends the program with a failure if of a hundred answers and more a larger share than this were none.
+    pub fn exit_if_undecided(&self, most: f64) {
+        let [asked, undecided] = [&self.asked, &self.undecided].map(|count| count.load(Ordering::Relaxed));
+        if asked > 0 {
+            println!("{undecided} of {asked} answers are undecided");
+        }
+        if asked >= 100 && undecided as f64 > most * asked as f64 {
+            eprintln!("error: more than {:.1} % are", 100.0 * most);
+            std::process::exit(1);
+        }
     }
 }

@@ -1,22 +1,17 @@
 //! Pictures of the comparison: where the images differ, in standard errors.
 
-use std::path::Path;
+use std::io::Cursor;
 
-use image::{Rgb, RgbImage};
+use image::{ImageFormat, Rgb, RgbImage};
 
 use super::{Image, ImageError, Settings, pair::Pair, tiles};
 
 /// Scores of this size and beyond have the full colour.
 const FULL: f64 = 5.0;
 
-/// Writes a PNG with each pixel's signed z-score, of its worst channel: red where b is brighter, blue where
-/// darker, white where they agree, black where a value is not finite or the variance unknown.
-pub fn write_difference_map(
-    a: &Image,
-    b: &Image,
-    settings: &Settings,
-    path: impl AsRef<Path>,
-) -> Result<(), ImageError> {
+/// The bytes of a PNG with each pixel's signed z-score, of its worst channel: red where b is brighter, blue
+/// where darker, white where they agree, black where a value is not finite or the variance unknown.
+pub fn difference_map(a: &Image, b: &Image, settings: &Settings) -> Result<Vec<u8>, ImageError> {
     let (pairs, _) = comparable(a, b)?;
     let size = settings.tile_size.max(1);
     let pairs: Vec<_> = pairs.into_iter().map(|pair| (tiles::noise_ratio_of(&pair, size), pair)).collect();
@@ -25,22 +20,17 @@ pub fn write_difference_map(
         let z = pixels.map(|pixel| if pixel.is_testable() { pixel.z() } else { f64::NAN });
         worst(z)
     };
-    save(a, score, path.as_ref())
+    draw(a, score)
 }
 
-/// Writes a PNG with each tile's signed z-score, of its worst channel, in the same colours.
-pub fn write_tile_map(
-    a: &Image,
-    b: &Image,
-    settings: &Settings,
-    path: impl AsRef<Path>,
-) -> Result<(), ImageError> {
+/// The same of each tile's signed z-score.
+pub fn tile_map(a: &Image, b: &Image, settings: &Settings) -> Result<Vec<u8>, ImageError> {
     let (pairs, _) = comparable(a, b)?;
     let size = settings.tile_size.max(1);
     let columns = a.width.div_ceil(size);
     let scores: Vec<Vec<f64>> = pairs.iter().map(|pair| tiles::scores(pair, size)).collect();
     let score = |x: usize, y: usize| worst(scores.iter().map(|scores| scores[y / size * columns + x / size]));
-    save(a, score, path.as_ref())
+    draw(a, score)
 }
 
 /// The channels both images have; an error if the sizes differ or there are none.
@@ -61,13 +51,14 @@ fn worst(scores: impl Iterator<Item = f64>) -> f64 {
     scores.fold(0.0, |worst: f64, z| if worst.is_nan() || worst.abs() > z.abs() { worst } else { z })
 }
 
-fn save(size: &Image, score: impl Fn(usize, usize) -> f64, path: &Path) -> Result<(), ImageError> {
-    let fail = |reason: String| ImageError(format!("{}: {reason}", path.display()));
-    let extent = |pixels: usize| u32::try_from(pixels).map_err(|error| fail(error.to_string()));
+fn draw(size: &Image, score: impl Fn(usize, usize) -> f64) -> Result<Vec<u8>, ImageError> {
+    let extent = |pixels: usize| u32::try_from(pixels).map_err(|error| ImageError(error.to_string()));
     let map = RgbImage::from_fn(extent(size.width)?, extent(size.height)?, |x, y| {
         Rgb(colour(score(x as usize, y as usize)))
     });
-    map.save(path).map_err(|error| fail(error.to_string()))
+    let mut bytes = Cursor::new(vec![]);
+    map.write_to(&mut bytes, ImageFormat::Png).map_err(|error| ImageError(error.to_string()))?;
+    Ok(bytes.into_inner())
 }
 
 fn colour(z: f64) -> [u8; 3] {
@@ -95,17 +86,12 @@ mod tests {
 
     #[test]
     fn maps_are_readable_pictures() {
-        let folder = std::env::temp_dir().join(format!("etalon-maps-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
         let a = grey(20, &[1.0; 400], 0.01);
         let mut b = a.clone();
         b.channels[0].mean[20 * 18 + 18] = 9.0;
-        let (pixels, tiles) = (folder.join("z.png"), folder.join("tiles.png"));
-        write_difference_map(&a, &b, &Settings::default(), &pixels).unwrap();
-        write_tile_map(&a, &b, &Settings::default(), &tiles).unwrap();
-        let pixels = image::open(pixels).unwrap().to_rgb8();
-        let tiles = image::open(tiles).unwrap().to_rgb8();
-        std::fs::remove_dir_all(folder).unwrap();
+        let [pixels, tiles] = [difference_map, tile_map].map(|map| {
+            image::load_from_memory(&map(&a, &b, &Settings::default()).unwrap()).unwrap().to_rgb8()
+        });
         assert_eq!((pixels.dimensions(), tiles.dimensions()), ((20, 20), (20, 20)));
         assert_eq!((pixels[(18, 18)].0, pixels[(0, 0)].0), ([255, 0, 0], [255; 3]));
         assert_eq!((tiles[(19, 17)].0, tiles[(0, 0)].0), ([255, 0, 0], [255; 3]));

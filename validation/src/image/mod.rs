@@ -35,7 +35,7 @@ mod tiles;
 pub use compare::{ChannelComparison, Comparison, Settings, compare};
 pub use errors::Errors;
 pub use load::{from_exr, load};
-pub use maps::{write_difference_map, write_tile_map};
+pub use maps::{difference_map, tile_map};
 pub use mean::MeanComparison;
 pub use pair::{Faults, Place};
 pub use pixels::PixelFigures;

@@ -2,6 +2,7 @@
 
 use super::calibration::{EFFORT, Row, calibrate};
 use crate::console::{check_writable, percentage, say, write};
+use etalon::image::write_file;
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
@@ -43,10 +44,10 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
             let (first, second) = (image::load(&a)?, image::load(&b)?);
             let comparison = image::compare(&first, &second, &settings)?;
             if let Some(path) = map {
-                image::write_difference_map(&first, &second, &settings, &path)?;
+                write_file(&path, &image::difference_map(&first, &second, &settings)?)?;
             }
             if let Some(path) = tile_map {
-                image::write_tile_map(&first, &second, &settings, &path)?;
+                write_file(&path, &image::tile_map(&first, &second, &settings)?)?;
             }
             write(json.as_deref(), || Ok(to_json(&comparison)?))?;
             say(format_args!("{}: {}", comparison.verdict, comparison.message));

@@ -2,6 +2,7 @@
 
 use super::Effort;
 use super::questions::{judge, one_of_a_family, thin};
+use crate::stage::asked_again;
 use crate::trial::{effort, effort_of_sampling};
 use crate::{closed_forms, furnace, limits, materials, metamorphic, references, sampling, stability};
 use serde_json::Value;
@@ -67,7 +68,9 @@ impl Evidence {
         if evidence.references.is_empty() {
             say("references");
             for reference in references::references(&references::folder())? {
-                evidence.references.push(reference.check(effort.spp, MARGIN, 0)?);
+                evidence
+                    .references
+                    .push(asked_again(0, |number| reference.check(effort.spp, MARGIN, number))?);
             }
             evidence.origin(
                 "references",
@@ -78,14 +81,21 @@ impl Evidence {
         if evidence.closed_forms.is_empty() {
             say("closed forms");
             let cases = one_of_a_family(closed_forms::cases(), |case| &case.name, effort.sparse);
-            evidence.closed_forms = judge(&cases, |case| &case.name, |case| case.check(1, 0).map(Some))?;
+            evidence.closed_forms = judge(
+                &cases,
+                |case| &case.name,
+                |case| asked_again(0, |number| case.check(1, number)).map(Some),
+            )?;
             evidence.origin("closed forms", cases.len(), "12 renders each");
         }
         if evidence.relations.is_empty() {
             say("relations");
             let relations = one_of_a_family(metamorphic::relations(), |r| &r.name, effort.sparse);
-            evidence.relations =
-                judge(&relations, |relation| &relation.name, |relation| relation.check(1, 0).map(Some))?;
+            evidence.relations = judge(
+                &relations,
+                |relation| &relation.name,
+                |relation| asked_again(0, |number| relation.check(1, number)).map(Some),
+            )?;
             evidence.origin("metamorphic relations", relations.len(), "as in the tests");
         }
         say("stiff and extreme scenes");

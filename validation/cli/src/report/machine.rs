@@ -20,6 +20,16 @@ pub fn here() -> Vec<(&'static str, String)> {
     facts
 }
 
+/// The commit and the processor in a few words, for what is measured now and told later.
+pub fn in_short() -> String {
+    let wanted = |(name, value): (&str, String)| match name {
+        "commit" | "processor" => Some(value),
+        "cores" => Some(format!("{value} cores")),
+        _ => None,
+    };
+    here().into_iter().filter_map(wanted).collect::<Vec<_>>().join(", ")
+}
+
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

@@ -4,8 +4,7 @@ use super::Effort;
 use super::charts::figure;
 use super::evidence::MARGIN;
 use crate::references::{folder, references, settings};
-use etalon::image::{Rgb8, encode_srgb, write_png};
-use std::path::{Path, PathBuf};
+use etalon::image::{Rgb8, encode_png, encode_srgb};
 use validation::html::escape;
 use validation::image::{self, Image};
 
@@ -27,15 +26,14 @@ pub struct Pictures {
 pub fn pictures(effort: Effort) -> Result<Vec<Pictures>, String> {
     let count = if effort.sparse { SCENES.len() / 2 } else { SCENES.len() };
     let names: Vec<String> = SCENES[..count].iter().map(|scene| format!("{scene}::rgb")).collect();
-    let file = scratch();
     let mut pictures = vec![];
     for reference in references(&folder())?.iter().filter(|r| names.contains(&r.name)) {
-        let theirs = image::load(&reference.image).map_err(|e| e.to_string())?;
+        let theirs = reference.image()?;
         let ours = reference.render(effort.spp, 0)?;
         let settings = settings(MARGIN);
         let comparison = image::compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
-        image::write_difference_map(&theirs, &ours, &settings, &file).map_err(|e| e.to_string())?;
-        let scores = data_uri(&file)?;
+        let scores = image::difference_map(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
+        let scores = data_uri(&scores);
         let white = white(&theirs);
         let [mitsuba, etalon] = [as_png(&theirs, white)?, as_png(&ours, white)?];
         let message = format!("{}: {}", comparison.verdict, comparison.message);
@@ -61,15 +59,9 @@ impl Pictures {
     }
 }
 
-fn scratch() -> PathBuf {
-    std::env::temp_dir().join(format!("etalon-report-{}.png", std::process::id()))
-}
-
 /// A picture as a data URI; `white` is what is shown white.
 pub(super) fn as_png(image: &Image, white: f64) -> Result<String, String> {
-    let file = scratch();
-    write_png(&file, &develop(image, white)).map_err(|e| e.to_string())?;
-    data_uri(&file)
+    Ok(data_uri(&encode_png(&develop(image, white)).map_err(|e| e.to_string())?))
 }
 
 /// The 98th percentile of a picture's values: what is shown white.
@@ -91,11 +83,9 @@ fn develop(image: &Image, white: f64) -> Rgb8 {
     Rgb8 { width: image.width as u32, height: image.height as u32, pixels }
 }
 
-/// A PNG file as an address that holds all of it; the file is removed.
-pub(crate) fn data_uri(file: &Path) -> Result<String, String> {
-    let bytes = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    std::fs::remove_file(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    Ok(format!("data:image/png;base64,{}", base64(&bytes)))
+/// The bytes of a PNG file as an address that holds all of them.
+pub(crate) fn data_uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", base64(png))
 }
 
 /// RFC 4648, section 4.

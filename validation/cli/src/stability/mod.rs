@@ -23,7 +23,7 @@ mod table;
 
 use crate::closed_forms::ClosedForm;
 use crate::metamorphic::{Relation, Term};
-use crate::stage::{Family, TWICE, confirmed, gather};
+use crate::stage::{Family, TWICE, asked_again, confirmed, gather};
 use serde::Serialize;
 use std::fmt;
 pub use table::updated;
@@ -159,11 +159,11 @@ impl Case {
     fn measure(&self, effort: u64, number: u64) -> Result<(f64, f64, String, Verdict), String> {
         Ok(match &self.measure {
             Measure::Answer(case) => {
-                let outcome = case.check(effort, number)?;
+                let outcome = asked_again(number, |number| case.check(effort, number))?;
                 (ratio_error(&outcome), case.margin, outcome.message, outcome.verdict)
             }
             Measure::Alike(relation) => {
-                let outcome = relation.check(effort, number)?;
+                let outcome = asked_again(number, |number| relation.check(effort, number))?;
                 (ratio_error(&outcome), relation.alike.margin(), outcome.message, outcome.verdict)
             }
             Measure::Same(terms, within) => {

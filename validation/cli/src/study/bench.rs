@@ -7,14 +7,16 @@
 //! - `pictures/`: the longest rung of the first seed.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 
 use validation::converge::{Picture, Reference, errors, reference};
 
 use super::{Ladder, REFERENCES, Run, Settings, seed};
 use crate::console;
 use crate::renderers::{Job, Rendered, Renderers, mean_of, read};
+use crate::report::machine;
 
 /// A renderer's sample counts, one a rung, or why it has none.
 pub type Schedule = BTreeMap<String, Result<Vec<u32>, String>>;
@@ -96,6 +98,7 @@ impl Bench<'_> {
                         samples: counts[rung],
                         took: found.took,
                         errors: errors(&found.picture, reference),
+                        with: machine::in_short(),
                     })?;
                 }
             }
@@ -198,9 +201,36 @@ impl Bench<'_> {
 
     fn add(&self, run: &Run) -> Result<(), String> {
         let file = self.folder.join("runs.jsonl");
-        let line = serde_json::to_string(run).map_err(|e| e.to_string())? + "\n";
-        let open = std::fs::OpenOptions::new().create(true).append(true).open(&file);
-        let written = open.and_then(|mut opened| opened.write_all(line.as_bytes()));
-        written.map_err(|e| format!("{}: {e}", file.display()))
+        let line = serde_json::to_string(run).map_err(|e| e.to_string())?;
+        append(&file, &line).map_err(|e| format!("{}: {e}", file.display()))
+    }
+}
+
+/// Adds a line to a file, after what an interruption may have left of another.
+fn append(file: &Path, line: &str) -> io::Result<()> {
+    let mut file = File::options().create(true).read(true).append(true).open(file)?;
+    let mut last = [b'\n'];
+    if file.metadata()?.len() > 0 {
+        file.seek(SeekFrom::End(-1))?;
+        file.read_exact(&mut last)?;
+    }
+    let whole = if last == [b'\n'] { "" } else { "\n" };
+    file.write_all(format!("{whole}{line}\n").as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::append;
+
+    #[test]
+    fn a_torn_line_takes_no_other_with_it() {
+        let file = std::env::temp_dir().join(format!("etalon-bench-{}.jsonl", std::process::id()));
+        append(&file, "one").unwrap();
+        std::fs::write(&file, "one\ntw").unwrap();
+        append(&file, "two").unwrap();
+        append(&file, "three").unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::remove_file(&file).unwrap();
+        assert_eq!(text, "one\ntw\ntwo\nthree\n");
     }
 }

@@ -115,6 +115,7 @@ mod tests {
             samples: 4,
             took: Took { seconds: 1.0, planning: 0.5, cpu_seconds: 7.0, startup: 0.0 },
             errors,
+            with: String::new(),
         };
         let ladder = Ladder::Seconds(vec![1.0, 2.0]);
         let settings = Settings { ladder, seeds: 3, reference: 4.0, threads: 0, processor_time: true };

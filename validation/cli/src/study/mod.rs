@@ -72,6 +72,8 @@ pub struct Run {
     #[serde(flatten)]
     pub took: Took,
     pub errors: Errors,
+    /// The commit and the machine that it was rendered with.
+    pub with: String,
 }
 
 /// Pictures of a renderer's reference.

@@ -1,6 +1,6 @@
 //! Pictures of renderers side by side, with maps of their error.
 
-use etalon::image::{Rgb8, encode_srgb, write_png};
+use etalon::image::{Rgb8, encode_png, encode_srgb};
 use validation::converge::page::figures;
 use validation::converge::{Picture, Reference, relative_squares};
 use validation::html::escape;
@@ -40,11 +40,9 @@ fn figure(name: &str, lines: &[Line], bench: &Bench) -> Result<String, String> {
     if picture.len() != reference.mean.len() || picture.len() != 3 * width * height {
         return Err(format!("{name}: its pictures differ in size"));
     }
-    let scratch = bench.folder.join("scratch.png");
     let uri = |pixels: Vec<[u8; 3]>| {
         let image = Rgb8 { width: width as u32, height: height as u32, pixels };
-        write_png(&scratch, &image).map_err(|e| e.to_string())?;
-        data_uri(&scratch)
+        Ok::<_, String>(data_uri(&encode_png(&image).map_err(|e| e.to_string())?))
     };
     let (seen, map) = (uri(develop(&picture, &reference))?, uri(error_map(&picture, &reference))?);
     let line = lines.iter().find(|line| line.renderer == name);

@@ -1,7 +1,6 @@
 //! The table's page: a summary, and for each scene its plots, its figures, and pictures of equal time with
 //! maps of their error.
 
-use validation::converge::Ratio;
 use validation::converge::page::{frame, missing, row, show};
 use validation::html::escape;
 
@@ -20,8 +19,14 @@ pub fn page(table: &Table, sections: &[String]) -> String {
         }
         rows += &row(&cells);
     }
-    let facts: String =
-        table.machine.iter().map(|(name, value)| format!("{}: {}; ", escape(name), escape(value))).collect();
+    let with = table.with().into_iter().map(|with| ("rendered with", with));
+    let facts: String = table
+        .machine
+        .iter()
+        .map(|(name, value)| (name.as_str(), value.as_str()))
+        .chain(with)
+        .map(|(name, value)| format!("{}: {}; ", escape(name), escape(value)))
+        .collect();
     let body = format!(
         "<p>How many times less relative squared error {} makes in equal time than the best variant of Mitsuba and the best of \
          the other renderers, each against a converged mean, its own or that of a renderer with the same; {}; brackets and bands are \
@@ -36,16 +41,14 @@ pub fn page(table: &Table, sections: &[String]) -> String {
 }
 
 fn cells_of(against: &Against) -> [String; 4] {
-    let cell =
-        |best: &Option<(String, Ratio)>| best.as_ref().map_or("–".to_string(), |(_, r)| show(r.ratio));
     let sign = match against.verdict.as_str() {
         "reached" => "✓",
         "missed" => "✗",
         "open" => "○",
         _ => "–",
     };
-    let name = against.best_trimmed.as_ref().map_or("–".into(), |b| escape(&b.0));
-    [name, cell(&against.best_trimmed), cell(&against.best_whole), format!("{sign} {}", against.aim)]
+    let [trimmed, whole] = against.ratios(|ratio| show(*ratio)).map(|cell| escape(&cell));
+    [escape(against.name()), trimmed, whole, format!("{sign} {}", against.aim)]
 }
 
 /// One scene.

@@ -1,5 +1,6 @@
 //! What the pictures of the table say: curves, ratios and whether the ratios that are aimed at are reached.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use serde::Serialize;
@@ -29,6 +30,8 @@ pub struct Scene {
     pub lines: Vec<Line>,
     /// Who did not, and why.
     pub missing: Vec<(String, String)>,
+    /// The commits and machines of the pictures.
+    pub with: BTreeSet<String>,
     /// Our efficiency over that of the best Mitsuba variant, and of the best of the others.
     pub against: Vec<Against>,
 }
@@ -43,14 +46,16 @@ pub struct Against {
     pub aim: f64,
     /// By trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below, else
     /// `open`; `open` as well if either renderer is not as bright as its reference, for then errors compare
-    /// bias with noise.
+    /// bias with noise, and if one of the group has no ratio, for it may be the best.
     pub verdict: String,
 }
 
 /// What was measured of a scene so far; `failed` is why it was not measured at all.
 pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) -> Result<Scene, String> {
     let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
-    let lines = lines(bench, &names, &bench.runs()?);
+    let runs = bench.runs()?;
+    let lines = lines(bench, &names, &runs);
+    let with = runs.into_iter().map(|run| run.with).collect();
     let class = plan.class.get(&entry.class);
     let group = |group: &str, names: &[String], aim: f64| {
         let best = |of: fn(&Line) -> Option<Ratio>| {
@@ -62,7 +67,8 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
         let of = |name: &String| lines.iter().find(|line| &line.renderer == name);
         let rivals = best_trimmed.iter().map(|b| &b.0).chain([&plan.ours]).filter_map(of);
         let biased = rivals.filter_map(|line| line.brightness).any(misses);
-        let verdict = verdict(best_trimmed.as_ref().map(|b| &b.1), aim, biased).into();
+        let unknown = lines.iter().any(|line| names.contains(&line.renderer) && line.ratio_trimmed.is_none());
+        let verdict = verdict(best_trimmed.as_ref().map(|b| &b.1), aim, biased || unknown).into();
         Against { group: group.into(), best_whole: best(|line| line.ratio_whole), best_trimmed, aim, verdict }
     };
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
@@ -70,7 +76,7 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     let all = failed.map(|why| ("all".to_string(), why));
     let missing = all.into_iter().chain(missing(bench, &names)?).collect();
     let title = class.map_or_else(|| entry.class.clone(), |c| c.title.clone());
-    Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, against })
+    Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, with, against })
 }
 
 /// The difference of brightness from which a renderer does not render its reference.
@@ -81,17 +87,40 @@ fn misses(brightness: Interval) -> bool {
     brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
 }
 
-fn verdict(found: Option<&Ratio>, aim: f64, biased: bool) -> &'static str {
+fn verdict(found: Option<&Ratio>, aim: f64, doubtful: bool) -> &'static str {
     match found {
         None => "no answer",
-        Some(_) if biased => "open",
+        Some(_) if doubtful => "open",
         Some(found) if found.ratio.low >= aim => "reached",
         Some(found) if found.ratio.high < aim => "missed",
         Some(_) => "open",
     }
 }
 
+impl Against {
+    /// Who is best, by trimmed error.
+    pub fn name(&self) -> &str {
+        self.best_trimmed.as_ref().map_or("–", |(name, _)| name)
+    }
+
+    /// The ratios to the best by trimmed and by whole error, as `show` writes them; with a name where it is
+    /// another one's.
+    pub fn ratios(&self, show: impl Fn(&Interval) -> String) -> [String; 2] {
+        let cell = |best: &Option<(String, Ratio)>| match best {
+            None => "–".to_string(),
+            Some((name, found)) if name == self.name() => show(&found.ratio),
+            Some((name, found)) => format!("{} ({name})", show(&found.ratio)),
+        };
+        [cell(&self.best_trimmed), cell(&self.best_whole)]
+    }
+}
+
 impl Table {
+    /// The commits and machines of all pictures: of one, if their times are to be compared.
+    pub fn with(&self) -> BTreeSet<&str> {
+        self.scenes.iter().flat_map(|scene| &scene.with).map(String::as_str).collect()
+    }
+
     /// The table for a document: a row for each scene.
     pub fn markdown(&self) -> String {
         let mut text = format!(
@@ -104,28 +133,22 @@ impl Table {
         for scene in &self.scenes {
             let mut row = format!("| {} | {} |", scene.class, scene.name);
             for against in &scene.against {
-                let name = against.best_trimmed.as_ref().map_or("–", |b| &b.0);
-                let cell = |best: &Option<(String, Ratio)>| {
-                    best.as_ref().map_or("–".to_string(), |(_, r)| {
-                        let digits = |v: f64| if v >= 10.0 { format!("{v:.0}") } else { format!("{v:.2}") };
-                        format!(
-                            "{} [{}, {}]",
-                            digits(r.ratio.value),
-                            digits(r.ratio.low),
-                            digits(r.ratio.high)
-                        )
-                    })
-                };
-                let (trimmed, whole) = (cell(&against.best_trimmed), cell(&against.best_whole));
+                let digits = |v: f64| if v >= 10.0 { format!("{v:.0}") } else { format!("{v:.2}") };
+                let [trimmed, whole] = against.ratios(|ratio| {
+                    format!("{} [{}, {}]", digits(ratio.value), digits(ratio.low), digits(ratio.high))
+                });
+                let Against { aim, verdict, .. } = against;
                 // Writing to a String cannot fail.
-                let _written =
-                    write!(row, " {name} | {trimmed} | {whole} | {}: {} |", against.aim, against.verdict);
+                let _written = write!(row, " {} | {trimmed} | {whole} | {aim}: {verdict} |", against.name());
             }
             text += &(row + "\n");
         }
         text.push('\n');
         for (fact, value) in &self.machine {
             text += &format!("- {fact}: {value}\n");
+        }
+        for with in self.with() {
+            text += &format!("- rendered with: {with}\n");
         }
         let missing = self.scenes.iter().flat_map(|s| s.missing.iter().map(move |m| (s, m)));
         missing.fold(text, |text, (s, (name, why))| text + &format!("- missing: {}, {name}: {why}\n", s.name))

@@ -128,7 +128,7 @@ fn once(
     };
     let theirs = image::load(&out).map_err(|e| e.to_string())?;
     std::fs::remove_file(&out).map_err(|e| e.to_string())?;
-    let (theirs, ours) = if scene.boxed { (theirs, ours) } else { (whole(&reply), mean(&ours)) };
+    let theirs = if scene.boxed { theirs } else { with_shared_noise(theirs, &reply) };
     let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
     // As for the stored references: Mitsuba adds its samples up in f32.
     let rounding = 64.0 * f64::from(f32::EPSILON);
@@ -202,29 +202,20 @@ fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
     (a, b)
 }
 
-/// The image's means as an image of one pixel: where Mitsuba's samples count in several pixels, their noise
-/// is not independent.
-fn mean(image: &Image) -> Image {
-    let channel = |c: &Channel| {
-        let count = c.mean.len() as f64;
-        let variance = c.variance.iter().flatten().sum::<f64>() / (count * count);
-        Channel {
-            name: c.name.clone(),
-            mean: vec![c.mean.iter().sum::<f64>() / count],
-            variance: c.variance.as_ref().map(|_| vec![variance]),
-        }
+/// Mitsuba's picture with variances that add up to that of its mean: where samples count in several pixels, the
+/// noise of these is not independent. By how much is a matter of the filter, and each channel tells it to
+/// within a third, so the largest is taken for all.
+fn with_shared_noise(image: Image, reply: &Reply) -> Image {
+    let factor = |(name, error): (&String, &f64)| {
+        let channel = image.channels.iter().find(|channel| channel.name == *name)?;
+        let count = channel.mean.len() as f64;
+        let alone = channel.variance.as_ref()?.iter().sum::<f64>() / (count * count);
+        Some(error * error / alone).filter(|factor| factor.is_finite())
     };
-    Image { width: 1, height: 1, channels: image.channels.iter().map(channel).collect() }
-}
-
-fn whole(reply: &Reply) -> Image {
-    let channels = reply.channels.iter().zip(reply.mean.iter().zip(&reply.standard_error));
-    let channel = |(name, (&mean, &error)): (&String, (&f64, &f64))| Channel {
-        name: name.clone(),
-        mean: vec![mean],
-        variance: Some(vec![error * error]),
-    };
-    Image { width: 1, height: 1, channels: channels.map(channel).collect() }
+    let factors = reply.channels.iter().zip(&reply.standard_error).filter_map(factor);
+    let factor = factors.fold(1.0, f64::max);
+    let factors: Vec<_> = image.channels.iter().map(|channel| (channel.name.clone(), factor)).collect();
+    image.with_variances_times(&factors)
 }
 
 #[cfg(test)]
@@ -232,9 +223,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_of_an_image_has_the_variance_of_a_mean() {
-        let channel = Channel { name: "R".into(), mean: vec![1.0, 3.0], variance: Some(vec![0.5, 1.5]) };
-        let one = mean(&Image { width: 2, height: 1, channels: vec![channel] });
-        assert_eq!((one.channels[0].mean[0], one.channels[0].variance.as_ref().unwrap()[0]), (2.0, 0.5));
+    fn shared_noise_adds_up_to_that_of_the_mean() {
+        let channel =
+            |name: &str| Channel { name: name.into(), mean: vec![1.0, 3.0], variance: Some(vec![0.5, 1.5]) };
+        let image = Image { width: 2, height: 1, channels: vec![channel("R"), channel("G")] };
+        // Of independent pixels it would be √(2/4).
+        let reply = |errors: [f64; 2]| Reply {
+            channels: vec!["R".into(), "G".into()],
+            standard_error: errors.to_vec(),
+            ..Reply::default()
+        };
+        let variances = |errors| {
+            let channels = with_shared_noise(image.clone(), &reply(errors)).channels;
+            channels.into_iter().map(|channel| channel.variance.unwrap()).collect::<Vec<_>>()
+        };
+        assert_eq!(variances([1.0, 0.5]), [vec![1.0, 3.0], vec![1.0, 3.0]]);
+        assert_eq!(variances([0.1, 0.0]), [vec![0.5, 1.5], vec![0.5, 1.5]]);
     }
 }

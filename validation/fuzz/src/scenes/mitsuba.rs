@@ -21,15 +21,13 @@ pub struct Job<'a> {
 }
 
 /// What came of it.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 pub struct Reply {
     /// Mitsuba's words where it made no picture.
     pub error: Option<String>,
     #[serde(default)]
     pub channels: Vec<String>,
-    /// Of each channel, the mean of the image.
-    #[serde(default)]
-    pub mean: Vec<f64>,
+    /// Of each channel's mean.
     #[serde(default)]
     pub standard_error: Vec<f64>,
 }
