@@ -12,8 +12,9 @@ const SAMPLES: usize = 1 << 15;
 /// Every so many cells of the furnace; coprime to the number of angles, so that all of them have their turn.
 const STRIDE: usize = 16;
 
-/// Densities that jump along a curve want more samples.
-const MOST_UNDECIDED: f64 = 0.05;
+/// Harmonics that few samples carry, densities that jump along a curve and albedos within 10⁻³ want more samples:
+/// 148 of 829.
+const MOST_UNDECIDED: f64 = 0.2;
 
 fn main() {
     let arguments = Arguments::from_args();
