@@ -63,14 +63,7 @@ impl Reference {
     /// up to less than the variance of the mean, and are enlarged by as much.
     pub fn image(&self) -> Result<image::Image, String> {
         let image = image::load(&self.image).map_err(|e| e.to_string())?;
-        let factor = |(name, error): &(String, f64)| {
-            let channel = image.channels.iter().find(|channel| channel.name == *name)?;
-            let count = channel.mean.len() as f64;
-            let alone = channel.variance.as_ref()?.iter().sum::<f64>() / (count * count);
-            let factor = error * error / alone;
-            (factor.is_finite() && factor > 1.0).then(|| (name.clone(), factor))
-        };
-        let factors: Vec<_> = self.errors.iter().filter_map(factor).collect();
+        let factors = image.shared_noise_of_means(self.errors.iter().map(|(name, error)| (name, error)));
         Ok(image.with_variances_times(&factors))
     }
 

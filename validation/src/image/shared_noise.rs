@@ -25,6 +25,21 @@ impl Image {
         first.channels.iter().enumerate().map(|(i, channel)| (channel.name.clone(), factor(i))).collect()
     }
 
+    /// The same of the mean of this whole image, for the channels of whose means standard errors are given.
+    pub fn shared_noise_of_means<'a>(
+        &self,
+        errors: impl IntoIterator<Item = (&'a String, &'a f64)>,
+    ) -> Vec<(String, f64)> {
+        let factor = |(name, error): (&String, &f64)| {
+            let channel = self.channels.iter().find(|channel| channel.name == *name)?;
+            let count = channel.mean.len() as f64;
+            let alone = channel.variance.as_ref()?.iter().sum::<f64>() / (count * count);
+            let factor = error * error / alone;
+            Some((name.clone(), if factor.is_finite() { factor.max(1.0) } else { 1.0 }))
+        };
+        errors.into_iter().filter_map(factor).collect()
+    }
+
     /// The same image with the variances of the channels that are named times a factor.
     pub fn with_variances_times(mut self, factors: &[(String, f64)]) -> Image {
         for channel in &mut self.channels {

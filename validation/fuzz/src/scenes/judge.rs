@@ -206,14 +206,8 @@ fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
 /// noise of these is not independent. By how much is a matter of the filter, and each channel tells it to
 /// within a third, so the largest is taken for all.
 fn with_shared_noise(image: Image, reply: &Reply) -> Image {
-    let factor = |(name, error): (&String, &f64)| {
-        let channel = image.channels.iter().find(|channel| channel.name == *name)?;
-        let count = channel.mean.len() as f64;
-        let alone = channel.variance.as_ref()?.iter().sum::<f64>() / (count * count);
-        Some(error * error / alone).filter(|factor| factor.is_finite())
-    };
-    let factors = reply.channels.iter().zip(&reply.standard_error).filter_map(factor);
-    let factor = factors.fold(1.0, f64::max);
+    let factors = image.shared_noise_of_means(reply.channels.iter().zip(&reply.standard_error));
+    let factor = factors.into_iter().map(|(_, factor)| factor).fold(1.0, f64::max);
     let factors: Vec<_> = image.channels.iter().map(|channel| (channel.name.clone(), factor)).collect();
     image.with_variances_times(&factors)
 }
