@@ -9,9 +9,13 @@
 //! - [`scene`]: from Mitsuba XML to plain arrays. Read [`scene::load`] first.
 //! - [`shape`], [`bsdf`], [`texture`], [`emitter`], [`sensor`], [`sampler`]: the models, one file each.
 //! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
-//! - [`render`]: who computes what when; nothing in it can change a pixel.
+//! - [`render`]: the organisation of a render; nothing in it can change a pixel.
 //! - [`film`], [`image`]: sums that no order can change, and the files made of them.
 //! - [`math`], [`spectrum`]: what all of them share.
+
+/// The package's version and a hash of the sources, but for those of the command line: equal ones render the
+/// same pixels.
+pub const VERSION: &str = env!("ETALON_VERSION");
 
 pub mod bsdf;
 pub mod emitter;

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 static ALLOCATOR: out_of_memory::Telling = out_of_memory::Telling;
 
 fn main() -> ExitCode {
-    // Who reads the output may have read enough: that is the end, and no error.
+    // If the reader of the output closes it early, the program ends without an error.
     sigpipe::reset();
     let command = cli::Command::parse();
     match command.run() {

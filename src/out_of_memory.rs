@@ -1,13 +1,13 @@
-//! An end with a sentence where memory ends.
+//! An error message when memory runs out.
 //!
-//! Rust aborts where an allocation fails: no exit code of ours, and no word to those who wait for a render in
-//! a queue. Files are replaced only when they are complete, so there is nothing to save, and the process can
-//! end at once; a `.partial` may stay behind. What would have taken the failure for an error of its own
+//! Rust aborts where an allocation fails: without our exit code, and without a message to those who wait for
+//! a render in a queue. Files are replaced only when they are complete, so there is nothing to save, and the
+//! process can end at once; a `.partial` may stay behind. Code that would have handled the failure itself
 //! (`try_reserve`, which reads of whole files use) ends here too, without the name of the file.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 
-/// The system's allocator; where it has no more, the process ends with [`BAD_INPUT`](crate::cli::BAD_INPUT).
+/// The system's allocator; if it fails, the process ends with [`BAD_INPUT`](crate::cli::BAD_INPUT).
 pub struct Telling;
 
 // SAFETY: every call is handed to the system's allocator as it came, and what that returns is returned.

@@ -1,10 +1,10 @@
-//! Coverage: what a pixel's `A` says.
+//! Coverage: the `A` channel of pixels.
 
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::load_text;
 use etalon::spectrum::ColorMode;
 
-/// `A` of a film of one pixel that looks at `content` straight on.
+/// The `A` of a one-pixel film that sees `content` head-on.
 fn alpha(integrator: &str, content: &str) -> f64 {
     let text = format!(
         r#"<scene version="3.0.0">{integrator}

@@ -1,9 +1,9 @@
-//! The same file from builds that share nothing but the source: every optimisation level, processors with
-//! less and with more than AVX2, a processor that valgrind emulates, and any other that a command runs the
-//! program on.
+//! Different builds of the same source must write the same file: every optimisation level, processors with
+//! less and with more than AVX2, a processor emulated by valgrind, and any other on which a given command
+//! runs the program.
 //!
-//! What takes long is left out unless asked for: `cargo test --release --test builds -- --ignored processor
-//! valgrind`; another machine by `tests/aarch64.sh`.
+//! Slow tests are ignored by default: `cargo test --release --test builds -- --ignored processor valgrind`
+//! runs them; another machine is tested by `tests/aarch64.sh`.
 
 mod scenes;
 
@@ -11,10 +11,10 @@ use scenes::{SCENES, Units};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Name, optimisation level and processor of a build that this test makes.
+/// Name, optimisation level and processor of the builds that the default test makes.
 const BUILDS: &[(&str, &str, &str)] = &[("unoptimised-without-avx", "0", "x86-64")];
 
-/// Further ones: not or hardly optimised, all that this machine has, no AVX2, and no AVX.
+/// Further builds: little or no optimisation, all features of this machine, no AVX2, and no AVX.
 const FURTHER: &[(&str, &str, &str)] = &[
     ("unoptimised", "0", "x86-64-v3"),
     ("hardly-optimised", "1", "x86-64-v3"),
@@ -23,7 +23,7 @@ const FURTHER: &[(&str, &str, &str)] = &[
     ("plain", "3", "x86-64"),
 ];
 
-/// Builds the program; its dependencies stay in the target folder for the next time.
+/// Builds the program; its dependencies stay in the target folder for the next run.
 fn build((name, level, processor): &(&str, &str, &str)) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/builds").join(name);
     let status = Command::new(env!("CARGO"))
@@ -41,7 +41,7 @@ fn build((name, level, processor): &(&str, &str, &str)) -> PathBuf {
     folder.join("release/etalon")
 }
 
-/// The file that a command (a program, or an emulator and a program) makes of a scene.
+/// Renders a scene with a command (a program, or an emulator and a program) and returns the file.
 fn render(command: &[&str], scene: &Path, mode: &str) -> Vec<u8> {
     let image = scene.with_extension("exr");
     let output = Command::new(command[0])
@@ -90,7 +90,8 @@ fn valgrind_changes_no_bit() {
     require_same("valgrind's", &quiet);
 }
 
-/// `ETALON_OTHER` is a command that runs the program built for another processor; tests/aarch64.sh makes one.
+/// `ETALON_OTHER` is a command that runs the program built for another processor, as tests/aarch64.sh makes
+/// one.
 #[test]
 #[ignore = "needs the variable ETALON_OTHER"]
 fn another_machine_changes_no_bit() {

@@ -1,5 +1,5 @@
-//! A render is a function of scene, seed and sample range: no thread count, division of work, kernel, unit of
-//! light or unit of length may change a bit of it.
+//! A render is a function of scene, seed and sample range: neither the number of threads nor a division of
+//! work, the kernel, the unit of light or the unit of length may change a bit of it.
 
 mod scenes;
 
@@ -14,7 +14,7 @@ use std::process::Command;
 
 const SAMPLES: u64 = 16;
 
-/// Runs the program in a folder and insists that it succeeds; answers with what it printed.
+/// Runs the program in a folder, asserts that it succeeds, and returns its standard output.
 fn etalon(folder: &Path, arguments: &[&str]) -> String {
     let output =
         Command::new(env!("CARGO_BIN_EXE_etalon")).current_dir(folder).args(arguments).output().unwrap();
@@ -28,7 +28,7 @@ fn render_file(folder: &Path, trial: &Trial, name: &str, more: &[&str]) -> Vec<u
     fs::read(folder.join(name)).unwrap()
 }
 
-/// A folder with the scene in it.
+/// A folder that contains the scene.
 fn folder(trial: &Trial) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.xml"), trial.text(Units::default())).unwrap();
@@ -61,7 +61,7 @@ fn image(scene: &Scene, settings: &Settings) -> Image {
     image
 }
 
-/// What would make equality worthless: an image that is black, or the same in every pixel.
+/// Asserts that equality is meaningful: the image is neither black nor the same in every pixel.
 fn require_content(trial: &Trial, image: &Image) {
     for channel in image.channels.iter().filter(|c| ["R", "G", "B"].contains(&c.name.as_str())) {
         let first = channel.mean[0];
@@ -83,7 +83,7 @@ fn threads_and_repetition_change_no_byte() {
         for threads in ["1", "2", "3", "7", "1"] {
             assert!(file(threads) == first, "{} with {threads} threads", trial.name);
         }
-        // The test can fail: another seed is another image.
+        // The test can fail: another seed gives another image.
         render_file(folder.path(), trial, "other.exr", &["--spp", "8", "--seed", "1"]);
         let images = ["out.exr", "other.exr"].map(|name| read_exr(&folder.path().join(name)).unwrap());
         assert_ne!(bits(&images[0]), bits(&images[1]), "{}", trial.name);
@@ -96,7 +96,7 @@ fn parts_merge_to_the_file_of_one_run() {
         let folder = folder(trial);
         let path = folder.path();
         let whole = render_file(path, trial, "whole.exr", &["--samples", "0..16"]);
-        // Boxes in (column, row, sample) that no regular grid makes, over the film of 24 × 20 pixels.
+        // Boxes in (column, row, sample) that are not on a regular grid, over the film of 24 × 20 pixels.
         let parts = [
             ("0,0,24,20", "0..4"),
             ("0,0,9,20", "4..16"),
@@ -176,8 +176,8 @@ fn powers_of_two_of_light_scale_the_image_exactly() {
     }
 }
 
-/// Equal to the bit, but where f32 itself runs out of bits: below its smallest normal number, to a step of
-/// its grid there.
+/// Asserts equality to the bit, except below the smallest normal number of f32, where values may differ by a
+/// step of the denormal grid.
 fn require_scaled(unit: &[f32], scaled: &[f32], factor: f32, place: &str) {
     let step = f32::from_bits(1) * factor.max(1.0);
     for (a, b) in unit.iter().zip(scaled) {

@@ -1,5 +1,5 @@
-//! Inside a glowing sphere that reflects the share ρ of light, the radiance of paths of up to n edges is
-//! 1 + ρ + … + ρⁿ⁻¹ in every direction, whatever the method.
+//! Inside a luminous sphere that reflects the share ρ of light, the radiance of paths of up to n edges is 1 +
+//! ρ + … + ρⁿ⁻¹ in every direction, whatever the method.
 
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::load_text;
@@ -7,7 +7,7 @@ use etalon::spectrum::ColorMode;
 
 const REFLECTANCE: f64 = 0.5;
 
-/// The mean of the picture, and its standard error.
+/// The mean of the image, and its standard error.
 fn radiance(integrator: &str) -> (f64, f64) {
     let text = format!(
         r#"<scene version="3.0.0">
@@ -39,8 +39,8 @@ fn series(depth: i32) -> f64 {
     (0..depth).map(|edges| REFLECTANCE.powi(edges)).sum()
 }
 
-/// Four standard errors, which may be zero, and what `f32` rounds: wrong by chance once in 16,000 draws; there
-/// are ten, with one seed each.
+/// Allows for four standard errors, which may be zero, and for the rounding of `f32`: fails by chance once in
+/// 16,000 draws; there are ten, with one seed each.
 fn assert_is(integrator: &str, expected: f64) {
     let (mean, error) = radiance(integrator);
     assert!(error < 6e-3, "{integrator}: too noisy to tell, {error}");

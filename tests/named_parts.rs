@@ -1,11 +1,11 @@
-//! What stands at the top of a file under a name means the same as in its place.
+//! A part at the top of a file, used by a reference, means the same as in its place.
 
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::load_text;
 use etalon::spectrum::ColorMode;
 
-/// The bits of a picture of a lamp over a floor; each part stands in its place, or at the top with a
-/// reference to it.
+/// The bits of an image of a lamp above a floor; each part is in its place, or at the top with a reference to
+/// it.
 fn picture(named: bool) -> Vec<u32> {
     let mut top = String::new();
     let mut part = |element: &str, id: &str| {

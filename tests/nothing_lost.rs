@@ -1,5 +1,5 @@
-//! A hundred deaths, a full disk, a folder that must not be written, a checkpoint of another version; and
-//! samples that are not finite are shown.
+//! Renders that are killed a hundred times, a full disk, a folder without write permission, a checkpoint of
+//! another version, and the report of samples that are not finite.
 
 use std::fs;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ const SCENE: &str = r#"<scene version="3.0.0">
 <shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
 <emitter type="constant"/></scene>"#;
 
-/// Numbers that only the index decides (SplitMix64).
+/// Random numbers that depend on the index only (SplitMix64).
 fn uniform(index: u64) -> f64 {
     let mut z = (index + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -53,7 +53,7 @@ impl Folder {
         assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
     }
 
-    /// The names of the files here.
+    /// The names of the files in the folder.
     fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.0.path()).unwrap();
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -66,7 +66,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Kills a render so often at arbitrary moments, resumes it each time, and compares with one that lived.
+/// Kills a render `times` times at arbitrary moments, resumes it each time, and compares with an
+/// uninterrupted one.
 fn killed(times: u64, samples: &str) {
     let folder = Folder::new(SCENE);
     folder.done(&["--spp", samples, "-o", "whole.exr"]);
@@ -111,8 +112,8 @@ fn a_hundred_deaths_change_no_bit() {
     killed(100, "60000");
 }
 
-/// What a shell's `limit` makes of a render over an image that is there: one error that has these words, and
-/// all files as they were.
+/// Renders over an existing image under a shell's `limit`, and asserts that there is one error that contains
+/// these words, and that all files are unchanged.
 #[cfg(unix)]
 fn refused_within(limit: &str, arguments: &str, words: &[&str]) {
     let folder = Folder::new(SCENE);
@@ -132,7 +133,7 @@ fn refused_within(limit: &str, arguments: &str, words: &[&str]) {
     assert_eq!(folder.names(), names);
 }
 
-/// A process that may write files of 8 KiB at most, and is told so by an error: what a full disk does.
+/// A process that may write at most 8 KiB to a file and gets an error beyond, as on a full disk.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_the_image_before_as_it_was() {
@@ -149,7 +150,7 @@ fn a_film_beyond_the_limit_of_memory_leaves_the_image_before_as_it_was() {
     );
 }
 
-/// Runs as nobody, if it is root who runs the tests: root may write everywhere.
+/// Runs as nobody if the tests run as root, who may write everywhere.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_cannot_be_written_is_refused_and_stays_as_it_was() {
@@ -193,7 +194,7 @@ fn the_checkpoint_of_another_version_is_refused() {
     child.kill().unwrap();
     child.wait().unwrap();
     let mut bytes = folder.bytes("c");
-    let version = concat!("\"version\":\"", env!("CARGO_PKG_VERSION"), "\"").as_bytes();
+    let version = format!("\"version\":\"{}\"", etalon::VERSION).into_bytes();
     let at =
         bytes.windows(version.len()).position(|w| w == version).expect("the version") + version.len() - 2;
     bytes[at] += 1;
@@ -205,12 +206,12 @@ fn the_checkpoint_of_another_version_is_refused() {
     assert!(!folder.path("out.exr").exists());
 }
 
-/// Two lights whose sum is beyond the largest `f32`: samples that see both are counted, listed, and shown by
-/// the command that is printed with them.
+/// Lights whose sum exceeds the largest `f32`: samples that see all of them are counted, listed, and
+/// reproduced by the command that is printed with them.
 #[test]
 fn a_sample_that_is_not_finite_is_counted_and_its_path_is_shown() {
-    // Each light is within what `f32` holds; a veil, the mirror behind it and what it shows are not,
-    // together.
+    // Each light is representable in `f32`; the sum of a luminous veil, a luminous mirror behind it and the
+    // sky that the mirror reflects is not.
     let bright =
         |kind: &str| format!("<emitter type=\"{kind}\"><rgb name=\"radiance\" value=\"1.7e38\"/></emitter>");
     let ball = "<shape type=\"sphere\"><transform name=\"to_world\"><translate z=\"4\"/></transform>";
@@ -230,7 +231,7 @@ fn a_sample_that_is_not_finite_is_counted_and_its_path_is_shown() {
     let shown = folder.command(&arguments).output().unwrap();
     let path = text(&shown.stdout);
     assert!(shown.status.success() && path.contains("vertex 1") && path.contains("inf"), "{replay}: {path}");
-    // Its neighbour that sees one light only is finite.
+    // The neighbouring sample, which sees one light only, is finite.
     let beside =
         folder.command(&["replay", "scene.xml", "--color", "rgb", "--pixel", "0,0", "--sample", "0"]);
     assert!(!text(&{ beside }.output().unwrap().stdout).contains("inf"));

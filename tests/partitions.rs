@@ -1,5 +1,5 @@
-//! However a render is divided by samples and by crop, and in whatever order the parts are merged: the same
-//! bits.
+//! However a render is divided by samples and by crop windows, and in whatever order the parts are merged,
+//! the bits must be the same.
 
 mod scenes;
 

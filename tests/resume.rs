@@ -1,4 +1,4 @@
-//! Nothing is lost: renders that are killed, interrupted or refused a place to write.
+//! Renders that are killed, interrupted or cannot write lose nothing.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ const SCENE: &str = r#"<scene version="3.0.0">
 <shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
 <emitter type="constant"/></scene>"#;
 
-/// A folder with a scene in which a render takes about a second and a half of one thread.
+/// A folder with a scene that takes about one and a half seconds to render with one thread.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -30,7 +30,7 @@ impl Folder {
         self.start_by(env!("CARGO_BIN_EXE_etalon"), &[], arguments)
     }
 
-    /// Starts a program that is etalon, or with `before` starts it.
+    /// Starts a program that is etalon, or that starts it with the arguments `before`.
     fn start_by(&self, program: &str, before: &[&str], arguments: &[&str]) -> Child {
         let mut command = Command::new(program);
         command.args(before).args(["render", "scene.xml", "--threads", "1"]).args(arguments);
@@ -86,7 +86,7 @@ fn killed_at_any_moment_a_render_goes_on_to_the_same_bytes() {
     folder.done(&[&LONG[..], &["-o", "whole.exr", "--quiet"]].concat());
     let begin = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json", "--resume"];
     let arguments = [&LONG[..], &begin].concat();
-    // Arbitrary moments, some of them too early for any save and one of them perhaps after the end.
+    // Arbitrary moments, some of them before any save and one of them possibly after the end.
     for milliseconds in [3, 170, 41, 290, 97, 230, 350, 60, 310] {
         let mut child = folder.start(&arguments);
         std::thread::sleep(Duration::from_millis(milliseconds));
@@ -98,7 +98,7 @@ fn killed_at_any_moment_a_render_goes_on_to_the_same_bytes() {
     assert_eq!(saved, document["resumed_at"].as_u64().is_some_and(|at| at > 0), "{document}");
     assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
     assert_eq!(document["samples"], 1500 * 40 * 30);
-    // The checkpoint has served. A process that died while it wrote may have left the beginnings of one.
+    // The checkpoint is removed at the end. A process killed while writing may have left a partial one.
     assert!(!folder.path("c").exists());
 }
 
@@ -129,7 +129,7 @@ fn the_checkpoint_of_another_render_is_refused() {
     damaged[bytes.len() / 2] ^= 1;
     fs::write(folder.path("c"), &damaged).unwrap();
     refused(&["--spp", "1000000"], &["c: the checkpoint is damaged"]);
-    // Nor is it begun anew without a word, or another file replaced.
+    // Nor is it overwritten without an error, or another file replaced by it.
     let begin = |words: &[&str]| folder.refused(&[&arguments[..], &["--spp", "8"]].concat(), words);
     fs::write(folder.path("c"), &bytes).unwrap();
     begin(&["c: there is a checkpoint already", "--resume"]);
@@ -152,7 +152,7 @@ fn begun(folder: &Folder, child: Child) -> Child {
     child
 }
 
-/// Sends a signal twice and at once, as who stops a process and then its whole group does.
+/// Sends a signal twice at once, as when a process and then its whole group are stopped.
 #[cfg(unix)]
 fn signal(child: &Child, name: &str) {
     let process = child.id().to_string();
@@ -184,7 +184,7 @@ fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
     what_ends_a_render_loses_nothing("-INT", Folder::start);
 }
 
-/// A pilot has chosen the samples, and must not choose again.
+/// A pilot has chosen the number of samples, and must not choose again.
 #[cfg(unix)]
 #[test]
 fn the_command_that_is_printed_goes_on() {
@@ -204,7 +204,7 @@ fn the_command_that_is_printed_goes_on() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_end_of_the_terminal_writes_the_image_so_far() {
-    // Tests that were themselves started by `nohup` would hand on what it asks for, which `env` undoes.
+    // If the tests run under `nohup`, its disposition of the signal is inherited, which `env` resets.
     let undo = ["--default-signal=HUP", env!("CARGO_BIN_EXE_etalon")];
     what_ends_a_render_loses_nothing("-HUP", |folder, arguments| folder.start_by("env", &undo, arguments));
 }
@@ -253,13 +253,13 @@ fn a_viewer_that_does_not_answer_is_a_warning() {
 #[test]
 fn places_that_cannot_be_written_are_refused_before_the_render() {
     let folder = Folder::new();
-    // Not even root can make files here. So many samples would take days.
+    // Not even root can create files here. This number of samples would take days.
     let endless = ["--spp", "4000000000"];
     let refused = |files: &[&str]| folder.refused(&[files, &endless].concat(), &["/proc/x", "cannot write"]);
     refused(&["-o", "/proc/x.exr"]);
     refused(&["-o", "out.exr", "--png", "/proc/x.png"]);
     refused(&["-o", "out.exr", "--checkpoint", "/proc/x"]);
-    // A full disk is found when it is full; the checkpoint keeps the work.
+    // A full disk is detected only when it is full; the checkpoint keeps the work.
     let full = ["-o", "/dev/full", "--spp", "8", "--quiet"];
     folder.refused(&full, &["/dev/full: cannot write"]);
     let output = folder.run(&[&full[..], &["--checkpoint", "c"]].concat());

@@ -10,10 +10,10 @@ use crate::shape::SurfacePoint;
 use crate::spectrum::Wavelengths;
 use crate::texture::AnyTexture;
 
-/// A material, and the heights whose slopes incline its normal.
+/// A material, and the heights whose slopes tilt its normal.
 pub struct BumpMap {
     heights: AnyTexture,
-    /// What heights are multiplied with.
+    /// Factor of heights.
     scale: f64,
     adapter: Adapter,
 }

@@ -15,7 +15,7 @@ pub struct Coat {
     diffuse: AnyTexture,
     specular: AnyTexture,
     nonlinear: bool,
-    /// How much the coat's tint outweighs the base's colour when a lobe is chosen.
+    /// Weight of the coat's tint against the base's colour when a lobe is chosen.
     specular_weight: f64,
 }
 
@@ -63,14 +63,29 @@ impl Coat {
         }
     }
 
+    /// Refuses a share of diffuse light from inside that the coat reflects, `internal`, of which all orders
+    /// together have no sum. `why` says so, and `expected` what is possible.
+    pub fn require_sum(
+        &self,
+        params: &Params,
+        internal: f64,
+        why: &str,
+        expected: &str,
+    ) -> Result<(), SceneError> {
+        if internal < 1.0 {
+            return Ok(());
+        }
+        Err(params.error("int_ior", format!("{why} at η = {}", self.eta), expected))
+    }
+
     pub fn varies(&self) -> bool {
         self.diffuse.varies() || self.specular.varies()
     }
 }
 
 impl Coated {
-    /// The probabilities of the coat's and the base's lobe, where the coat reflects and transmits these
-    /// shares.
+    /// The probabilities of the coat's and the base's lobes, if the coat reflects and transmits these shares
+    /// of the light.
     #[inline]
     pub fn lobes(&self, reflected: f64, transmitted: f64) -> (f64, f64) {
         let specular = reflected * self.specular_weight;

@@ -1,4 +1,4 @@
-//! What every material must hold to, tried on every example of the registry.
+//! Tests that every material must pass, on every example of the registry.
 
 use super::*;
 use crate::math::length;
@@ -7,7 +7,7 @@ use crate::scene::xml;
 use crate::spectrum::ColorMode;
 use std::f64::consts::{PI, TAU};
 
-/// Angles from the normal, in degrees, and about it.
+/// Angles of views in degrees: from the normal, and about it.
 const VIEWS: [(f64, f64); 6] =
     [(0.0, 0.0), (25.0, 40.0), (60.0, 110.0), (85.0, 200.0), (130.0, 300.0), (170.0, 20.0)];
 
@@ -78,8 +78,8 @@ fn weights_are_values_over_densities() {
     });
 }
 
-/// What light is sampled for, where a material neither transmits nor has a relief: the hemisphere that ωo is
-/// in.
+/// Where a material neither transmits nor has a relief, light is sampled from the hemisphere that ωo is in
+/// alone.
 #[test]
 fn opaque_materials_gather_light_from_one_side() {
     each(|name, bsdf, material, _| {
@@ -112,11 +112,11 @@ fn materials_of_one_lobe_do_not_choose() {
     assert!(count > 0);
 }
 
-/// What has no density anywhere is given the number of the lobe in place of the direction's.
+/// A material without any density gets the number that chooses the lobe from those of the direction.
 #[test]
 fn materials_without_density_draw_no_direction() {
     each(|name, bsdf, material, _| {
-        if material.traits().smooth {
+        if material.traits().has_density {
             return;
         }
         let sample = |wo, lobe, u| bsdf.sample(wo, lobe, u).map(|s| (s.wi, s.weight.0, s.pdf));

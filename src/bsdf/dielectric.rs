@@ -1,7 +1,7 @@
 //! A smooth interface between two transparent materials: a mirror direction and a refracted one.
 //!
-//! Where the index depends on wavelength the lanes keep together in reflection, each with its own Fresnel
-//! factor, and part in refraction: lane 0 goes on alone and stands for all.
+//! Where the index depends on wavelength the lanes stay together in reflection, each with its own Fresnel
+//! factor, and separate in refraction: lane 0 continues alone and represents all.
 
 use super::fresnel::{self, Interface};
 use super::ior::{self, Index};
@@ -13,7 +13,7 @@ use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
 
-/// The line of helium at which glasses are quoted: what RGB mode takes for all colours.
+/// Wavelength of the helium line at which indices of glasses are quoted; RGB mode takes it for all colours.
 const HELIUM_D_NM: f32 = 587.56;
 
 /// An interface such as that of glass and air.
@@ -91,7 +91,8 @@ impl Material for Dielectric {
             textured: self.tints.varies(),
             dispersive,
             refracts: !dispersive,
-            // From which end a path loses its other wavelengths changes the chance of its turns.
+            // With dispersion, the probabilities of lobes depend on the end from which the path lost its
+            // other wavelengths.
             mirrors: !dispersive,
             transmits: true,
             ..Traits::default()
@@ -100,13 +101,13 @@ impl Material for Dielectric {
 }
 
 impl Pane {
-    /// What the interface does to light at `cos` on the near side, `eta` = η far / η near.
+    /// Reflection and transmission for light at `cos` on the near side, `eta` = η far / η near.
     #[inline]
     fn interface(&self, cos: f64, eta: f64) -> Interface {
         if self.schlick { fresnel::schlick(cos, eta) } else { fresnel::dielectric(cos, eta) }
     }
 
-    /// Refraction of the only or the first lane; `share` is what the choice of the lobe leaves in the weight.
+    /// Refraction of the only or the first lane; `weight` is the factor that the choice of the lobe leaves.
     fn refracted(&self, wo: DVec3, eta: f64, weight: Spectrum, probability: f64) -> Option<Sample> {
         let normal = if wo.z > 0.0 { DVec3::Z } else { -DVec3::Z };
         let wi = fresnel::refract(wo, normal, wo.z.abs(), eta)?;

@@ -51,7 +51,7 @@ impl Material for Diffuse {
     }
 
     fn traits(&self) -> Traits {
-        Traits { smooth: true, one_lobe: true, textured: self.reflectance.varies(), ..Traits::default() }
+        Traits { has_density: true, one_lobe: true, textured: self.reflectance.varies(), ..Traits::default() }
     }
 }
 
@@ -69,7 +69,7 @@ impl Bsdf for Lambert {
     fn sample(&self, wo: DVec3, _lobe: f64, u: DVec2) -> Option<Sample> {
         let wi = warp::cosine_hemisphere(u);
         let pdf = warp::cosine_hemisphere_pdf(wi);
-        (wo.z > 0.0 && pdf > 0.0).then(|| Sample::smooth(wi, self.reflectance, pdf))
+        (wo.z > 0.0 && pdf > 0.0).then(|| Sample::with_density(wi, self.reflectance, pdf))
     }
 
     #[inline]

@@ -6,7 +6,7 @@
 
 use crate::math::DVec3;
 
-/// What an interface does to light from one side.
+/// Reflection and transmission at an interface, for light from one side.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface {
     /// Fraction of the flux reflected (unpolarised).
@@ -29,7 +29,7 @@ pub fn dielectric(cos: f64, eta: f64) -> Interface {
     let (sum, sin2) = (g + cos, (1.0 - cos) * (1.0 + cos));
     let rs = q / (sum * sum);
     let rp_over_rs = (cos * g - sin2) / (cos * g + sin2);
-    // c·g + s² can only vanish where r_s does not matter: c = 0 and s = 0 exclude each other.
+    // c·g + s² > 0: g > 0 here, and c and s do not vanish together.
     let reflectance = 0.5 * rs * rs * (1.0 + rp_over_rs * rp_over_rs);
     // T_s = 4cg/(c + g)², T_p = 4η²cg/(η²c + g)².
     let eta2 = eta * eta;

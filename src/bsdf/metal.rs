@@ -1,4 +1,4 @@
-//! What a metal reflects: the parameters that `conductor` and `roughconductor` share.
+//! The reflectance of a metal: the parameters that `conductor` and `roughconductor` share.
 
 use super::fresnel;
 use crate::scene::error::SceneError;
@@ -9,7 +9,7 @@ use crate::spectrum::{ColorMode, SpectralFunction, Spectrum, Wavelengths, materi
 use crate::texture::AnyTexture;
 use std::sync::Arc;
 
-/// A complex index of refraction, and a factor upon the reflectance.
+/// A complex index of refraction, and a factor of the reflectance.
 pub struct Metal {
     /// η and k; absent for a perfect mirror.
     index: Option<(AnyTexture, AnyTexture)>,

@@ -14,7 +14,7 @@ use crate::texture::AnyTexture;
 use libm::erfc;
 use std::f64::consts::PI;
 
-/// The law of the facets' slopes.
+/// The distribution of the facets' slopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Gaussian slopes.
@@ -30,7 +30,7 @@ pub struct Distribution {
     /// Roughness along x and y: for Beckmann √2 times the standard deviation of the slope.
     alpha_u: f64,
     alpha_v: f64,
-    /// Sample only normals that the viewer sees.
+    /// Whether only normals that the viewer sees are sampled.
     visible: bool,
 }
 
@@ -129,7 +129,7 @@ impl Distribution {
         DVec2::new(r * cos, r * sin)
     }
 
-    /// The normal that a normal at roughness 1 becomes.
+    /// The normal at this roughness that corresponds to a normal at roughness 1.
     #[inline]
     fn shrink(&self, h: DVec3) -> DVec3 {
         unit(DVec3::new(self.alpha_u * h.x, self.alpha_v * h.y, h.z))

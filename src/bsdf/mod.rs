@@ -1,5 +1,5 @@
-//! How surfaces scatter light. A folder's file is a model: what a scene file declares (its *material*,
-//! perhaps textured) and what that is at a point once the numbers are known (its *BSDF*).
+//! How surfaces scatter light. Each file of this folder is a model: what a scene file declares (its
+//! *material*, perhaps textured), and that at a point, with textures and spectra evaluated (its *BSDF*).
 //!
 //! *How to add one*: write `bsdf/<name>.rs` with a [`Material`] and its [`Bsdf`], and add its line to
 //! `materials!`. The parser, error texts, `etalon plugins`, the contract tests and the comparison with
@@ -29,11 +29,11 @@ use crate::scene::xml::Element;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// What a scene file declares.
+/// A model as a scene file declares it.
 pub trait Material: Sized {
     /// The `type` in scene files.
     const NAME: &'static str;
-    /// What it is, physically, in a sentence.
+    /// What the model is, physically, in a sentence.
     const ABOUT: &'static str;
     /// Scene-file snippets that span the parameters.
     const EXAMPLES: &'static [&'static str];
@@ -55,33 +55,32 @@ pub trait Material: Sized {
     fn traits(&self) -> Traits;
 }
 
-/// What the rest of the renderer must know of a material without asking a point of it.
+/// What the rest of the renderer must know of a material wherever it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traits {
     /// Has a lobe of finite density, for which light sampling makes sense.
-    pub smooth: bool,
+    pub has_density: bool,
     /// Needs the surface's tangent, not any frame about the normal.
     pub anisotropic: bool,
-    /// Any parameter varies over the surface.
+    /// A parameter varies over the surface.
     pub textured: bool,
     /// Refraction may separate the wavelengths.
     pub dispersive: bool,
     /// Samples do not depend on the number that chooses between lobes.
     pub one_lobe: bool,
-    /// All that it does is to reflect, in the frame that it is given and with a density.
+    /// Only reflects, only through lobes with a density, about the normal it is given.
     pub only_rough: bool,
     /// Lets light through.
     pub transmits: bool,
     /// Has a lobe that is narrow, but not without density.
     pub glossy: bool,
-    /// All that it does besides reflecting is to let light through in one direction, the same for all
-    /// wavelengths.
+    /// Transmits light, and all of that leaves in one direction, the same for all wavelengths.
     pub refracts: bool,
-    /// All that it does besides refracting is to reflect, as a mirror does.
+    /// Reflects light, and all of that leaves in the mirror direction.
     pub mirrors: bool,
-    /// Scatters about another normal than that of the frame it is given. What such a surface hides is decided
-    /// by the direction to the light alone, so lobes without density are not the same from either end, and
-    /// only camera paths can follow them.
+    /// Scatters about another normal than that of the frame it is given. Its shadowing depends on the
+    /// direction to the light alone, so lobes without density are not the same from either end, and only
+    /// camera paths can follow them.
     pub relief: bool,
     /// Its sides are materials of their own, and light goes from one to the other: a path is scattered by
     /// another material from its other end, so only camera paths can follow it.
@@ -89,16 +88,16 @@ pub struct Traits {
 }
 
 impl Traits {
-    /// Whether it throws light that it gets from an emitter into few directions.
+    /// Whether it is a caster: light from an emitter leaves it in few directions.
     pub fn focuses(&self) -> bool {
-        !self.one_way && (self.glossy || !self.smooth && !self.relief)
+        !self.one_way && (self.glossy || !self.has_density && !self.relief)
     }
 
-    /// Of what is made of both: it has what either has, and is all that it does only if that is all that
-    /// both do.
+    /// Traits of a material made of both: `one_lobe`, `only_rough`, `refracts` and `mirrors` if both have
+    /// them, the others if either has.
     pub fn or(self, other: Self) -> Self {
         Self {
-            smooth: self.smooth || other.smooth,
+            has_density: self.has_density || other.has_density,
             anisotropic: self.anisotropic || other.anisotropic,
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
@@ -130,13 +129,13 @@ impl Evaluation {
 /// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Local, unit length.
+    /// Sampled direction to where light comes from (local, unit length).
     pub wi: DVec3,
     /// f·|cos θi| / pdf, or the ratio of the delta coefficients.
     pub weight: Spectrum,
-    /// In sr⁻¹; for a delta lobe the discrete probability of the lobe.
+    /// Density of `wi` in sr⁻¹; for a delta lobe, the discrete probability of the lobe.
     pub pdf: f64,
-    /// From a lobe without density: a mirror, a pane, nothing at all.
+    /// Whether the lobe has no density: that of a mirror, of a pane, or of no surface at all.
     pub delta: bool,
     /// Relative index of refraction that the path crossed, seen from ωo: 1 for reflection.
     pub eta: f64,
@@ -149,7 +148,7 @@ pub struct Sample {
 impl Sample {
     /// A sample of a lobe with density, by reflection.
     #[inline]
-    pub fn smooth(wi: DVec3, weight: Spectrum, pdf: f64) -> Self {
+    pub fn with_density(wi: DVec3, weight: Spectrum, pdf: f64) -> Self {
         Self { wi, weight, pdf, delta: false, eta: 1.0, dispersed: false, null: false }
     }
 
@@ -166,8 +165,8 @@ impl Sample {
     }
 }
 
-/// Something to be done with a material whatever its type: one `match`, and everything behind it is compiled
-/// for each material by itself.
+/// A function of a material of any type: there is one `match`, and everything behind it is compiled for each
+/// type by itself.
 pub trait Visitor {
     type Output;
 

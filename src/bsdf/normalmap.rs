@@ -29,8 +29,8 @@ impl Material for NormalMap {
             <bsdf type="roughconductor"><float name="alpha_u" value="0.4"/><float name="alpha_v" value="0.2"/></bsdf></bsdf>"#,
         r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.6, 0.5, 0.95"/><bsdf type="dielectric"/></bsdf>"#,
     ];
-    // The cosine is the bump's, the other direction's is not: f(ω, ω′)·cos/cos is not symmetric (Veach 1997,
-    // §5.3.2).
+    // The cosine is about the perturbed normal for one direction only: f(ω, ω′)·cos/cos is not symmetric
+    // (Veach 1997, §5.3.2).
     const RECIPROCAL: bool = false;
     type Bsdf<'a> = Perturbed<'a>;
 

@@ -41,10 +41,8 @@ impl Material for Plastic {
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let coat = Coat::parse(params)?;
         let internal = fitted_diffuse_reflectance(1.0 / coat.eta);
-        if internal >= 1.0 {
-            let message = format!("the fit of what the coat reflects inwards exceeds 1 at η = {}", coat.eta);
-            return Err(params.error("int_ior", message, "expected a ratio of indices up to 3.8"));
-        }
+        let why = "the fit of what the coat reflects inwards exceeds 1";
+        coat.require_sum(params, internal, why, "expected a ratio of indices up to 3.8")?;
         Ok(Self { coat, internal })
     }
 
@@ -54,7 +52,7 @@ impl Material for Plastic {
     }
 
     fn traits(&self) -> Traits {
-        Traits { smooth: true, textured: self.coat.varies(), ..Traits::default() }
+        Traits { has_density: true, textured: self.coat.varies(), ..Traits::default() }
     }
 }
 
@@ -103,7 +101,7 @@ impl Bsdf for Glazed {
         let wi = warp::cosine_hemisphere(u);
         let pdf = warp::cosine_hemisphere_pdf(wi) * diffuse;
         let weight = self.coat.base * (self.face(wi).transmittance * out_of.transmittance / diffuse) as f32;
-        (pdf > 0.0).then(|| Sample::smooth(wi, weight, pdf))
+        (pdf > 0.0).then(|| Sample::with_density(wi, weight, pdf))
     }
 }
 

@@ -61,7 +61,7 @@ impl Material for RoughConductor {
 
     fn traits(&self) -> Traits {
         Traits {
-            smooth: true,
+            has_density: true,
             one_lobe: true,
             only_rough: true,
             glossy: self.roughness.narrow(),
@@ -92,6 +92,7 @@ impl Bsdf for RoughMirror {
         let wi = reflect(wo, m);
         let (value, pdf) = self.facets.reflection(wo, wi, m);
         let usable = wi.z > 0.0 && pdf > 0.0;
-        usable.then(|| Sample::smooth(wi, self.metal.reflectance(wo.dot(m)) * (value / pdf) as f32, pdf))
+        usable
+            .then(|| Sample::with_density(wi, self.metal.reflectance(wo.dot(m)) * (value / pdf) as f32, pdf))
     }
 }

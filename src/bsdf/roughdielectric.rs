@@ -73,7 +73,7 @@ impl Material for RoughDielectric {
 
     fn traits(&self) -> Traits {
         Traits {
-            smooth: true,
+            has_density: true,
             glossy: self.roughness.narrow(),
             anisotropic: self.roughness.anisotropic(),
             textured: self.roughness.varies() || self.tints.varies(),
@@ -141,12 +141,12 @@ impl Bsdf for Frosted {
         }
         let reflected = lobe < fresnel::dielectric(cos, eta).reflectance;
         let wi = if reflected { reflect(wo, m) } else { fresnel::refract(wo, m, cos, eta)? };
-        // A facet may send light to where its surface is.
+        // A facet may scatter light into its own surface.
         if wi.z == 0.0 || (wi.z > 0.0) != reflected {
             return None;
         }
         let (value, pdf) = self.at_facet(wo, wi, m, eta);
-        let sample = Sample::smooth(upward(wi, viewer), self.tint(wi) * (value / pdf) as f32, pdf);
+        let sample = Sample::with_density(upward(wi, viewer), self.tint(wi) * (value / pdf) as f32, pdf);
         (pdf > 0.0).then_some(Sample { eta: if reflected { 1.0 } else { eta }, ..sample })
     }
 }

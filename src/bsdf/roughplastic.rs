@@ -15,7 +15,7 @@ use crate::spectrum::Wavelengths;
 pub struct RoughPlastic {
     coat: Coat,
     facets: Distribution,
-    /// What the coat lets through from outside.
+    /// The coat's transmittance from outside.
     transmittance: Box<Transmittance>,
     /// The coat's reflectance for diffuse light from inside.
     internal: f64,
@@ -53,13 +53,15 @@ impl Material for RoughPlastic {
         let coat = Coat::parse(params)?;
         ior::refuse_equal(params, coat.eta)?;
         let (shape, visible) = parse_shape(params)?;
-        let about = "roughness: √2 times the deviation of the facets' slope";
-        let alpha = params.amount("alpha", 0.1, about)?;
+        let alpha = roughness(params)?;
         let seen = Distribution::new(shape, alpha, alpha, true);
+        let internal = internal_reflectance(&seen, 1.0 / coat.eta);
+        let why = "the coat reflects all diffuse light inwards";
+        coat.require_sum(params, internal, why, "expected a smaller ratio of indices")?;
         Ok(Self {
             facets: Distribution::new(shape, alpha, alpha, visible),
             transmittance: Box::new(Transmittance::new(&seen, coat.eta)),
-            internal: internal_reflectance(&seen, 1.0 / coat.eta),
+            internal,
             coat,
         })
     }
@@ -71,7 +73,29 @@ impl Material for RoughPlastic {
     }
 
     fn traits(&self) -> Traits {
-        Traits { smooth: true, only_rough: true, textured: self.coat.varies(), ..Traits::default() }
+        Traits { has_density: true, only_rough: true, textured: self.coat.varies(), ..Traits::default() }
+    }
+}
+
+/// Reads `alpha`, or `alpha_u` and `alpha_v` where they are the same.
+fn roughness(params: &mut Params) -> Result<f64, SceneError> {
+    let about = "roughness: √2 times the deviation of the facets' slope";
+    let both = params.amount("alpha", 0.1, about)?;
+    let u = params.amount("alpha_u", both, "roughness along the tangent, instead of `alpha`")?;
+    let v = params.amount("alpha_v", both, "roughness across the tangent, which must be that along it")?;
+    let wrong = |name: &str, message: &str, expected: &str| Err(params.error(name, message, expected));
+    match ["alpha_u", "alpha_v"].map(|name| params.has(name)) {
+        [false, false] => Ok(both),
+        _ if params.has("alpha") => {
+            wrong("alpha", "`alpha` beside `alpha_u` or `alpha_v`", "expected one roughness")
+        }
+        [true, false] => wrong("alpha_u", "`alpha_u` without `alpha_v`", "expected both"),
+        [false, true] => wrong("alpha_v", "`alpha_v` without `alpha_u`", "expected both"),
+        [true, true] if u != v => {
+            let message = "this material has the same roughness in all directions";
+            wrong("alpha_v", message, "expected the value of `alpha_u`")
+        }
+        [true, true] => Ok(u),
     }
 }
 
@@ -103,6 +127,42 @@ impl Bsdf for Satin<'_> {
         let wi =
             if lobe < specular { reflect(wo, self.facets.sample(wo, u)) } else { warp::cosine_hemisphere(u) };
         let Evaluation { value, pdf } = self.evaluate(wo, wi);
-        (pdf > 0.0).then(|| Sample::smooth(wi, value * (1.0 / pdf) as f32, pdf))
+        (pdf > 0.0).then(|| Sample::with_density(wi, value * (1.0 / pdf) as f32, pdf))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::loader::Loader;
+    use crate::scene::params::Usage;
+    use crate::scene::xml;
+    use crate::spectrum::ColorMode;
+
+    fn parsed(numbers: &[(&str, &str)]) -> Result<RoughPlastic, SceneError> {
+        let written = |(name, value): &(&str, &str)| format!(r#"<float name="{name}" value="{value}"/>"#);
+        let inside: String = numbers.iter().map(written).collect();
+        let text = format!(r#"<bsdf version="3.0.0" type="roughplastic">{inside}</bsdf>"#);
+        let document = xml::read_text("t", &text)?;
+        let loader = Loader::new(&document, ColorMode::Rgb)?;
+        let mut params = Params::new(&document.root, &loader, Usage::Reflectance)?;
+        RoughPlastic::parse(&mut params)
+    }
+
+    #[test]
+    fn two_roughnesses_may_be_given_if_they_are_one() {
+        let density = |numbers: &[(&str, &str)]| {
+            parsed(numbers).map(|plastic| plastic.facets.density(unit(DVec3::new(0.1, 0.2, 1.0))))
+        };
+        let both = density(&[("alpha_u", "0.3"), ("alpha_v", "0.3")]);
+        assert_eq!(both.unwrap(), density(&[("alpha", "0.3")]).unwrap());
+        for (numbers, message) in [
+            ([("alpha_u", "0.3"), ("alpha_v", "0.2")], "same roughness in all directions"),
+            ([("alpha_u", "0.3"), ("alpha", "0.3")], "beside"),
+            ([("alpha_v", "0.3"), ("int_ior", "1.6")], "without `alpha_u`"),
+        ] {
+            let error = density(&numbers).unwrap_err();
+            assert!(error.message.contains(message), "{error}");
+        }
     }
 }

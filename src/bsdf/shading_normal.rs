@@ -1,8 +1,8 @@
 //! A material whose normal is not the surface's: what `normalmap` and `bumpmap` share.
 //!
 //! The nested material works in a frame about the perturbed normal. Where that makes a direction change
-//! sides, or where neighbouring normals would cut a hard edge into the light, the surface's own frame has the
-//! last word.
+//! sides, or where neighbouring normals would cut a hard edge into the light, the surface's own frame
+//! decides.
 
 use super::{AnyMaterial, Bsdf, Evaluation, Sample, Traits};
 use crate::math::frame::unit;
@@ -26,7 +26,7 @@ pub struct Perturbed<'a> {
     λ: &'a Wavelengths,
     /// The surface's own frame, in whose coordinates directions arrive.
     surface: Frame,
-    /// Unit, in that frame.
+    /// Perturbed normal, unit length, in the coordinates of `surface`.
     normal: DVec3,
 }
 
@@ -54,7 +54,7 @@ impl Adapter {
         Perturbed { adapter: self, point, λ, surface, normal }
     }
 
-    /// The nested material's, with what `own` adds: the tangent is always needed.
+    /// Traits of the nested material, with a relief, and always anisotropic, as the tangent is needed.
     pub fn traits(&self, textured: bool) -> Traits {
         self.nested.traits().or(Traits { anisotropic: true, textured, relief: true, ..Traits::default() })
     }

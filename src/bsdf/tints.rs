@@ -1,4 +1,4 @@
-//! Factors upon reflection and transmission, that physics has no place for but scene files have.
+//! Factors of reflection and transmission that are not physical, but in scene files.
 
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -22,7 +22,7 @@ impl Tints {
         })
     }
 
-    /// Those of reflection and of transmission at a point.
+    /// The factors of reflection and of transmission at a point.
     #[inline]
     pub fn at(&self, point: &SurfacePoint, λ: &Wavelengths) -> [Spectrum; 2] {
         [self.reflectance.eval(point.uv, λ), self.transmittance.eval(point.uv, λ)]

@@ -1,5 +1,5 @@
-//! What a rough dielectric interface lets through and reflects in all directions together, by numerical
-//! integration over the facets a direction sees.
+//! Directional transmittance and diffuse reflectance of a rough dielectric interface, by numerical
+//! integration over the facets that a direction sees.
 
 use super::fresnel;
 use super::microfacet::{Distribution, reflect};
@@ -14,7 +14,7 @@ const DIRECTIONS: usize = 64;
 pub struct Transmittance([f64; DIRECTIONS]);
 
 impl Transmittance {
-    /// Of an interface with `eta` = η far / η near.
+    /// The transmittance of an interface with `eta` = η far / η near.
     pub fn new(facets: &Distribution, eta: f64) -> Self {
         let rule = gauss_legendre(32);
         Self(directions().map(|wo| {
@@ -62,8 +62,8 @@ fn directions() -> [DVec3; DIRECTIONS] {
     })
 }
 
-/// The mean of `f` over the facets that `wo`, in the plane y = 0, sees. `f` must not tell y from −y: facets
-/// come in mirrored pairs, u.y and 1 − u.y, of which one is looked at.
+/// The mean of `f` over the facets that `wo`, in the plane y = 0, sees. `f` must be even in y: facets come in
+/// mirrored pairs, u.y and 1 − u.y, of which one is evaluated.
 fn over_facets(facets: &Distribution, wo: DVec3, rule: &[(f64, f64)], f: impl Fn(DVec3) -> f64) -> f64 {
     let one_side = &rule[rule.len() / 2..];
     let row = |x: f64| {

@@ -50,7 +50,7 @@ impl Arguments {
                 None if scene.guide.is_some() => "guided",
                 None => "never",
                 Some(links) if links.everywhere => "everywhere",
-                // Without light paths no vertex is aided.
+                // Without light paths, `unaided` is every vertex.
                 Some(_) if scene.caustics.is_none() => "everywhere",
                 Some(_) => "unaided",
             },

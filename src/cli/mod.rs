@@ -1,4 +1,4 @@
-//! One file a command; each is arguments and a `run`.
+//! One file per command; each has arguments and a `run`.
 
 mod explain;
 mod merge;
@@ -48,7 +48,7 @@ type Outcome = Result<ExitCode, Box<dyn Error>>;
 /// Exit codes: 0 done; 1 done, but samples were not finite; 2 bad input or usage; 3 done, but the error that
 /// was asked for is not attained; 130 interrupted.
 #[derive(Parser)]
-#[command(version)]
+#[command(version = etalon::VERSION)]
 pub enum Command {
     Render(render::Arguments),
     Merge(merge::Arguments),
@@ -69,7 +69,7 @@ impl Command {
     }
 }
 
-/// What says which scene is meant.
+/// Arguments that name a scene and override its settings.
 #[derive(clap::Args)]
 struct SceneArguments {
     /// Mitsuba 3 scene file
@@ -93,7 +93,8 @@ struct SceneArguments {
     /// but no longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
-    /// Light paths of each group of pixels that share, up to their number: more that all of them can see
+    /// Light paths per group of sharing pixels, at most one per pixel; they find light that all of the group
+    /// can use
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
     shared_light_paths: Option<u32>,
     /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help;
@@ -121,7 +122,7 @@ fn exr_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| of_kind(path, "exr", "OpenEXR"))
 }
 
-/// The same of a PNG file.
+/// Takes the name of a PNG file, unless it is that of a file of another kind.
 fn png_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| of_kind(path, "png", "PNG"))
 }
@@ -163,7 +164,7 @@ impl SceneArguments {
         Ok(etalon::render::with_threads(threads, load)??)
     }
 
-    /// The words of a command line that mean the same scene.
+    /// Arguments of a command line that give the same scene.
     fn words(&self) -> Vec<String> {
         let mut words = vec![self.scene.display().to_string()];
         let mut say = |option: &str, value: Option<String>| {
@@ -187,7 +188,7 @@ impl SceneArguments {
     }
 }
 
-/// Words as a shell takes them.
+/// Words, quoted for a shell.
 fn quoted(words: &[String]) -> String {
     let plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "-_./=,:".contains(c));
     let quote = |word: &String| {

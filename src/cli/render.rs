@@ -88,7 +88,9 @@ impl Arguments {
         }
         let chosen = self.time.is_some() || self.target_error.is_some();
         let passes = self.in_passes() || chosen || scene.caustics.is_some();
-        memory::check(&settings, channels.len(), passes, memory::available())?;
+        let light_paths = scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths));
+        let needs = memory::Needs { channels: channels.len(), passes, light_paths };
+        memory::check(&settings, needs, memory::available())?;
         let resumed = self.resumed(&scene, &settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();
@@ -173,7 +175,7 @@ impl Arguments {
         })
     }
 
-    /// What the checkpoint holds. Without `--resume` there must be none, nor any other file in its place.
+    /// The render in the checkpoint. Without `--resume` there must be none, nor any other file in its place.
     fn resumed(&self, scene: &Scene, settings: &Settings) -> Result<Option<Partial>, image::ImageError> {
         let Some(path) = &self.checkpoint else { return Ok(None) };
         if !self.resume {
@@ -214,7 +216,7 @@ impl Arguments {
         }
     }
 
-    /// Says the number as soon as it is known: a render that is killed can then go on.
+    /// Prints the number of samples as soon as it is known: a render that is killed can then go on.
     fn tell_count(&self, pilot: &Pilot) -> io::Result<()> {
         if !self.says_little() {
             say!("pilot of {} samples a pixel, {} rays: --spp {}", pilot.samples, pilot.rays, pilot.count);

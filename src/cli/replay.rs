@@ -34,8 +34,8 @@ impl Arguments {
         say!("wavelengths {:?} nm", λ.nm);
         say!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
         for (i, event) in replay.vertices.iter().enumerate() {
-            let (shape, local) = scene.shape_of(event.hit.primitive);
-            let index = scene.index_of(shape);
+            let (_, local) = scene.shape_of(event.hit.primitive);
+            let index = scene.shape_index(event.hit.primitive);
             say!(
                 "vertex {} at {:?}, shape {index}, primitive {local}, t = {:?}",
                 i + 1,

@@ -1,4 +1,4 @@
-//! Small notations of the command line.
+//! Parsers of the command line's short notations.
 
 use etalon::film::{BLOCK, Film};
 use etalon::image::Window;

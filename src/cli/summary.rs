@@ -1,4 +1,4 @@
-//! What is said of a render when it is over.
+//! The summary that is printed when a render is over.
 
 use super::say;
 use etalon::image::Image;
@@ -113,7 +113,7 @@ impl Summary<'_> {
             "integrator": self.scene.integrator.name(),
             "scene_hash": self.scene.hash,
             "seed": self.image.provenance.as_ref().map(|p| p.seed),
-            "version": env!("CARGO_PKG_VERSION"),
+            "version": etalon::VERSION,
             "interrupted": self.interrupted(),
         });
         if let Some(begun) = self.begun {
@@ -137,7 +137,7 @@ impl Summary<'_> {
     }
 }
 
-/// Why an estimate is not to be believed.
+/// A warning that an estimate has heavy tails.
 pub fn heavy(quality: &Quality, whose: &str) -> String {
     format!(
         "heavy tails: {whose} noise is that of about {:.0} of {} pixels; the standard error may be underestimated",

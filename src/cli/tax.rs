@@ -1,9 +1,9 @@
-//! What features cost the scenes that do not use them.
+//! The cost of features for scenes that do not use them.
 
 use etalon::scene::{Features, Scene};
 
-/// Written by `benches/tax.py`: by feature, the instructions in per cent that a program with it takes above
-/// one without, for each of some scenes that do not use it.
+/// Table by `benches/tax.py`: for each feature, and each of some scenes that do not use it, by how many per
+/// cent a program with the feature takes more instructions than one without.
 const TABLE: &str = include_str!("tax.csv");
 
 /// The largest tax of a feature in per cent; `None` if it was not measured.
@@ -12,7 +12,7 @@ fn percent(feature: &str) -> Option<f64> {
     row.split(',').filter_map(|value| value.parse().ok()).reduce(f64::max)
 }
 
-/// The features that a scene has no use for and what they cost it; `None` where that was not measured.
+/// The features that a scene does not use and their cost in per cent; `None` where that was not measured.
 pub fn of(scene: &Scene, left_out: Features) -> Vec<(&'static str, Option<f64>)> {
     let mut features = left_out.names();
     let others = [

@@ -1,4 +1,5 @@
-//! Beside a render: the progress bar, the checkpoint, the preview, and Ctrl-C or the end of a terminal.
+//! What accompanies a render: the progress bar, the checkpoint, the preview, and Ctrl-C or the end of a
+//! terminal.
 
 use super::render::Arguments;
 use etalon::image::{Image, ImageError};
@@ -17,10 +18,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// No checkpoint is saved more often unless told.
+/// Shortest time between two savings of the checkpoint, unless another is given.
 const SELDOM: Duration = Duration::from_secs(5);
 
-/// A checkpoint may cost this part of the time.
+/// Largest share of the time that saving checkpoints may take.
 const SHARE: f64 = 0.01;
 
 /// A signal that comes again after less than this is still the first: who stops a whole group of processes
@@ -74,7 +75,7 @@ impl<'a> Watch<'a> {
         Ok(Self { arguments, silent, progress, interrupted, complete: RefCell::new(None) })
     }
 
-    /// Does something that has no passes and that Ctrl-C stops at once.
+    /// Does some work that has no passes and that Ctrl-C stops at once.
     pub fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
         self.beside(None, true, work)
     }
@@ -145,7 +146,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// After the image has been written: the checkpoint has served.
+    /// After the image has been written: removes the checkpoint, which is not needed any more.
     pub fn finish(&self) {
         if let Some(path) = &self.arguments.checkpoint {
             // It need not exist.
@@ -153,7 +154,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Does something while another thread shows its progress. `at_once` says whether Ctrl-C stops it within
+    /// Does some work while another thread shows its progress. `at_once` says whether Ctrl-C stops it within
     /// a pass.
     fn beside<T>(&self, bar: Option<ProgressBar>, at_once: bool, work: impl FnOnce() -> T) -> T {
         let finished = AtomicBool::new(false);
@@ -195,10 +196,10 @@ impl Drop for Finished<'_> {
 /// Saves checkpoints, not too often.
 struct Saver<'a> {
     path: &'a Path,
-    /// Pause that was asked for.
+    /// Pause between two savings that was asked for.
     every: Option<Duration>,
     last: Instant,
-    /// What a saving costs.
+    /// How long a saving takes.
     cost: Duration,
     warned: bool,
 }
@@ -207,7 +208,7 @@ impl<'a> Saver<'a> {
     fn new(arguments: &'a Arguments, settings: &Settings, channels: usize) -> Option<Self> {
         let path: &PathBuf = arguments.checkpoint.as_ref()?;
         let cost = Duration::from_secs_f64(checkpoint::size(settings, channels) as f64 / SPEED);
-        // What no duration holds is never.
+        // What no duration can hold means never.
         let duration = |seconds| Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let every = arguments.checkpoint_every.map(duration);
         Some(Self { path, every, last: Instant::now(), cost, warned: false })

@@ -1,4 +1,4 @@
-//! Shining surfaces.
+//! Surfaces that emit light.
 
 use super::{AnyEmitter, DirectSample};
 use crate::math::ray::{free_way, position_error};
@@ -52,7 +52,7 @@ impl Area {
         self.arriving(p, &chosen, λ)
     }
 
-    /// Light from a chosen point; dω = cosθ dA / d².
+    /// Light that arrives at p from a sampled point; dω = cosθ dA / d².
     #[inline(always)]
     fn arriving(&self, p: DVec3, chosen: &AreaSample, λ: &Wavelengths) -> Option<DirectSample> {
         let towards = chosen.p - p;

@@ -1,4 +1,4 @@
-//! The same light from everywhere.
+//! The same radiance from every direction.
 
 use super::{AnyEmitter, DirectSample};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, warp};

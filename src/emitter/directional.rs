@@ -1,6 +1,6 @@
 //! Parallel light.
 
-use super::{AnyEmitter, DirectSample};
+use super::{AnyEmitter, DirectSample, require_constant};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -23,6 +23,7 @@ pub struct Directional {
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let irradiance =
         params.texture("irradiance", 1.0, Usage::Emission, "on a plane facing the light, in W·m⁻²·nm⁻¹")?;
+    require_constant(params, "irradiance", &irradiance)?;
     if params.has("direction") && params.has("to_world") {
         return Err(params.error("to_world", "both `direction` and `to_world`", "expected one of them"));
     }

@@ -1,4 +1,4 @@
-//! What shines.
+//! Emitters.
 //!
 //! *How to add one*: write `emitter/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
 //! [`EMITTERS`] and a variant to [`AnyEmitter`].
@@ -14,9 +14,12 @@ pub mod tree;
 
 use crate::math::cone::Cone;
 use crate::math::{DVec2, DVec3, Ray};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
 use crate::scene::registry::Entry;
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
+use crate::texture::AnyTexture;
 pub use area::Area;
 pub use constant::Constant;
 pub use directional::Directional;
@@ -29,11 +32,11 @@ use tree::Cluster;
 /// A point on the surface of an emitter.
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterPoint {
-    /// Its place in the list.
+    /// The emitter's index in the scene's list.
     pub emitter: usize,
-    /// World.
+    /// The point (world).
     pub p: DVec3,
-    /// The surface's normal there, world.
+    /// The surface's normal there (world, unit length).
     pub n: DVec3,
 }
 
@@ -64,20 +67,29 @@ macro_rules! emitters {
 }
 emitters!(area, point, spot, directional, constant, envmap);
 
-/// Light that may arrive at a point from a sampled direction, if nothing is in the way.
+/// Refuses a texture where there is no surface to have a place on.
+fn require_constant(params: &Params, name: &str, texture: &AnyTexture) -> Result<(), SceneError> {
+    if !texture.varies() {
+        return Ok(());
+    }
+    let message = format!("the {name} of this emitter cannot be textured");
+    Err(params.error(name, message, "expected a spectrum that is the same everywhere"))
+}
+
+/// Light that arrives at a point from a sampled direction, if it is not occluded.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectSample {
     /// Unit direction towards the light, world space.
     pub wi: DVec3,
-    /// How far the way must be free; infinite for light from outside the scene.
+    /// Distance over which the shadow ray must be unoccluded; infinite for light from outside the scene.
     pub distance: f64,
     /// Radiance in W·m⁻²·sr⁻¹·nm⁻¹; for a delta emitter the irradiance on a plane facing it.
     pub radiance: Spectrum,
     /// Density of `wi` in sr⁻¹; 1 for a delta emitter.
     pub pdf: f64,
-    /// No other technique can find this direction.
+    /// Whether no other technique can find this direction.
     pub delta: bool,
-    /// Unit normal of the surface that shines, on the side that does; zero where none does.
+    /// Unit normal (world) of the surface that emits it, on the side that emits; zero if no surface does.
     pub n: DVec3,
 }
 
@@ -146,7 +158,7 @@ impl AnyEmitter {
         }
     }
 
-    /// Where it is and whither it shines, for a [`tree`]; `None` if it is infinitely far.
+    /// Its bounds in space and direction, for a [`tree`]; `None` if it is infinitely far.
     pub fn cluster(&self, shape: Option<&Geometry>, power: f64) -> Option<Cluster> {
         let of = |bounds, normals, cos_beyond| Some(Cluster { bounds, normals, cos_beyond, power });
         match (self, shape) {

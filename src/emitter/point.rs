@@ -1,6 +1,6 @@
-//! A point that shines.
+//! A point light.
 
-use super::{AnyEmitter, DirectSample};
+use super::{AnyEmitter, DirectSample, require_constant};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -20,6 +20,7 @@ pub struct Point {
 
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let intensity = params.texture("intensity", 1.0, Usage::Emission, "radiant intensity in W·sr⁻¹·nm⁻¹")?;
+    require_constant(params, "intensity", &intensity)?;
     if params.has("position") && params.has("to_world") {
         return Err(params.error("to_world", "both `position` and `to_world`", "expected one of them"));
     }
@@ -45,7 +46,7 @@ impl Point {
         Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 
-    /// World.
+    /// Its position (world).
     pub fn place(&self) -> DVec3 {
         self.position
     }

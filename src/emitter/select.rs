@@ -1,11 +1,11 @@
-//! Which emitter to sample.
+//! The choice of the emitter that is sampled.
 
 use super::AnyEmitter;
 use super::tree::{Cluster, Receiver, Tree};
 use crate::math::{DVec2, Discrete};
 use crate::shape::Geometry;
 
-/// From so many emitters on that are somewhere in the scene there is a [`Tree`] of them.
+/// Fewest emitters, of those not infinitely far, for which there is a [`Tree`].
 const MANY: usize = 2;
 
 /// All emitters of a scene.
@@ -14,7 +14,8 @@ pub struct Emitters {
     pub list: Vec<Entry>,
     /// The one that surrounds the scene.
     pub environment: Option<usize>,
-    /// Of all emitters, or where there is a tree of those that it does not have, and of it.
+    /// The choice between all emitters; if there is a tree, between those that it does not hold, and the
+    /// tree.
     choice: Discrete,
     local: Option<Local>,
 }
@@ -26,13 +27,13 @@ pub struct Entry {
     pub shape: Option<u32>,
 }
 
-/// The emitters that are somewhere in the scene, and the others.
+/// The emitters within the scene, in a tree, and those infinitely far.
 #[derive(Debug)]
 struct Local {
     tree: Tree,
-    /// The emitter of each leaf's number.
+    /// The emitter of each leaf, by the leaf's number.
     emitters: Vec<u32>,
-    /// Those that shine from infinitely far.
+    /// Emitters that are infinitely far.
     distant: Vec<u32>,
     /// For each emitter its number in the tree, or among the distant ones.
     places: Vec<Place>,
@@ -77,8 +78,8 @@ impl Emitters {
         self.local.is_some()
     }
 
-    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers to be
-    /// used again; see [`Discrete::sample_strip`]. `None` if nothing shines there.
+    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers,
+    /// rescaled for reuse; see [`Discrete::sample_strip`]. `None` if no emitter lights the point.
     #[inline]
     pub fn sample(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
         match (&self.local, self.list.len()) {
@@ -106,7 +107,7 @@ impl Emitters {
 }
 
 impl Local {
-    /// `None` if too few are anywhere.
+    /// `None` if too few emitters are within the scene.
     fn new(clusters: &[Option<Cluster>]) -> Option<Self> {
         let (mut emitters, mut distant, mut places, mut inner) = (vec![], vec![], vec![], vec![]);
         for (i, cluster) in (0..).zip(clusters) {

@@ -1,6 +1,6 @@
 //! Spot lights.
 
-use super::{AnyEmitter, DirectSample, point};
+use super::{AnyEmitter, DirectSample, point, require_constant};
 use crate::math::cone::Cone;
 use crate::math::frame::unit;
 use crate::math::function::{acos, cos, tan};
@@ -18,10 +18,10 @@ pub const EXAMPLES: &[&str] = &[r#"<emitter type="spot"><rgb name="intensity" va
 #[derive(Debug)]
 pub struct Spot {
     intensity: AnyTexture,
-    /// An image thrown by the light.
+    /// An image that the light projects.
     texture: Option<AnyTexture>,
     to_world: Transform,
-    /// Radians.
+    /// Angle to the axis beyond which no light leaves, in radians.
     cutoff: f64,
     beam: f64,
 }
@@ -29,6 +29,7 @@ pub struct Spot {
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let intensity =
         params.texture("intensity", 1.0, Usage::Emission, "intensity on the axis in W·sr⁻¹·nm⁻¹")?;
+    require_constant(params, "intensity", &intensity)?;
     let texture = params.optional_texture("texture", Usage::Reflectance, "an image to project")?;
     let to_world = params.transform("to_world", "places it and turns +z where it shines")?;
     let expected = "degrees above 0 and below 90";
@@ -58,7 +59,7 @@ impl Spot {
         Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 
-    /// World.
+    /// Its position (world).
     pub fn place(&self) -> DVec3 {
         self.to_world.point(DVec3::ZERO)
     }

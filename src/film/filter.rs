@@ -55,7 +55,7 @@ filters! {
     };
 }
 
-/// A radius of one bin: what is narrower is no more than the middle of its pixel.
+/// Smallest radius, in pixels: one bin. What is narrower is no more than the middle of its pixel.
 const NARROWEST: f64 = 1.0 / BINS as f64;
 
 fn width(params: &mut Params, name: &'static str, default: f64, least: f64) -> Result<f64, SceneError> {

@@ -12,10 +12,11 @@ pub struct FilterSampler {
     profile: Profile,
     /// Half the number of bins.
     half: i32,
-    /// Running sums over the bins, from −radius: of |f|, to sample, and of f, to normalise.
+    /// Running sums of |f| over the bins, from −radius, to sample.
     absolute: Vec<f64>,
+    /// Running sums of f over the bins, from −radius, to normalise.
     signed: Vec<f64>,
-    /// For as many even parts of ∫|f| as there are bins, about where each begins.
+    /// For as many equal parts of ∫|f| as there are bins, the bin in which each begins, about.
     guide: Vec<u32>,
     /// f within each bin.
     pieces: Vec<Piece>,
@@ -41,6 +42,20 @@ impl FilterSampler {
         let guide = (0..bins).map(|part| begin(part).saturating_sub(1) as u32).collect();
         let pieces = (-half..half).map(|bin| Piece::new(profile, bin)).collect();
         Self { profile, half, absolute, signed, guide, pieces }
+    }
+
+    /// Whether on a film of so many pixels in a row the weights of a pixel's samples nearly cancel, so that
+    /// no mean can be made of them.
+    pub fn cancels(&self, count: u32) -> bool {
+        const NOTHING: f64 = 1.0 / 1024.0;
+        // More pixels on either side change nothing.
+        let count = count.min(2 * self.profile.radius().ceil() as u32 + 1);
+        self.profile != Profile::Box
+            && (0..count).any(|before| {
+                let (first, last) = self.bins(before, count - 1 - before);
+                let sum = |of: &[f64]| of[last] - of[first];
+                sum(&self.signed).abs() < NOTHING * sum(&self.absolute)
+            })
     }
 
     /// A place on the axis, relative to the pixel's centre, and its weight: f / (pdf ∫f).
@@ -79,17 +94,17 @@ impl FilterSampler {
         bin
     }
 
-    /// The first bin and the one after the last that are left to a pixel with so many others before and after
-    /// it.
+    /// The range of bins that is left to a pixel with so many others before and after it: the first, and the
+    /// one after the last.
     #[inline]
     fn bins(&self, before: u32, after: u32) -> (usize, usize) {
         let bin_at = |pixels: u32| (pixels.min(1 << 16) as i32 * BINS + BINS / 2).min(self.half);
         ((self.half - bin_at(before)) as usize, (self.half + bin_at(after)) as usize)
     }
 
-    /// The other way round: one of `count` pixels in a row, the first of which begins at 0, for light that
-    /// falls on `x`; and its weight f/∫f over the probability of the choice, which is in proportion to that
-    /// of |f|/∫f. `limits` gives how many pixels the film has before and after one.
+    /// The inverse of [`Self::sample`]: one of `count` pixels in a row, the first of which begins at 0, for
+    /// light that falls on `x`; and its weight f/∫f over the probability of the choice, which is in
+    /// proportion to that of |f|/∫f. `limits` gives how many pixels the film has before and after one.
     pub fn pixel_at(
         &self,
         x: f64,
@@ -138,7 +153,7 @@ const NODES: [f64; 5] =
     [0.024_471_741_852_423_2, 0.206_107_373_853_763_5, 0.5, 0.793_892_626_146_236_5, 0.975_528_258_147_576_8];
 
 impl Piece {
-    /// What a piece may be off, relative to the filter's value in the middle of its pixel: far less than
+    /// Largest error of a piece, relative to the filter's value in the middle of its pixel: far less than
     /// `f32` resolves.
     const TOLERANCE: f64 = 1e-9;
 
@@ -159,7 +174,7 @@ impl Piece {
         Self(near.then_some(c))
     }
 
-    /// At a fraction of the bin.
+    /// The filter's value at a fraction `t` of the bin.
     #[inline(always)]
     fn eval(&self, t: f64) -> Option<f64> {
         let [c0, c1, c2, c3, c4] = self.0?;
@@ -263,6 +278,21 @@ mod tests {
                 assert!((weight - expected).abs() <= most, "{profile:?} {x}: {weight} for {expected}");
             }
         }
+    }
+
+    #[test]
+    fn a_filter_that_cancels_at_the_border_is_found() {
+        let cancels = |profile: Profile| (1..20).any(|count| FilterSampler::new(profile).cancels(count));
+        assert!(!ALL.into_iter().any(cancels));
+        // The integral over a film of one pixel is linear in B, and 0 between 0 and 10.
+        let narrow = |b: f64| FilterSampler::new(Profile::Mitchell { b, c: 1.0 / 3.0 });
+        let sum = |b: f64| {
+            let sampler = narrow(b);
+            let (first, last) = sampler.bins(0, 0);
+            sampler.signed[last] - sampler.signed[first]
+        };
+        let b = sum(0.0) / (sum(0.0) - sum(1.0));
+        assert!((0.0..10.0).contains(&b) && narrow(b).cancels(1) && !narrow(0.0).cancels(1), "{b}");
     }
 
     #[test]

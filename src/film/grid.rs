@@ -43,7 +43,7 @@ impl Accumulators {
         &self.data[first..first + self.channels]
     }
 
-    /// The channels of the pixel in column `x` and row `y`, to be changed.
+    /// The channels of the pixel in column `x` and row `y`, mutably.
     pub fn pixel_mut(&mut self, x: u32, y: u32) -> &mut [ChannelAccumulator] {
         let first = self.index(x, y);
         &mut self.data[first..first + self.channels]
@@ -73,7 +73,8 @@ impl ChannelAccumulator {
         }
     }
 
-    /// The sign and payload of a NaN depend on how it came about; the stored form has only one NaN.
+    /// The bits of the incomplete block in the stored form, which has only one NaN: its sign and payload
+    /// depend on how it came about.
     fn open_bits(&self) -> u64 {
         if self.open.is_nan() { f64::NAN.to_bits() } else { self.open.to_bits() }
     }

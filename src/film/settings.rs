@@ -14,17 +14,17 @@ use crate::texture::AnyTexture;
 /// A film larger than this is refused: its accumulators alone would take tens of gigabytes.
 const MAX_PIXELS: u64 = 1 << 27;
 
-/// What is recorded.
+/// The film: its size, and what it records.
 #[derive(Clone, Debug)]
 pub struct Film {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// The part that the scene file asks for.
+    /// The part of the film that the scene file asks for.
     pub crop: Window,
     pub filter: FilterSampler,
-    /// Filters reach beyond the crop; otherwise they end there, as in Mitsuba.
+    /// Whether filters reach beyond the crop; otherwise they end there, as in Mitsuba.
     pub border: bool,
-    /// A channel `A` says how much of a pixel is covered.
+    /// Whether there is a channel `A`, which says how much of a pixel is covered.
     pub alpha: bool,
     /// The responses of a spectral film, by name; an RGB film has none.
     pub bands: Vec<Band>,
@@ -33,9 +33,9 @@ pub struct Film {
 /// A spectral channel: the mean radiance weighted by a response.
 #[derive(Clone, Debug)]
 pub struct Band {
-    /// In the scene file.
+    /// Its name in the scene file.
     pub name: String,
-    /// In the image.
+    /// Its channel in the image.
     pub channel: String,
     /// Where the scene file names it.
     pub place: Span,
@@ -74,7 +74,7 @@ impl Film {
         Self { size, crop, filter: FilterSampler::new(profile), border: false, alpha: false, bands: vec![] }
     }
 
-    /// Where a sample of pixel (x, y) lies, in pixels of the film, and its weight.
+    /// Where a sample of pixel (x, y) lies, in pixels of the film, and its weight; u is in [0, 1)².
     #[inline]
     pub fn place(&self, (x, y): (u32, u32), u: DVec2) -> (DVec2, f64) {
         let (c, all) = (self.crop, u32::MAX);
@@ -89,8 +89,8 @@ impl Film {
         (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)
     }
 
-    /// The pixel that light at a place of the film (in pixels) is given to, and its weight: [`Film::place`]
-    /// from the other end.
+    /// The pixel that light at a place of the film (in pixels) is given to, and its weight: the inverse of
+    /// [`Film::place`].
     pub fn pixel_at(&self, place: DVec2, u: DVec2) -> Option<((u32, u32), f64)> {
         let c = self.crop;
         let limits = |count: u32| {
@@ -106,7 +106,7 @@ impl Film {
         self.size.0 as f64 / self.size.1 as f64
     }
 
-    /// The wavelengths a spectral film looks at.
+    /// The range of wavelengths, in nm, that the bands of a spectral film respond to.
     pub fn band_range(&self) -> (f32, f32) {
         let ranges = self.bands.iter().map(|b| b.response.range());
         ranges.fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
@@ -142,7 +142,7 @@ films! {
     "specfilm", "Radiance weighted by spectral responses, one channel each.", |p| parse(p, true);
 }
 
-/// Whether `pixel_format` asks for a channel of coverage. Capital letters are Mitsuba's to ignore.
+/// Whether `pixel_format` asks for a channel of coverage. As in Mitsuba, it may be written in capitals.
 fn has_alpha(params: &mut Params) -> Result<bool, SceneError> {
     const FORMATS: [&str; 6] = ["rgb", "rgba", "luminance", "luminance_alpha", "xyz", "xyza"];
     let about = "with alpha, a channel `A` is added; the colours are RGB in any case";
@@ -156,11 +156,12 @@ fn has_alpha(params: &mut Params) -> Result<bool, SceneError> {
 }
 
 fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
-    let dimension = 0..=i64::from(u32::MAX);
-    let width = params.integer("width", 768, dimension.clone(), "pixels")? as u32;
-    let height = params.integer("height", 576, dimension, "pixels")? as u32;
+    let width = params.integer("width", 768, 1..=MAX_PIXELS as i64, "pixels")? as u32;
+    let height = params.integer("height", 576, 1..=MAX_PIXELS as i64, "pixels")? as u32;
+    let (longer, beside) = if width < height { ("height", width) } else { ("width", height) };
+    let most = MAX_PIXELS / u64::from(beside);
     Film::check_size(width as u64, height as u64)
-        .map_err(|e| params.error("width", e, "expected a smaller or larger size"))?;
+        .map_err(|e| params.error(longer, e, format!("expected 1 to {most}")))?;
     let x = params.integer("crop_offset_x", 0, 0..=width as i64 - 1, "first column that is rendered")? as u32;
     let y = params.integer("crop_offset_y", 0, 0..=height as i64 - 1, "first row that is rendered")? as u32;
     let (right, bottom) = (i64::from(width - x), i64::from(height - y));
@@ -185,11 +186,17 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         None => Profile::Gaussian { deviation: 0.5 },
         Some(element) => construct(FILTERS, element, params.loader, Usage::Unbounded)?,
     };
+    let filter = FilterSampler::new(profile);
+    let seen = |pixels: u32| if border { u32::MAX } else { pixels };
+    if filter.cancels(seen(crop.width)) || filter.cancels(seen(crop.height)) {
+        let message = "the filter's weights cancel at the border of the film";
+        return Err(params.error("rfilter", message, "expected another filter, or a larger film"));
+    }
     let bands = if spectral { parse_bands(params)? } else { vec![] };
-    Ok(Film { size: (width, height), crop, filter: FilterSampler::new(profile), border, alpha, bands })
+    Ok(Film { size: (width, height), crop, filter, border, alpha, bands })
 }
 
-/// Every nested spectrum is a channel, named as [`channel_of`] says.
+/// Every nested spectrum or texture is a channel, named as [`channel_of`] says.
 fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
     if params.loader.mode == ColorMode::Rgb {
         return Err(SceneError::at(
@@ -199,8 +206,10 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
         ));
     }
     let mut bands = vec![];
-    for element in params.objects("spectrum", "a response; its channel is called by its centroid, such as S0.550,000nm, or if another has the same, by its own name") {
-        let name = element.require("name")?;
+    let about = "a response; its channel is called by its centroid, such as S0.550,000nm, or if another has the same, by its own name";
+    let responses = params.nested("spectrum", about, |e| ["spectrum", "texture"].contains(&e.tag.as_str()));
+    for (element, site) in responses {
+        let name = site.require("name")?;
         let response = match AnyTexture::parse(element, params.loader, Usage::Unbounded)? {
             AnyTexture::Constant(SpectralFunction::Table(table)) => (*table).clone(),
             _ => {
@@ -271,6 +280,41 @@ mod tests {
         let scene = load_text("film.xml", &text, ColorMode::Spectral).expect("it loads");
         let channels: Vec<&str> = scene.sensor.film.bands.iter().map(|band| band.channel.as_str()).collect();
         assert_eq!(channels, ["broad", "broader", "narrow", "S0.650,000nm"]);
+    }
+
+    #[test]
+    fn responses_may_be_textures_and_references_and_have_the_name_that_they_have_here() {
+        let texture = r#"<texture type="regular" ID><float name="wavelength_min" value="500"/>
+            <float name="wavelength_max" value="600"/><string name="values" value="1, 1"/></texture>"#;
+        let text = format!(
+            r#"<scene version="3.0.0">{}<sensor type="perspective"><film type="specfilm">{}<ref id="r" name="red"/></film></sensor></scene>"#,
+            texture.replace("ID", r#"id="r" name="other""#),
+            texture.replace("ID", r#"name="green""#),
+        );
+        let scene = load_text("film.xml", &text, ColorMode::Spectral).expect("it loads");
+        // All have one centroid.
+        let names: Vec<&str> = scene.sensor.film.bands.iter().map(|band| band.channel.as_str()).collect();
+        assert_eq!(names, ["green", "red"]);
+    }
+
+    /// The side that cannot be is the one that is told.
+    #[test]
+    fn sizes_that_cannot_be_are_refused_where_they_stand() {
+        for (width, height, column, expected) in [
+            ("0", "4", 1, "1 to 134217728"),
+            ("4", "0", 2, "1 to 134217728"),
+            ("4", "-1", 2, "1 to 134217728"),
+            ("20000", "10000", 1, "1 to 13421"),
+            ("10000", "20000", 2, "1 to 13421"),
+        ] {
+            let text = format!(
+                "<scene version=\"3.0.0\"><sensor type=\"perspective\"><film type=\"hdrfilm\">\n\
+                 <integer name=\"width\" value=\"{width}\"/>\n<integer name=\"height\" value=\"{height}\"/></film></sensor></scene>"
+            );
+            let error = load_text("film.xml", &text, ColorMode::Rgb).err().expect("it is refused");
+            assert_eq!(error.line_column().map(|(line, _)| line), Some(1 + column), "{error}");
+            assert!(error.expected.ends_with(expected), "{error}");
+        }
     }
 
     /// Light goes to the pixels whose samples lie where it falls: over all places, as often as their weights

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Replaces the file at `path` by one with these bytes: it is the old one or the new one, never half of either.
+/// Replaces the file at `path` by one with these bytes: it is the old one or the new one, never half of
+/// either.
 ///
 /// # Errors
 /// With the reason why it cannot be written; a file that was there stays as it was.
@@ -61,8 +62,8 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     tried.and_then(|(_, probe)| fs::remove_file(probe)).map_err(|error| cannot(error.to_string()))
 }
 
-/// Finds out whether those of these files that are wanted could all be written, each in a place of its own
-/// and none over one of `inputs`, and leaves no trace.
+/// Finds out whether those of `outputs` that are given could all be written, each in a place of its own and
+/// none over one of `inputs`, and leaves no trace.
 ///
 /// # Errors
 /// With the reason why one could not be.
@@ -84,7 +85,8 @@ pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result
     Ok(())
 }
 
-/// What a path stands for. Links cannot be followed where nothing exists yet, and then it stands for itself.
+/// The file that a path leads to. Links cannot be followed where nothing exists yet; then it is the path
+/// itself.
 fn target(path: &Path) -> PathBuf {
     let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
@@ -109,7 +111,7 @@ fn create_unique(target: &Path, ending: &str) -> io::Result<(File, PathBuf)> {
         let number = NUMBERS.fetch_add(1, Ordering::Relaxed);
         let path = beside(target, &format!(".{}-{number}.{ending}", std::process::id()));
         match File::create_new(&path) {
-            // Of a process with the same number, of another time or in another container.
+            // It is that of a process with the same number, at another time or in another container.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             created => return created.map(|file| (file, path)),
         }
@@ -140,9 +142,9 @@ fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
 /// How long another process may take to write the same file.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Opens a partial file, empty, for this process alone; its lock ends with it. Where another process does not
-/// come to an end, or the file system has no locks, it gets a name of its own: a render that is complete must
-/// not be lost for want of one.
+/// Opens a partial file, empty, for this process alone; the lock ends when the file is closed. If another
+/// process holds it too long, or the file system has no locks, the file gets a name of its own: a complete
+/// render must not be lost because of a lock.
 fn claim(target: &Path) -> io::Result<(File, PathBuf)> {
     let (begin, path) = (Instant::now(), partial(target));
     loop {
@@ -168,7 +170,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     matches!((file.metadata(), fs::metadata(path)), (Ok(a), Ok(b)) if place(&a) == place(&b))
 }
 
-/// Elsewhere a file that is open cannot be renamed.
+/// On other systems a file that is open cannot be renamed, so it is the one if there is one of this name.
 #[cfg(not(unix))]
 fn is_at(_: &File, path: &Path) -> bool {
     path.exists()

@@ -5,7 +5,7 @@ use super::{ImageError, Window};
 use std::ops::Range;
 use std::path::Path;
 
-/// What one image covers.
+/// The box that one image covers.
 pub(super) struct Part<'a> {
     pub(super) path: &'a Path,
     pub(super) window: Window,

@@ -38,7 +38,7 @@ pub fn merge(images: Vec<(PathBuf, Image)>) -> Result<Image, ImageError> {
     merge_parts(images, |(_, image)| Ok(image))
 }
 
-/// Merges what `load` makes of heads, one after the other. Of a head the values are not looked at.
+/// Merges the images that `load` makes of heads, one after the other. The values of heads are not used.
 fn merge_parts(
     heads: Vec<(PathBuf, Image)>,
     mut load: impl FnMut((PathBuf, Image)) -> Result<Image, ImageError>,

@@ -7,7 +7,7 @@ use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::path::Path;
 
-/// What stands for a value that is not finite; no renderer makes it by accident.
+/// The colour of values that are not finite; no renderer makes it by accident.
 const MAGENTA: [u8; 3] = [255, 0, 255];
 
 /// A picture of 8-bit sRGB values, pixel by pixel in rows.
@@ -39,7 +39,7 @@ impl Rgb8 {
     }
 }
 
-/// What a picture shows.
+/// The channels that a picture shows.
 const SHOWN: [&str; 3] = ["R", "G", "B"];
 
 /// Finds out whether a picture can be made of an image with channels of these names.

@@ -1,4 +1,4 @@
-//! What an image is: everything that determines its bits.
+//! Provenance of an image: everything that determines its bits.
 
 use super::ImageError;
 use std::collections::BTreeMap;

@@ -33,8 +33,8 @@ fn hdr_pixels(path: &Path) -> Result<Pixels, String> {
     Ok(Pixels { width, height, channels: 3, values: image.into_rgb32f().into_raw(), encoded: false })
 }
 
-/// More pixels than a byte of JPEG or BMP can hold: a block of 8×8 takes at least a bit there, and a run of
-/// 255 two bytes here.
+/// Most pixels that a byte of JPEG or BMP can hold: a block of 8×8 takes at least a bit in the one, and a run
+/// of 255 two bytes in the other.
 const PIXELS_A_BYTE: u64 = 512;
 
 fn other_pixels(path: &Path) -> Result<Pixels, String> {
@@ -43,7 +43,7 @@ fn other_pixels(path: &Path) -> Result<Pixels, String> {
     let pads = matches!(reader.format(), Some(image::ImageFormat::Jpeg | image::ImageFormat::Bmp));
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
     if pads {
-        // Their decoders make up what is missing, however much that is.
+        // The decoders of JPEG and BMP fill in what is missing, however much that is.
         let (width, height) = decoder.dimensions();
         let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
         if u64::from(width) * u64::from(height) > PIXELS_A_BYTE * bytes {

@@ -1,4 +1,4 @@
-//! Several pictures on one sheet, for a look at all of them.
+//! Contact sheets: several pictures on one.
 
 use super::Rgb8;
 use super::font::{HEIGHT, WIDTH, ink};

@@ -15,7 +15,7 @@ pub fn encode_srgb(linear: f32) -> u8 {
     (255.0 * encoded + 0.5) as u8
 }
 
-/// What the codes of eight bits mean, by [`decode`].
+/// The linear values of the 8-bit codes, by [`decode`].
 static CODES: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| decode(f64::from(of_code(i as u8))) as f32));
 
@@ -23,8 +23,8 @@ fn of_code(code: u8) -> f32 {
     f32::from(code) / 255.0
 }
 
-/// [`decode`] of a picture's channel. Most are of eight bits: a power for each would be half of what it takes
-/// to load a textured scene.
+/// [`decode`] for a channel of a picture, with a table for 8-bit values, which most are: computing a power
+/// for each would take half the time of loading a textured scene.
 pub fn decode_channel(encoded: f32) -> f32 {
     let code = (encoded * 255.0 + 0.5) as u8;
     if of_code(code) == encoded { CODES[usize::from(code)] } else { decode(f64::from(encoded)) as f32 }

@@ -80,7 +80,7 @@ impl Direct {
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
         let n = vertex.gathers_about();
-        if side.traits.smooth {
+        if side.traits.has_density {
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
@@ -104,8 +104,8 @@ impl Direct {
         radiance
     }
 
-    /// Emitted light along a sampled direction, weighted against the emitter samples of a surface that
-    /// gathers light about n.
+    /// Emitted radiance along a sampled direction, weighted against the emitter samples of a vertex whose
+    /// [`Vertex::gathers_about`] is n.
     fn arriving<const F: u32>(
         &self,
         scene: &Scene,

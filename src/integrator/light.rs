@@ -1,4 +1,4 @@
-//! Direct light by sampling the emitters, and the weights that share the work with sampling the BSDF.
+//! Direct light by sampling the emitters, and the MIS weights between that and sampling the BSDF.
 
 use crate::bsdf::Bsdf;
 use crate::emitter::{DirectSample, EmitterPoint};
@@ -16,7 +16,7 @@ pub fn power_heuristic(a: f64, b: f64) -> f64 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// The same of three techniques, from how much likelier than this one the others are.
+/// The power heuristic of three techniques, from the densities of the other two over that of this one.
 #[inline]
 pub fn power_heuristic_of_three(b_over_a: f64, c_over_a: f64) -> f64 {
     1.0 / (1.0 + b_over_a * b_over_a + c_over_a * c_over_a)
@@ -28,13 +28,13 @@ pub struct Vertex<'a, B> {
     pub primitive: u32,
     pub frame: &'a Frame,
     pub bsdf: &'a B,
-    /// Where the path came from, in the local frame of the side.
+    /// Direction to where the path came from, in the local frame of the side.
     pub wo: DVec3,
     pub side: Side,
 }
 
 impl<'a, B> Vertex<'a, B> {
-    /// From where rays leave it.
+    /// The origin of rays that leave it.
     #[inline]
     pub fn origin(&self) -> Origin {
         Origin { p: self.point.p, primitive: self.primitive }
@@ -64,8 +64,8 @@ impl<'a, B> Vertex<'a, B> {
         self.frame.to_world(self.side.turn(w))
     }
 
-    /// The normal of the hemisphere from which light can be scattered, by the cosine or nearly; zero if it
-    /// can be from elsewhere.
+    /// The normal (world) of the hemisphere from which light can be scattered, by the cosine or nearly; zero
+    /// if light from outside any one hemisphere can be.
     #[inline]
     pub fn gathers_about(&self) -> DVec3 {
         let traits = self.side.traits;
@@ -74,21 +74,21 @@ impl<'a, B> Vertex<'a, B> {
     }
 }
 
-/// Light that arrives if nothing is in the way.
+/// A contribution, and the shadow ray that decides whether it arrives.
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
-    /// From the vertex to just before the light.
+    /// Shadow ray to just before the emitter, from the vertex or, along a link, from its last surface.
     pub ray: Ray,
-    /// What it adds to the radiance that leaves the vertex.
+    /// Contribution to the radiance that leaves the vertex towards `wo`, with its MIS weight.
     pub radiance: Spectrum,
 }
 
-/// How an emitter sample was made.
+/// An emitter sample, and how likely it was.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled {
     pub emitter: usize,
     pub light: DirectSample,
-    /// Of its direction, all samples of both techniques together, in sr⁻¹.
+    /// Density of its direction, summed over all samples of both techniques, in sr⁻¹.
     pub density: f64,
 }
 
@@ -96,9 +96,11 @@ pub struct Sampled {
 /// that this technique has to contribute, up to visibility.
 ///
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives
-/// a light sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` says of
-/// an emitter, a sample and its density np how many times likelier, as a density of directions, light paths
-/// make the whole path; see [`super::caustics`]. `n` is what the vertex gathers light about.
+/// a light sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` gives,
+/// for an emitter, a sample and its density np, the ratio to np of the density with which light paths make
+/// the whole path, as one of directions; see [`super::caustics`]. `digits` refine the choice of the emitter,
+/// as in [`Discrete::sample_strip`](crate::math::Discrete::sample_strip); `n` is the normal of
+/// [`Vertex::gathers_about`], or zero.
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
@@ -132,8 +134,8 @@ pub fn sample_emitter<B: Bsdf>(
     Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
 }
 
-/// The density with which emitter samples of a path's vertex come to this point of an emitter, all together,
-/// in direction w (world) and at this distance.
+/// The density in sr⁻¹ of all emitter samples of a path's vertex together, for a point of an emitter in
+/// direction w (world) and at this distance.
 pub fn density_of_samples<B>(
     scene: &Scene,
     end: EmitterPoint,

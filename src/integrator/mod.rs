@@ -1,4 +1,4 @@
-//! Estimators of what a pixel sees.
+//! Integrators: estimators of the radiance along camera rays.
 //!
 //! *How to add one*: write `integrator/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line
 //! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
@@ -16,7 +16,10 @@ mod wavefront;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
 use crate::scene::registry::Entry;
+use crate::scene::xml::Element;
 use crate::scene::{Features, Scene};
 use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -43,11 +46,35 @@ macro_rules! integrators {
             name: $module::NAME,
             about: $module::ABOUT,
             examples: $module::EXAMPLES,
-            parse: $module::parse,
+            parse: |params| {
+                let integrator = $module::parse(params)?;
+                ignore(params)?;
+                Ok(integrator)
+            },
         }),*];
     };
 }
 integrators!(path, direct, depth, aov, moment);
+
+/// At most one nested integrator, and what begins the names of its channels: its name, or what Mitsuba calls
+/// one without.
+fn nested_integrator<'d>(
+    params: &mut Params<'_, 'd>,
+    about: &'static str,
+) -> Result<Option<(&'d Element, &'d str)>, SceneError> {
+    let found = params.one_nested("integrator", about, |element| element.tag == "integrator")?;
+    Ok(found.map(|(element, site)| (element, site.name().unwrap_or("_arg_0"))))
+}
+
+/// Reads what every integrator of Mitsuba has and none needs here.
+fn ignore(params: &mut Params) -> Result<(), SceneError> {
+    params.boolean("hide_emitters", false, "Mitsuba's; ignored")?;
+    params.float("timeout", -1.0, "Mitsuba's; ignored")?;
+    for name in ["block_size", "samples_per_pass"] {
+        params.integer(name, -1, 0..=i64::from(u32::MAX), "Mitsuba's; ignored")?;
+    }
+    Ok(())
+}
 
 impl Default for AnyIntegrator {
     fn default() -> Self {
@@ -55,15 +82,16 @@ impl Default for AnyIntegrator {
     }
 }
 
-/// What happened along the way, for reports.
+/// Counts of what was traced, for reports.
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
     pub rays: u64,
-    /// Of these, between pixels that share and what they share; see [`path::reuse`].
+    /// How many of the rays test receivers and sources of shared paths; see [`path::reuse`].
     pub shared: u64,
-    /// Pairs of a receiver and a source that were looked at one by one, for something rough in their group.
+    /// Pairs of a receiver and a source whose BSDFs were evaluated, because something in their group is
+    /// rough.
     pub evaluations: u64,
-    /// That light paths have found for groups of pixels.
+    /// Sources that light paths have found for groups of pixels.
     pub light_sources: u64,
     /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
     pub cut: u64,
@@ -78,9 +106,9 @@ pub struct Counters {
 pub struct Event {
     pub hit: Hit,
     pub p: DVec3,
-    /// What light from here on is multiplied with.
+    /// Factor of light that is found from here on.
     pub throughput: Spectrum,
-    /// Gathered so far, emission at this vertex included.
+    /// Radiance gathered so far, emission at this vertex included.
     pub radiance: Spectrum,
 }
 
@@ -88,14 +116,14 @@ pub struct Event {
 #[derive(Clone, Copy, Debug)]
 pub struct CameraPath {
     pub ray: Ray,
-    /// Comes back collapsed where a dispersive refraction has left one wavelength alone.
+    /// The wavelengths of the lanes; the kernel collapses them where dispersive refraction leaves only one.
     pub λ: Wavelengths,
     pub sampler: Sampler,
     /// Neighbours with the same number share what they find, if the integrator has them do so.
     pub group: u32,
     pub radiance: Spectrum,
-    /// Something is seen: a surface, or light from the environment. As in Mitsuba, a surface at which paths of
-    /// the greatest length end is none, and `direct` does not count the environment.
+    /// Something is seen: a surface, or light from the environment. As in Mitsuba, a surface at which paths
+    /// of the greatest length end is none, and `direct` does not count the environment.
     pub covered: bool,
 }
 
@@ -181,7 +209,7 @@ impl AnyIntegrator {
         }
     }
 
-    /// How many neighbouring pixels share what their paths find; see [`path::reuse`].
+    /// How many neighbouring pixels share what their paths find; 1 if none do. See [`path::reuse`].
     pub fn reuse(&self) -> u32 {
         self.path().map_or(1, |path| path.reuse)
     }
@@ -219,10 +247,7 @@ impl AnyIntegrator {
         match self {
             Self::Path(_) | Self::Direct(_) => vec![],
             Self::Depth(_) => ["R", "G", "B"].map(String::from).to_vec(),
-            Self::Aov(aov) => {
-                let nested = aov.nested.as_ref().map(Self::extra_channels);
-                [nested.unwrap_or_default(), aov.channels()].concat()
-            }
+            Self::Aov(aov) => aov.channels(),
             Self::Moment(moment) => moment.channels.clone(),
         }
     }
@@ -251,12 +276,7 @@ impl AnyIntegrator {
     pub fn complete(&self, values: &mut [f64]) {
         match self {
             Self::Path(_) | Self::Direct(_) | Self::Depth(_) => {}
-            Self::Aov(aov) => {
-                if let Some(integrator) = &aov.nested {
-                    let nested = values.len() - aov.width();
-                    integrator.complete(&mut values[..nested]);
-                }
-            }
+            Self::Aov(aov) => aov.complete(values),
             Self::Moment(moment) => moment.complete(values),
         }
     }

@@ -6,7 +6,7 @@
 //! it adds to its pixel, light paths included, so it is a property of the estimator: unlike the mean, it is
 //! not the same in another renderer.
 
-use super::{AnyIntegrator, INTEGRATORS};
+use super::{AnyIntegrator, INTEGRATORS, nested_integrator};
 use crate::image::check_names;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -18,9 +18,6 @@ pub const ABOUT: &str = "Mean (CIE XYZ) and mean square of another integrator's 
 pub const EXAMPLES: &[&str] =
     &[r#"<integrator type="moment"><integrator type="path" name="image"/></integrator>"#];
 
-/// What Mitsuba calls an integrator that the file does not name.
-const UNNAMED: &str = "_arg_0";
-
 #[derive(Clone, Debug)]
 pub struct Moment {
     pub nested: AnyIntegrator,
@@ -30,15 +27,14 @@ pub struct Moment {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
-    let element = params.object("integrator", "whose moments are asked for")?;
-    let element = element
+    let found = nested_integrator(params, "whose moments are asked for")?;
+    let (element, name) = found
         .ok_or_else(|| SceneError::at(&params.element.span, "there is no nested <integrator>", "add one"))?;
     let nested = construct(INTEGRATORS, element, params.loader, Usage::Unbounded)?;
     if !nested.has_radiance() {
         let message = format!("`{}` sees no light", nested.name());
         return Err(SceneError::at(&element.span, message, "expected an integrator that fills R, G and B"));
     }
-    let name = element.attribute("name").map_or(UNNAMED, |name| &name.value);
     let means = nested.extra_channels().into_iter().chain(["X", "Y", "Z"].map(String::from));
     let means: Vec<String> = means.map(|channel| format!("{name}.{channel}")).collect();
     let squares = means.iter().map(|mean| format!("m2_{mean}"));
@@ -99,13 +95,14 @@ mod tests {
     #[test]
     fn moments_of_one_sample_are_itself_and_its_square() {
         let (names, means) = rendered(1);
-        let moments = ["it.d.T", "it.X", "it.Y", "it.Z", "m2_it.d.T", "m2_it.X", "m2_it.Y", "m2_it.Z"];
-        assert_eq!(names, [&["R", "G", "B"][..], &moments].concat());
+        let means_of = ["_arg_0.R", "_arg_0.G", "_arg_0.B", "d.T", "X", "Y", "Z"];
+        let moments = ["it.", "m2_it."].map(|of| means_of.map(|channel| format!("{of}{channel}")));
+        assert_eq!(names, [&["R", "G", "B"].map(String::from)[..], moments.as_flattened()].concat());
         let pixels = means[0].len();
         let value = |channel: usize, pixel: usize| means[channel][pixel];
         let shown = |i: usize| luminance([value(0, i), value(1, i), value(2, i)]);
-        assert!((0..pixels).all(|i| alike(value(5, i), shown(i))));
-        assert!((0..pixels).all(|i| (3..7).all(|c| alike(value(c + 4, i), value(c, i) * value(c, i)))));
+        assert!((0..pixels).all(|i| alike(value(8, i), shown(i))));
+        assert!((0..pixels).all(|i| (3..10).all(|c| alike(value(c + 7, i), value(c, i) * value(c, i)))));
     }
 
     #[test]
@@ -113,8 +110,9 @@ mod tests {
         let (_, means) = rendered(64);
         // Where light varies, the mean square exceeds the squared mean; the mean itself stays that of the
         // image.
-        let noisy = (0..means[0].len()).filter(|&i| means[9][i] > 1.5 * means[5][i] * means[5][i]).count();
+        let (first, second) = (&means[8], &means[15]);
+        let noisy = (0..means[0].len()).filter(|&i| second[i] > 1.5 * first[i] * first[i]).count();
         assert!(noisy > means[0].len() / 4, "{noisy}");
-        assert!((0..means[0].len()).all(|i| means[9][i] >= (1.0 - 1e-6) * means[5][i] * means[5][i]));
+        assert!((0..means[0].len()).all(|i| second[i] >= (1.0 - 1e-6) * first[i] * first[i]));
     }
 }

@@ -8,6 +8,10 @@ use crate::math::Ray;
 use crate::scene::Scene;
 use crate::shape::Hit;
 
+/// How many paths are traced together: enough to fill vector registers most of the time, few enough for the
+/// nearest cache.
+pub const STREAM: usize = 64;
+
 /// The paths that still go on, with their rays side by side.
 #[derive(Default)]
 pub struct Wavefront {
@@ -20,7 +24,7 @@ pub struct Wavefront {
 pub struct Arrived<'a> {
     /// The path's place among those that still go on.
     pub place: usize,
-    /// Its number.
+    /// The path's number, as given to [`Wavefront::begin`].
     pub path: usize,
     pub ray: &'a Ray,
     /// `None` where the ray leaves the scene.
@@ -28,7 +32,7 @@ pub struct Arrived<'a> {
 }
 
 impl Wavefront {
-    /// With the numbers of paths and their first rays.
+    /// Begins with these paths, by number, and their first rays.
     pub fn begin(&mut self, paths: impl Iterator<Item = (usize, Ray)>) {
         self.paths.clear();
         self.rays.clear();
@@ -44,7 +48,7 @@ impl Wavefront {
         self.paths.len()
     }
 
-    /// Finds out where the rays arrive; the numbers of their paths.
+    /// Traces all rays; returns the numbers of their paths.
     #[inline]
     pub fn trace(&mut self, scene: &Scene, counters: &mut Counters) -> &[usize] {
         counters.rays += self.rays.len() as u64;
@@ -53,7 +57,7 @@ impl Wavefront {
         &self.paths
     }
 
-    /// Asks for each path with which ray it goes on from there, if it does.
+    /// Calls `step` for each path in order; it returns the path's next ray, or `None` if the path ends.
     #[inline(always)]
     pub fn advance(&mut self, mut step: impl FnMut(Arrived) -> Option<Ray>) {
         let Self { paths, rays, hits } = self;
@@ -72,7 +76,7 @@ impl Wavefront {
     }
 }
 
-/// Which rays are blocked, as many as there are.
+/// Whether each ray is occluded; `occluded` gets as many entries as there are rays.
 pub fn occluded(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut Counters) {
     occluded.resize(rays.len(), false);
     counters.rays += rays.len() as u64;

@@ -1,4 +1,4 @@
-//! Balls that stand for what they hold.
+//! Bounding balls.
 
 use super::bounds::{self, Bounds, union};
 use super::{DVec3, length};
@@ -11,20 +11,20 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// The smallest that holds a box.
+    /// The smallest ball that contains a box.
     pub fn of_box((lo, hi): Bounds) -> Self {
         Self { centre: 0.5 * (lo + hi), radius: 0.5 * length(hi - lo) }
     }
 
-    /// One that holds points, about the middle of their box. There may be a smaller one, but none of less
-    /// than 1/√3 of its radius.
+    /// A ball that contains points, about the middle of their box. There may be a smaller one, but none of
+    /// less than 1/√3 of its radius.
     pub fn of_points(points: impl Iterator<Item = DVec3> + Clone) -> Self {
         let (lo, hi) = bounds::around(points.clone());
         let centre = 0.5 * (lo + hi);
         Self { centre, radius: points.map(|p| length(p - centre)).fold(0.0, f64::max) }
     }
 
-    /// One that holds others, about the middle of their box.
+    /// A ball that contains other balls, about the middle of their box.
     pub fn around(balls: &[Self]) -> Self {
         if let [one] = balls {
             return *one;

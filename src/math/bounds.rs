@@ -6,7 +6,7 @@ use glam::BVec3;
 /// The corner with the least and that with the greatest coordinates.
 pub type Bounds = (DVec3, DVec3);
 
-/// The box around nothing: any other makes it its own.
+/// The box around nothing: its union with another box is that box.
 pub const NOTHING: Bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
 
 /// The box around points.
@@ -15,13 +15,13 @@ pub fn around(points: impl IntoIterator<Item = DVec3>) -> Bounds {
     points.into_iter().fold(NOTHING, |(lo, hi), p| (lo.min(p), hi.max(p)))
 }
 
-/// The box around two.
+/// The box around two boxes.
 #[inline]
 pub fn union(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-/// All eight corners.
+/// All eight corners of a box.
 pub fn corners((lo, hi): Bounds) -> [DVec3; 8] {
     [0, 1, 2, 3, 4, 5, 6, 7]
         .map(|i: u32| DVec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), hi, lo))

@@ -7,9 +7,9 @@ use crate::math::frame::unit;
 /// Directions that differ from an axis by no more than an angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Unit length.
+    /// Axis, of unit length.
     pub axis: DVec3,
-    /// Of that angle.
+    /// Cosine of the largest angle to the axis.
     pub cos: f64,
 }
 
@@ -33,7 +33,7 @@ impl Cone {
         Self { axis, cos: cos.max(-1.0) }
     }
 
-    /// The least cone around two (Conty Estevez and Kulla 2018, Algorithm 1).
+    /// The smallest cone around two (Conty Estevez and Kulla 2018, Algorithm 1).
     pub fn union(a: Self, b: Self) -> Self {
         use std::f64::consts::PI;
         if a == Self::EVERYWHERE || b == Self::EVERYWHERE {
@@ -55,7 +55,7 @@ impl Cone {
         if half >= PI {
             return Self::EVERYWHERE;
         }
-        // Opposite axes leave it open to which side to turn.
+        // With opposite axes, any side will do to turn to.
         let across = if across.length_squared() > 0.0 { unit(across) } else { Frame::about(a.axis).s };
         let turn = half - half_a;
         Self { axis: unit(a.axis * cos(turn) + across * sin(turn)), cos: cos(half) }

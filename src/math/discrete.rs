@@ -82,12 +82,12 @@ impl Discrete {
         (i, probability, ((u - below) / probability).min(BELOW_ONE))
     }
 
-    /// The index that the first of two numbers in [0, 1) falls on, its probability, and the two to be used
-    /// again.
+    /// The index that the first of two numbers in [0, 1) falls on, its probability, and the two numbers, the
+    /// first rescaled to [0, 1), for reuse.
     ///
-    /// Of points that are well spread over the square a strip falls to each index, over which they are well
-    /// spread as well. Had another number chosen, each index would be left with any of them. What the choice
-    /// takes from the first number `digits`, in [0, 1), give back: 32 bits more.
+    /// Each index gets a strip of the unit square, over which points that are stratified over the square are
+    /// stratified as well. If another number made the choice, each index would get an arbitrary subset of
+    /// them. The choice uses up bits of the first number; `digits`, in [0, 1), adds 32 bits to it.
     #[inline]
     pub fn sample_strip(&self, u: DVec2, digits: f64) -> (usize, f64, DVec2) {
         let (index, probability, rest) = self.sample(with_digits(u.x, digits));

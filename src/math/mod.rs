@@ -4,6 +4,7 @@
 //! are built from those. The platform's mathematics library never decides a bit of an image.
 
 pub mod ball;
+pub mod bits;
 pub mod bounds;
 pub mod cone;
 pub mod discrete;

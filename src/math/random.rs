@@ -3,12 +3,12 @@
 use super::{DVec2, DVec3, warp};
 use rand_pcg::{Pcg32, rand_core::Rng};
 
-/// In [0, 1).
+/// A number in [0, 1).
 pub fn uniform(rng: &mut Pcg32) -> f64 {
     f64::from(rng.next_u32()) / 4294967296.0
 }
 
-/// Uniform over the sphere.
+/// A direction, uniform over the sphere.
 pub fn direction(rng: &mut Pcg32) -> DVec3 {
     warp::sphere(DVec2::new(uniform(rng), uniform(rng)))
 }

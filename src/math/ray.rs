@@ -10,11 +10,11 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     pub origin: DVec3,
-    /// Unit length.
+    /// Direction, of unit length.
     pub direction: DVec3,
     /// Distances at or below this are rounding error of `origin`.
     pub start: f64,
-    /// Distances at or beyond this are not looked at.
+    /// Hits at or beyond this distance are ignored.
     pub end: f64,
     /// The primitive that `origin` lies on, or [`Ray::FREE`].
     pub from: u32,
@@ -28,7 +28,7 @@ pub struct Ray {
 #[repr(u32)]
 pub enum Ends {
     Anywhere,
-    /// Both lie on surfaces of the scene: what the whole scene lies on one side of cannot be between them.
+    /// Both lie on surfaces of the scene: a plane with the whole scene on one side cannot lie between them.
     OnSurfaces,
 }
 
@@ -65,23 +65,23 @@ impl Ray {
 /// A bound of the rounding error of a computed surface point.
 ///
 /// Points are interpolated from stored vertices or projected onto quadrics in `f64`: about ten roundings of
-/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene. Of a point of
-/// something large that passes close to the world's origin, the numbers it was computed from are larger than
-/// its own: there `p` must be a bound of those.
+/// numbers as large as the largest coordinate, 10·2⁻⁵³ < 2⁻⁴⁹. The bound scales with the scene. For a point
+/// of something large that passes close to the world's origin, the numbers it was computed from are larger
+/// than its coordinates: there `p` must be a bound of those.
 #[inline]
 pub fn position_error(p: DVec3) -> f64 {
     const TEN_ROUNDINGS: f64 = 1.0 / (1u64 << 49) as f64;
     p.abs().max_element() * TEN_ROUNDINGS
 }
 
-/// How much of the way between two computed surface points, `distance` apart, must be free for them to see
-/// each other: neither's own surface may stand in the way.
+/// Length of the shadow ray between two computed surface points, `distance` apart: so much shorter that
+/// neither point's own surface occludes it.
 #[inline]
 pub fn way_between(distance: f64, p: DVec3, q: DVec3) -> f64 {
     free_way(distance, position_error(p) + position_error(q))
 }
 
-/// The same for points that are known to such errors, together.
+/// Length of the shadow ray between two points, `distance` apart, whose errors sum to `errors`.
 #[inline]
 pub fn free_way(distance: f64, errors: f64) -> f64 {
     distance - 4.0 * errors

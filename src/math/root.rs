@@ -1,10 +1,10 @@
-//! Where a function of one variable is zero.
+//! Roots of functions of one variable.
 
 /// A zero of a function between two places where its values have different signs; `None` if they have not, or
 /// if 64 steps do not find it. It is found to within `error` of zero, or to the last digit.
 ///
-/// False position, where the end that stays is believed less each time (the Illinois method). Six or seven
-/// steps are usual; halving alone would need as many as there are bits.
+/// False position, where the value at an end that stays is halved each time (the Illinois method). Six or
+/// seven steps are usual; bisection would need as many as there are bits.
 #[inline]
 pub fn between(
     mut low: (f64, f64),
@@ -22,7 +22,7 @@ pub fn between(
     for _ in 0..STEPS {
         let t = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
         let found = value(t);
-        // Numbers are as close as they can be where no other one is between the ends.
+        // The ends are adjacent numbers if no other one lies between them.
         if found.abs() <= error || t <= low.0 || t >= high.0 {
             return Some(t);
         }

@@ -1,9 +1,9 @@
 //! Four `f64` at once: AVX registers where the build has them, an array where it has not.
 //!
 //! Both do the same IEEE operation to each lane, never a fused one, so they give the same bits; the tests
-//! hold the intrinsics to the array. All `unsafe` of the renderer is here and in the folder of this name: each
-//! call is of an intrinsic that the `cfg` above it guarantees. (The program has one more, the allocator of
-//! `out_of_memory.rs`.)
+//! hold the intrinsics to the array. All `unsafe` of the renderer is here and in the folder of this name:
+//! each call is of an intrinsic that the `cfg` above it guarantees. (The program has one more, the allocator
+//! of `out_of_memory.rs`.)
 
 mod floats;
 mod lanewise;
@@ -230,14 +230,14 @@ impl Mask {
 }
 
 impl F64x4 {
-    /// One lane.
+    /// The value of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> f64 {
         let lanes: &[f64; 4] = unsafe { &*std::ptr::from_ref(self).cast() };
         lanes[lane]
     }
 
-    /// One lane in all of them.
+    /// The value of one lane, in all lanes.
     #[inline(always)]
     pub fn spread(&self, lane: usize) -> Self {
         Self::splat(self.lane(lane))

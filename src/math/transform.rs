@@ -32,7 +32,7 @@ impl Transform {
         Self { matrix: DMat4::from_translation(by), inverse: DMat4::from_translation(-by) }
     }
 
-    /// `None` if a factor is zero.
+    /// Scaling along the axes; `None` if a factor is zero.
     pub fn scale(by: DVec3) -> Option<Self> {
         let usable = by.cmpne(DVec3::ZERO).all() && by.is_finite();
         usable.then(|| Self { matrix: DMat4::from_scale(by), inverse: DMat4::from_scale(by.recip()) })
@@ -80,7 +80,7 @@ impl Transform {
         self.matrix.transform_vector3(v)
     }
 
-    /// Normals go with the inverse transpose; the result is not normalised.
+    /// Transforms a normal, by the inverse transpose; the result is not normalised.
     #[inline]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         self.inverse.transpose().transform_vector3(n)

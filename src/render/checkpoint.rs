@@ -1,4 +1,4 @@
-//! A render on its way, in a file: the exact sums so far and what they are sums of.
+//! Checkpoints: a render in progress, in a file: the exact sums so far and what they are sums of.
 //!
 //! The file is a magic number, the length of the head (`u64`), the head (JSON), the words of the accumulators
 //! pixel by pixel and channel by channel (`u32`), and the XXH3 of everything before (`u64`); all numbers
@@ -17,7 +17,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 const MAGIC: &[u8; 8] = b"etalonCP";
 
-/// No head is longer, in bytes; it holds a name for each channel.
+/// Length of the longest head, in bytes; it holds a name for each channel.
 const LONGEST_HEAD: u64 = 1 << 24;
 
 /// What a checkpoint says of itself before the sums.
@@ -53,7 +53,7 @@ impl Identity {
     fn new(scene: &Scene, settings: &Settings, channels: &[String]) -> Self {
         let w = settings.window;
         Self {
-            version: env!("CARGO_PKG_VERSION").into(),
+            version: crate::VERSION.into(),
             seed: settings.seed,
             samples: (settings.samples.start, settings.samples.end),
             film: scene.sensor.film.size,
@@ -64,7 +64,7 @@ impl Identity {
         }
     }
 
-    /// What tells the checkpoint's render (`self`) from the one that is asked for.
+    /// The first difference between the checkpoint's render (`self`) and the one that is asked for.
     fn difference(&self, asked: &Identity) -> Option<String> {
         let list = |i: &Identity| {
             let (x, y, width, height) = i.window;
@@ -89,7 +89,7 @@ impl Identity {
     }
 }
 
-/// Length of the file in bytes, but for its head.
+/// Length of the file in bytes, without its head.
 pub fn size(settings: &Settings, channels: usize) -> u64 {
     4 * (Accumulators::WORDS * channels * settings.window.pixels()) as u64
 }
@@ -116,7 +116,7 @@ pub fn refuse_to_replace(path: &Path) -> Result<(), ImageError> {
     error(cause.into())
 }
 
-/// Saves a render on its way. An error leaves an older checkpoint as it was.
+/// Saves a render in progress. An error leaves an older checkpoint as it was.
 pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), ImageError> {
     let report = &partial.report;
     let head = Head {
@@ -180,7 +180,7 @@ impl From<io::Error> for Refused {
     }
 }
 
-/// Reads and hashes.
+/// A reader that hashes what it reads.
 struct Hashed<R> {
     reader: R,
     hash: Xxh3,

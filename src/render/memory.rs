@@ -1,25 +1,39 @@
-//! Whether a render fits into memory, asked before it begins.
+//! Whether a render fits into memory, checked before it begins.
 
 mod control_group;
 
 use super::Settings;
-use crate::film::ChannelAccumulator;
+use crate::film::{BLOCK, ChannelAccumulator};
 use std::fs;
 
-/// Bytes of the pixels of a render at its peak, which is when the file is made: `passes` says whether it is
-/// one in passes ([`super::passes`]). The scene and what threads need besides are not counted.
-pub fn estimate(settings: &Settings, channels: usize, passes: bool) -> u64 {
+/// What a render keeps for its pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Needs {
+    pub channels: usize,
+    /// Whether it is rendered in passes ([`super::passes`]).
+    pub passes: bool,
+    /// Light paths for each sample number; a pass has no fewer samples than a block.
+    pub light_paths: u64,
+}
+
+/// Bytes of the pixels of a render at its peak, which is when the file is made, and of the splats of light
+/// paths in a pass. The scene and what threads need besides are not counted.
+pub fn estimate(settings: &Settings, Needs { channels, passes, light_paths }: Needs) -> u64 {
     const MOMENTS: u64 = 2 * size_of::<f32>() as u64;
     const SUMS: u64 = size_of::<ChannelAccumulator>() as u64;
-    // What is left of the tiles, or their sums; the image, with sums of its own if it is a shard; and the bytes
-    // of the file.
+    // What is left of the tiles, or their sums; the image, with sums of its own if it is a shard; and the
+    // bytes of the file.
     let kept = match settings.shard {
         true => 2 * SUMS,
         false if passes => SUMS,
         false => MOMENTS,
     };
     let file = if settings.shard { MOMENTS + SUMS } else { MOMENTS };
-    (kept + MOMENTS + file).saturating_mul(settings.window.pixels() as u64).saturating_mul(channels as u64)
+    let of_channel = (kept + MOMENTS + file).saturating_mul(settings.window.pixels() as u64);
+    // About one splat per light path, before and after they are sorted: the sample, the pixel, and values.
+    let splat = 2 * (size_of::<[u32; 2]>() + channels * size_of::<f64>()) as u64;
+    let splats = light_paths.saturating_mul(BLOCK).saturating_mul(splat);
+    of_channel.saturating_mul(channels as u64).saturating_add(splats)
 }
 
 /// Bytes that this process may still take, where the system tells: the least of the machine's free memory and
@@ -38,7 +52,7 @@ pub fn peak() -> Option<u64> {
     kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes, of a line such as `MemAvailable:   23068672 kB`.
+/// Bytes, from a line such as `MemAvailable:   23068672 kB`.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
@@ -55,23 +69,21 @@ fn address_space(limits: &str) -> Option<u64> {
 ///
 /// # Errors
 /// With a sentence that says what is needed, what there is, and what to do.
-pub fn check(
-    settings: &Settings,
-    channels: usize,
-    passes: bool,
-    available: Option<u64>,
-) -> Result<(), String> {
-    let needed = estimate(settings, channels, passes);
+pub fn check(settings: &Settings, needs: Needs, available: Option<u64>) -> Result<(), String> {
+    let needed = estimate(settings, needs);
     match available {
         Some(available) if needed > available => {
             let gigabytes = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+            let splats = estimate(settings, Needs { light_paths: 0, ..needs }) <= needed / 2;
             Err(format!(
-                "a film of {} × {} pixels with {channels} channels needs about {:.1} GiB, and {:.1} GiB are available; \
-                 render crops (--crop) and merge them",
+                "a film of {} × {} pixels with {} channels{} needs about {:.1} GiB, and {:.1} GiB are available; {}",
                 settings.window.width,
                 settings.window.height,
+                needs.channels,
+                if splats { " and so many light paths" } else { "" },
                 gigabytes(needed),
-                gigabytes(available)
+                gigabytes(available),
+                if splats { "ask for fewer (--light-paths)" } else { "render crops (--crop) and merge them" }
             ))
         }
         _ => Ok(()),
@@ -91,13 +103,27 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused() {
         // A million pixels of three channels: 24 bytes a channel in one go.
-        assert_eq!(estimate(&settings(false), 3, false), 72_000_000);
-        assert!(estimate(&settings(false), 3, true) > 200_000_000);
-        assert!(estimate(&settings(true), 3, true) > estimate(&settings(false), 3, true));
-        assert_eq!(check(&settings(false), 3, false, Some(72_000_000)), Ok(()));
-        assert_eq!(check(&settings(false), 3, false, None), Ok(()));
-        let refused = check(&settings(false), 3, false, Some(71_999_999));
+        let at_once = Needs { channels: 3, passes: false, light_paths: 0 };
+        let in_passes = Needs { passes: true, ..at_once };
+        assert_eq!(estimate(&settings(false), at_once), 72_000_000);
+        assert!(estimate(&settings(false), in_passes) > 200_000_000);
+        assert!(estimate(&settings(true), in_passes) > estimate(&settings(false), in_passes));
+        assert_eq!(check(&settings(false), at_once, Some(72_000_000)), Ok(()));
+        assert_eq!(check(&settings(false), at_once, None), Ok(()));
+        let refused = check(&settings(false), at_once, Some(71_999_999));
         assert!(refused.is_err_and(|e| e.contains("needs about 0.1 GiB") && e.contains("--crop")));
+    }
+
+    #[test]
+    fn light_paths_beyond_memory_are_refused() {
+        let needs = Needs { channels: 3, passes: true, light_paths: 64_000_000 };
+        let refused = check(&settings(false), needs, Some(1 << 33));
+        assert!(
+            refused.is_err_and(|e| e.contains("--light-paths")),
+            "{:?}",
+            estimate(&settings(false), needs)
+        );
+        assert_eq!(check(&settings(false), Needs { light_paths: 1_000_000, ..needs }, Some(1 << 33)), Ok(()));
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub struct Settings {
     pub seed: u32,
     /// Pixels of the film.
     pub window: Window,
-    /// 0 means one for each processor.
+    /// Number of threads; 0 means one for each processor.
     pub threads: usize,
     /// Keep the exact sums, so that the image can be merged with others.
     pub shard: bool,
@@ -60,7 +60,7 @@ impl Settings {
         Self { samples, seed, window, threads: 1, shard: false, kernel: None }
     }
 
-    /// What renders a scene.
+    /// The kernel that renders a scene.
     fn kernel(&self, scene: &Scene) -> &'static KernelEntry {
         self.kernel.unwrap_or_else(|| kernel_for(scene.features))
     }
@@ -82,16 +82,16 @@ pub struct Report {
     /// Paths cut at the hard limit of vertices.
     pub cut: u64,
     pub non_finite: u64,
-    /// The first few of them, in order of pixel and sample.
+    /// The first few non-finite samples, in order of pixel and sample.
     pub first_non_finite: Vec<NonFinite>,
     pub kernel: &'static str,
     pub threads: usize,
-    /// Of the whole image, from more digits than a file has.
+    /// Quality of the whole image, from more digits than a file has.
     pub quality: Option<Quality>,
 }
 
 impl Report {
-    /// Adds what happened elsewhere.
+    /// Adds the report of another part.
     fn add(&mut self, other: &Self) {
         self.samples += other.samples;
         self.rays += other.rays;
@@ -173,7 +173,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     Some((assemble(scene, settings.window, names, &parts, provenance), report))
 }
 
-/// What is left of a tile whose sums no other samples will be added to: sums are large.
+/// What is kept of a tile to whose sums no more samples will be added: sums are large.
 struct Part {
     window: Window,
     /// Mean and variance, pixel by pixel, channel by channel.
@@ -183,7 +183,7 @@ struct Part {
 }
 
 impl Part {
-    /// Of a tile of so many channels and samples, of which so many pixels share.
+    /// From a tile of so many channels and samples, of which `reuse` pixels share.
     fn of(Tile { window, sums, report }: Tile, channels: usize, count: u64, reuse: u32) -> Self {
         let channel = |c: usize| sums.iter().skip(c).step_by(channels);
         let exact = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
@@ -195,7 +195,7 @@ impl Part {
 
 fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Provenance {
     Provenance {
-        version: env!("CARGO_PKG_VERSION").into(),
+        version: crate::VERSION.into(),
         scene: scene.hash.clone(),
         seed: settings.seed as u64,
         samples: settings.samples.clone(),

@@ -29,7 +29,7 @@ pub struct Partial {
     pub channels: Vec<String>,
     /// The exact sums, pixel by pixel of the window.
     pub sums: Accumulators,
-    /// What happened so far.
+    /// The report so far.
     pub report: Report,
 }
 
@@ -57,7 +57,7 @@ impl Partial {
         }
     }
 
-    /// The image, and what happened on the way.
+    /// The image, and the report of the render.
     pub fn finished(&self, scene: &Scene, settings: &Settings) -> (Image, Report) {
         let quality = Some(Quality::of(self, scene, settings.window));
         (self.image(scene, settings), Report { quality, ..self.report.clone() })

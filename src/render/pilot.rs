@@ -1,4 +1,4 @@
-//! From a time or an error that is asked for to a number of samples.
+//! The number of samples that a requested time or error needs.
 //!
 //! A pilot renders a few samples with a seed of its own and is thrown away. The image is the plain render of
 //! samples 0..N with the seed that was asked for, so `--spp N` makes it again, and N is independent of the
@@ -6,7 +6,7 @@
 //!
 //! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its
 //! square. It falls as 1/n, so an error E needs N = n R²/E² samples. R² is uncertain itself. The variances v
-//! of the P pixels are independent estimates, or those of squares of pixels are that share what they find, so
+//! of the P pixels are independent estimates; if pixels share paths, those of the squares that share are. So
 //! the variance of their sum is at most Σ v², that of the sum relative to it at most r² = Σ v²/(Σ v)²; and
 //! the mean by which it is divided has the relative error R, so its square 2R. The error found after the
 //! render is uncertain in the same way, less by n/N. With two standard deviations of all this,
@@ -26,16 +26,16 @@ use crate::scene::Scene;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// So few pixels with all the noise are taken for the work of a few samples.
+/// With fewer effective pixels than this, the noise is put down to a few outlier samples.
 const FEW: f64 = 20.0;
 
-/// What the seed of a pilot differs in from that of the image.
+/// Bits in which the seed of a pilot differs from that of the image.
 const OTHER_SEED: u32 = 0x8000_0000;
 
 /// The last possible sample of a pixel, rounded down to a block.
 const MOST: u64 = (u32::MAX as u64 / BLOCK) * BLOCK;
 
-/// Fewer blocks say nothing about an error, in samples.
+/// Fewest samples from which a variance is estimated (four blocks).
 const FEWEST: u64 = 4 * BLOCK;
 
 /// Uncertainty of the estimated variance that ends a pilot.
@@ -46,7 +46,8 @@ const CERTAIN: f64 = 0.05;
 pub struct Quality {
     /// Mean of each channel; 0 of one that the image does not have.
     pub mean: [f64; 3],
-    /// Root mean square over pixels of the standard error, relative to the absolute value of the image's mean.
+    /// Root mean square over pixels of the standard error, relative to the absolute value of the image's
+    /// mean.
     pub relative_standard_error: f64,
     /// Standard error of the image's mean, relative to its absolute value.
     pub relative_standard_error_of_mean: f64,
@@ -61,13 +62,14 @@ pub struct Quality {
 /// of correlated pixels add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// How many channels it is about.
+    /// Number of channels that are summed over.
     channels: usize,
     sum: [f64; 3],
-    /// Of the values of pixels.
+    /// Sum of the variances of pixels.
     variance: f64,
-    /// Of the sum of pixels, and the sum of the squares of what its squares contribute.
+    /// Largest variance that the sum of pixels can have: the sum of those of squares of correlated pixels.
     of_sum: f64,
+    /// Sum of the squared variances of those squares.
     fourth: f64,
     squares: usize,
 }
@@ -135,7 +137,7 @@ impl Noise {
 }
 
 impl Quality {
-    /// Of values and variances; see [`Noise::of`].
+    /// The quality of pixels with these values and variances; see [`Noise::of`].
     pub fn new<C, V>(window: Window, edge: u32, channels: C) -> Self
     where
         C: IntoIterator<Item = V>,
@@ -144,7 +146,7 @@ impl Quality {
         Noise::of(window, edge, channels).quality(window)
     }
 
-    /// Of an image; without variances nothing is known, and the errors are infinite.
+    /// The quality of an image; without variances nothing is known, and the errors are infinite.
     pub fn of_image(image: &Image) -> Self {
         let channels = image.channels.iter().map(|channel| {
             let variance = |i: usize| channel.variance.as_ref().map_or(f64::INFINITY, |v| f64::from(v[i]));
@@ -155,7 +157,7 @@ impl Quality {
         Self::new(image.crop, correlated_edge(reuse.max(1)), channels)
     }
 
-    /// Of what is rendered so far.
+    /// The quality of what is rendered so far.
     pub fn of(partial: &Partial, scene: &Scene, window: Window) -> Self {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
@@ -176,13 +178,13 @@ pub struct Pilot {
     pub count: u64,
     /// Samples of every pixel that the pilot rendered.
     pub samples: u64,
-    /// Rays that it traced.
+    /// Rays that the pilot traced.
     pub rays: u64,
-    /// What it saw.
+    /// Noise of the image that the pilot rendered.
     pub quality: Quality,
 }
 
-/// Why there is no number.
+/// Why a pilot finds no number of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoCount {
     /// The render was stopped.
@@ -233,7 +235,7 @@ pub fn for_error(
     if needed.is_nan() || needed > MOST as f64 {
         return Err(NoCount::TooMany);
     }
-    // Two blocks are the fewest that have an error at all.
+    // Two blocks are the fewest that have a variance at all.
     let count = (needed.ceil() as u64).next_multiple_of(BLOCK).max(2 * BLOCK);
     Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality })
 }

@@ -1,4 +1,4 @@
-//! A render on its way, shown in the image viewer tev while it lasts.
+//! A preview of a render in the image viewer tev, while it lasts.
 //!
 //! tev listens on TCP for packets (tev, `src/python/ipc.py`): the length of the packet in bytes including
 //! these four, its kind, and its fields; integers little-endian, texts ended by a zero. Of its kinds two are
@@ -20,7 +20,7 @@ const UPDATE_IMAGE: u8 = 6;
 /// Rows in one packet.
 const ROWS: usize = 64;
 
-/// How long a viewer may take before it is given up.
+/// How long a viewer may take to answer before it is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// A connection to a viewer. Nothing that happens to it can stop or slow a render: a viewer that is slower

@@ -1,13 +1,13 @@
-//! One sample again, with all that it does.
+//! Replay of one sample: its vertices and its contributions.
 
 use super::sample::Camera;
 use crate::integrator::path::reuse;
 use crate::integrator::{CameraPath, Counters, Event};
 
-/// What a sample of a pixel does.
+/// A sample of a pixel that was replayed.
 pub struct Replay {
     pub path: CameraPath,
-    /// The reconstruction filter's, which the path's radiance does not include.
+    /// Weight of the reconstruction filter, which the path's radiance does not include.
     pub weight: f64,
     /// The vertices of the path, if the integrator traces any.
     pub vertices: Vec<Event>,
@@ -18,8 +18,8 @@ pub struct Replay {
 }
 
 impl Camera<'_> {
-    /// Makes a sample as it was made in the image. Its vertices are those of its own path; what it shares with
-    /// others is in its radiance only.
+    /// Makes a sample as it was made in the image. Its vertices are those of its own path; what it shares
+    /// with others is in its radiance only.
     pub fn replay(&self, pixel: (u32, u32), sample: u64) -> Replay {
         let channels = self.channel_names().len();
         let trace = |which: &[((u32, u32), u64)], counters: &mut Counters| {

@@ -28,7 +28,7 @@ pub struct Camera<'a> {
     seed: u32,
     kernel: &'a KernelEntry,
     radiance: bool,
-    /// How many channels the integrator fills besides.
+    /// Number of channels besides light that the integrator fills.
     extra: usize,
     /// The range that a spectral film makes wavelengths be drawn from; visible light is always within.
     band_range: Option<(f32, f32)>,
@@ -99,13 +99,13 @@ impl<'a> Camera<'a> {
         self.scene.sensor.film.size
     }
 
-    /// Light paths for each sample number.
+    /// Number of light paths per sample number.
     pub fn light_paths(&self) -> u64 {
         self.scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths))
     }
 
-    /// Traces light paths by their numbers, counted over all samples, and hands on which of them brings what
-    /// to the colour channels of which pixel.
+    /// Traces the light paths with these numbers, counted over all samples, and passes to `splat`, for each
+    /// contribution, the path's number, the pixel, and the values of the colour channels.
     pub fn trace_light(
         &self,
         numbers: Range<u64>,
@@ -128,7 +128,7 @@ impl<'a> Camera<'a> {
         );
     }
 
-    /// Linear sRGB, alpha and the bands of light along a path, and how much of a surface was met.
+    /// Fills linear sRGB, alpha (`covered`) and the bands from the light along a path.
     #[inline]
     fn colors(
         &self, (λ, radiance, covered): (&Wavelengths, Spectrum, f64), weight: f64, values: &mut [f64]
@@ -161,7 +161,7 @@ impl<'a> Camera<'a> {
         let (mut paths, mut weights) = (Vec::with_capacity(which.len()), Vec::with_capacity(which.len()));
         let groups = self.groups(which);
         let mut numbers = ManyNumbers::<8>::default();
-        // Places, wavelengths, lens.
+        // Pairs for the place, the wavelengths and the lens.
         let pairs = if self.scene.sensor.camera.has_lens() { 3 } else { 2 };
         for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
             numbers.fill(which.len(), pairs, |i| (&samplers[i], CAMERA));
@@ -182,7 +182,7 @@ impl<'a> Camera<'a> {
             return vec![];
         }
         let kind = self.scene.sensor.sampler.kind;
-        let mut last: Option<(reuse::Group, u32, Wavelengths)> = None;
+        let mut last: Option<(reuse::GroupId, u32, Wavelengths)> = None;
         let of = |&(pixel, sample): &((u32, u32), u64)| {
             let group = reuse::group(pixel, sample, pixels);
             let (number, λ) = match last {
@@ -228,8 +228,8 @@ impl<'a> Camera<'a> {
     }
 }
 
-/// What spectral responses make of light along a path. It stands apart, so that other films do not pay for
-/// it.
+/// Fills bands: light along a path, weighted by their spectral responses. It is a function of its own, so
+/// that other films do not pay for it.
 #[inline(never)]
 fn respond(bands: &[Band], (λ, radiance): (&Wavelengths, Spectrum), weight: f64, values: &mut [f64]) {
     for (value, band) in values.iter_mut().zip(bands) {

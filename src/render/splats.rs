@@ -1,9 +1,9 @@
-//! What light paths bring to the pixels of a window.
+//! Splats: what light paths contribute to the pixels of a window.
 //!
-//! The light paths of sample number s have the numbers s M .. (s + 1) M. What they bring to a pixel is added
-//! to that pixel's camera sample s, in the order of their numbers: so a sample of a pixel is still a function
-//! of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances) holds for
-//! both together.
+//! The light paths of sample number s have the numbers s M .. (s + 1) M. What they contribute to a pixel is
+//! added to that pixel's camera sample s, in the order of their numbers: so a sample of a pixel is still a
+//! function of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances)
+//! holds for both together.
 
 use super::Progress;
 use super::sample::Camera;
@@ -27,10 +27,10 @@ pub struct Splats {
     channels: usize,
     /// Where each pixel's splats begin, and where the last one's end.
     first: Vec<usize>,
-    /// The sample of each, counted from the first of the range.
+    /// Sample number of each splat, counted from the first of the range.
     samples: Vec<u32>,
     begin: u64,
-    /// All channels of each.
+    /// All channels of each splat.
     values: Vec<f64>,
     pub counters: Counters,
 }
@@ -45,8 +45,8 @@ struct Part {
 }
 
 impl Splats {
-    /// Traces the light paths of a range of samples. Nothing where the scene has no use for them; `None` if
-    /// told to stop.
+    /// Traces the light paths of a range of samples; there are no splats if the scene has no light paths.
+    /// `None` if told to stop.
     pub fn trace(camera: &Camera, window: Window, samples: &Range<u64>, progress: &Progress) -> Option<Self> {
         let per_sample = camera.light_paths();
         let numbers = samples.start * per_sample..samples.end * per_sample;
@@ -99,7 +99,7 @@ impl Splats {
         Self { window: Some(window), channels, first, samples, begin: 0, values, counters }
     }
 
-    /// Adds to a sample of a pixel, whose colour channels come first, what light paths bring to it.
+    /// Adds to a sample of a pixel, whose colour channels come first, what light paths contribute to it.
     #[inline(always)]
     pub fn add_to(&self, pixel: (u32, u32), sample: u64, values: &mut [f64]) {
         if let Some(window) = self.window {

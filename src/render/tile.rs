@@ -13,12 +13,12 @@ use std::sync::atomic::Ordering;
 /// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
 const BATCH: usize = 512;
 
-/// What was rendered of a window.
+/// The samples that were rendered of a window.
 pub struct Tile {
     pub window: Window,
-    /// Pixel by pixel, channel by channel.
+    /// Sums, pixel by pixel and channel by channel.
     pub sums: Vec<ChannelAccumulator>,
-    /// What happened on the way.
+    /// The report of these samples.
     pub report: Report,
 }
 
@@ -83,7 +83,7 @@ pub fn tile(
 }
 
 impl Tile {
-    /// Adds up camera samples with what light paths bring to them; how many of them lie in the window.
+    /// Adds camera samples and their splats to the sums; returns how many of them lie in the window.
     fn add(
         &mut self,
         camera: &Camera,

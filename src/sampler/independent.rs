@@ -5,7 +5,7 @@ use super::mix;
 use crate::math::simd::U32x8;
 use rand_pcg::{Pcg32, rand_core::Rng};
 
-/// The first so many pairs of numbers of 32 bits, for each of eight samples; of the others nothing.
+/// The first `pairs` pairs of 32-bit numbers of eight samples; the rest stays zero.
 pub fn blocks(keys: U32x8, samples: U32x8, blocks: U32x8, pairs: usize) -> [U32x8; 8] {
     let low = mix(samples ^ (keys.left::<16>() | keys.right::<16>())).to_array();
     let high = mix((blocks * U32x8::splat(0x9e37_79b9)) ^ keys).to_array();

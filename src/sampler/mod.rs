@@ -64,6 +64,7 @@ fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError>
     let samples = params.integer("sample_count", 4, 1..=i64::from(u32::MAX), "samples a pixel")? as u32;
     let seed = params.integer("seed", 0, 0..=i64::from(u32::MAX), "another seed, another noise")? as u32;
     params.boolean("jitter", true, "Mitsuba's option of stratified samplers; ignored")?;
+    params.integer("strength", 2, 0..=i64::from(u32::MAX), "Mitsuba's option of `orthogonal`; ignored")?;
     Ok(SamplerSettings { kind, samples, seed })
 }
 
@@ -71,7 +72,7 @@ fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError>
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     kind: Kind,
-    /// Stands for the seed and the pixel.
+    /// Hash of the seed and the pixel.
     key: u32,
     sample: u32,
 }
@@ -83,17 +84,24 @@ pub const PAIRS: usize = 4;
 pub const CAMERA: u32 = 0;
 /// The blocks of the vertices begin here.
 pub const FIRST_VERTEX: u32 = 1;
-/// No path has more vertices.
+/// Most vertices of a path.
 pub const MOST_VERTICES: u32 = 1 << 20;
 /// The blocks of light paths for groups of pixels begin here.
 pub const LIGHT_SOURCES: u32 = 1 << 28;
-/// The blocks of guided emitter samples begin here, so many for each vertex.
+/// The blocks of guided emitter samples begin here.
 pub const GUIDED: u32 = 1 << 29;
+/// Blocks of a guided emitter sample at each vertex.
 pub const GUIDED_OF_VERTEX: u32 = 1 << 5;
-/// The blocks of emitter samples, where a vertex takes several, begin here, so many for each.
+/// The blocks of emitter samples begin here, where a vertex takes several: [`MOST_EMITTER_SAMPLES`] for each.
 const EMITTER_SAMPLES: u32 = 1 << 30;
 /// How many emitter samples a vertex can take.
 pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
+
+/// The column that stands for light paths that find caustics where samplers are given a pixel; no film is as
+/// wide as this and the next.
+pub const CAUSTICS_COLUMN: u32 = u32::MAX;
+/// The column of the light paths whose photons guide emitter samples.
+pub const GUIDE_COLUMN: u32 = u32::MAX - 1;
 
 // No two uses share a block.
 const _: () = assert!(
@@ -121,9 +129,9 @@ impl Numbers {
 }
 
 impl Sampler {
-    /// All pixels of a film of up to 2¹⁶ columns and rows have keys of their own: their low bits are one word,
-    /// and what is done to it can be undone. The sum keeps the pixels of two seeds from sharing theirs by
-    /// whole rows.
+    /// All pixels of a film of up to 2¹⁶ columns and rows have keys of their own: their low bits are one
+    /// word, and what is done to it can be undone. The sum keeps the pixels of two seeds from sharing theirs
+    /// by whole rows.
     pub fn new(kind: Kind, seed: u32, (x, y): (u32, u32), sample: u32) -> Self {
         let word = U32x8::splat;
         let of_seed = mix(word(seed ^ 0x9e37_79b9));
@@ -138,8 +146,8 @@ impl Sampler {
         Self { sample, ..self }
     }
 
-    /// The numbers of up to eight of `count` emitter samples at a vertex with so many edges behind it, from
-    /// the one with number `first` on, and so many pairs of each. Those of all camera samples are one
+    /// The numbers of up to eight of `count` emitter samples at a vertex with `depth` vertices before it,
+    /// from the one with number `first` on, and so many pairs of each. Those of all camera samples are one
     /// sequence, better spread than `count` of their own.
     #[inline]
     pub fn emitter_samples(&self, depth: u32, first: u32, count: u32, pairs: usize) -> ManyNumbers<8> {
@@ -152,8 +160,8 @@ impl Sampler {
         numbers
     }
 
-    /// One of `count` that stand for this sample, those of all samples being one sequence, and how many times
-    /// that is longer than samplers can count.
+    /// One of `count` samplers that stand for this sample, those of all samples being one sequence, and the
+    /// overflow of its number above 32 bits.
     #[inline]
     pub fn one_of(&self, which: u32, count: u32) -> (Self, u32) {
         let number = u64::from(self.sample) * u64::from(count) + u64::from(which);

@@ -7,7 +7,7 @@
 use super::mix;
 use crate::math::simd::U32x8;
 
-/// The first so many pairs of numbers of 32 bits, for each of eight samples; of the others nothing.
+/// The first `pairs` pairs of 32-bit numbers of eight samples; the rest stays zero.
 #[inline]
 pub fn blocks(keys: U32x8, samples: U32x8, blocks: U32x8, pairs: usize) -> [U32x8; 8] {
     let key = mix(keys ^ (blocks * U32x8::splat(0x9e37_79b9)));

@@ -23,14 +23,14 @@ use crate::render::sample::channel_names;
 use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
-use crate::shape::accel::Accel;
+use crate::shape::accel::{Accel, Instance};
 use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Asks whether a file can hold all channels of the image. A model has seen to its own; this is about those of
-/// film and integrator together.
+/// Checks that a file can hold all channels of the image. Models have checked their own; this is about those
+/// of film and integrator together.
 fn check_channels(film: &Film, integrator: &AnyIntegrator, place: &Span) -> Result<(), SceneError> {
     let names = channel_names(film, integrator);
     check_names(&names).map_err(|(index, why)| {
@@ -40,9 +40,25 @@ fn check_channels(film: &Film, integrator: &AnyIntegrator, place: &Span) -> Resu
     })
 }
 
-/// What a scene holds.
+/// Tags of the elements of a scene.
 const TOP_LEVEL: [&str; 10] =
     ["shape", "emitter", "sensor", "integrator", "bsdf", "texture", "spectrum", "film", "rfilter", "sampler"];
+
+/// Parameters of a scene about Mitsuba's acceleration structures; ignored.
+const OF_SEARCHES: [&str; 12] = [
+    "allow_thread_reordering",
+    "compact_acceleration_structures",
+    "embree_use_robust_intersections",
+    "kd_clip",
+    "kd_empty_space_bonus",
+    "kd_exact_primitive_threshold",
+    "kd_intersection_cost",
+    "kd_max_depth",
+    "kd_min_max_bins",
+    "kd_retract_bad_splits",
+    "kd_stop_prims",
+    "kd_traversal_cost",
+];
 
 /// Reads a scene file. `definitions` are values for its `$parameters`.
 pub fn load(
@@ -82,11 +98,15 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
                 objects.material(element)?;
             }
             "texture" | "spectrum" => {
-                AnyTexture::parse(element, &loader, Usage::Unbounded)?;
+                AnyTexture::parse(element, &loader, Usage::Any)?;
             }
             "film" => construct(FILMS, element, &loader, Usage::Unbounded).map(drop)?,
             "rfilter" => construct(FILTERS, element, &loader, Usage::Unbounded).map(drop)?,
             "sampler" => construct(SAMPLERS, element, &loader, Usage::Unbounded).map(drop)?,
+            "boolean" | "integer" | "float" if element.name().is_some_and(|n| OF_SEARCHES.contains(&n)) => {
+                element.only(&["name", "value"])?;
+                element.require("value")?;
+            }
             "medium" => {
                 let help = format!("known at the top level: {}", TOP_LEVEL.join(", "));
                 return Err(SceneError::at(&element.span, "participating media are not available", help));
@@ -119,11 +139,12 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     check_channels(&sensor.film, &integrator, place)?;
     let hash = hash(document, &loader, mode)?;
     let features = features(&objects, &integrator);
-    let choosing = |traits: Traits| traits.smooth && !traits.one_lobe;
+    let choosing = |traits: Traits| traits.has_density && !traits.one_lobe;
     let several_lobes = objects.materials.iter().any(|material| choosing(material.traits()));
-    lamps::raise(&mut objects.shapes);
+    let trees = objects.instances.trees();
+    lamps::raise(&mut objects.shapes, trees.iter().map(Instance::bounds));
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
-    let accel = Accel::with_instances(&geometries, objects.instances.trees());
+    let accel = Accel::with_instances(&geometries, trees);
     let (lo, hi) = accel.bounds();
     let radius = if accel.primitives() == 0 { 1.0 } else { 0.5 * length(hi - lo) };
     let Objects { shapes, instances, materials, emitters, .. } = &mut objects;
@@ -163,7 +184,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// What the scene asks of a kernel.
+/// The features that a kernel for the scene needs.
 fn features(objects: &Objects, integrator: &AnyIntegrator) -> Features {
     let mut bits = 0;
     for material in &objects.materials {
@@ -179,4 +200,28 @@ fn features(objects: &Objects, integrator: &AnyIntegrator) -> Features {
     bits |= if integrator.needs_uv() { Features::TEXTURES } else { 0 };
     bits |= if objects.instances.is_empty() { 0 } else { Features::INSTANCES };
     Features(bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_says_how_mitsuba_works_is_ignored() {
+        let of_integrators = r#"<boolean name="hide_emitters" value="true"/><float name="timeout" value="5"/>
+            <integer name="block_size" value="16"/><integer name="samples_per_pass" value="4"/>"#;
+        let (aovs, path) = (r#"<string name="aovs" value="d:depth"/>"#, r#"<integrator type="path"/>"#);
+        for (kind, within) in [("path", ""), ("direct", ""), ("depth", ""), ("aov", aovs), ("moment", path)] {
+            let text = format!(
+                r#"<scene version="3.0.0"><boolean name="allow_thread_reordering" value="false"/>
+                <integer name="kd_max_depth" value="9"/><float name="kd_traversal_cost" value="1.5"/>
+                <integrator type="{kind}">{of_integrators}{within}</integrator>
+                <sensor type="perspective"><sampler type="orthogonal"><integer name="strength" value="3"/></sampler></sensor>
+                <shape type="cube"><boolean name="face_normals" value="true"/></shape>
+                <shape type="rectangle"><boolean name="face_normals" value="true"/></shape></scene>"#
+            );
+            let loaded = load_text("scene.xml", &text, ColorMode::Rgb).map(drop);
+            assert!(loaded.is_ok(), "{kind}: {}", loaded.unwrap_err());
+        }
+    }
 }

@@ -13,7 +13,7 @@ use crate::spectrum::ColorMode;
 /// A model as `etalon plugins` shows it.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Model {
-    /// The element: `bsdf`, `shape`, …
+    /// Tag of the model's element: `bsdf`, `shape`, …
     pub kind: &'static str,
     pub name: &'static str,
     pub about: &'static str,
@@ -23,42 +23,54 @@ pub struct Model {
 
 /// All models, by kind and in the order of the registries.
 pub fn catalogue() -> Vec<Model> {
-    let mut models = vec![];
-    collect("integrator", crate::integrator::INTEGRATORS, &mut models);
-    collect("sensor", crate::sensor::SENSORS, &mut models);
-    collect("film", crate::film::FILMS, &mut models);
-    collect("rfilter", crate::film::filter::FILTERS, &mut models);
-    collect("sampler", crate::sampler::SAMPLERS, &mut models);
-    collect("emitter", crate::emitter::EMITTERS, &mut models);
-    collect("shape", crate::shape::SHAPES, &mut models);
-    collect("bsdf", crate::bsdf::MATERIALS, &mut models);
-    collect("texture", crate::texture::TEXTURES, &mut models);
-    models
+    let mut models = Models(vec![]);
+    visit(&mut models);
+    models.0
 }
 
-fn collect<T>(kind: &'static str, table: &[Entry<T>], models: &mut Vec<Model>) {
-    for entry in table {
-        let empty = format!(r#"<{kind} version="3.0.0" type="{}"/>"#, entry.name);
-        let mut parameters = asked(entry, &empty).unwrap_or_default();
-        for example in entry.examples {
-            let versioned = example.replacen(" type=", " version=\"3.0.0\" type=", 1);
-            for parameter in asked(entry, &versioned).unwrap_or_default() {
-                if !parameters.iter().any(|p: &Parameter| p.name == parameter.name) {
-                    parameters.push(parameter);
+/// What is done with every registry, whatever its models become.
+trait Visitor {
+    fn registry<T>(&mut self, kind: &'static str, table: &[Entry<T>]);
+}
+
+fn visit(visitor: &mut impl Visitor) {
+    visitor.registry("integrator", crate::integrator::INTEGRATORS);
+    visitor.registry("sensor", crate::sensor::SENSORS);
+    visitor.registry("film", crate::film::FILMS);
+    visitor.registry("rfilter", crate::film::filter::FILTERS);
+    visitor.registry("sampler", crate::sampler::SAMPLERS);
+    visitor.registry("emitter", crate::emitter::EMITTERS);
+    visitor.registry("shape", crate::shape::SHAPES);
+    visitor.registry("bsdf", crate::bsdf::MATERIALS);
+    visitor.registry("texture", crate::texture::TEXTURES);
+}
+
+struct Models(Vec<Model>);
+
+impl Visitor for Models {
+    fn registry<T>(&mut self, kind: &'static str, table: &[Entry<T>]) {
+        for entry in table {
+            let empty = format!(r#"<{kind} version="3.0.0" type="{}"/>"#, entry.name);
+            let mut parameters = asked(entry, &empty).unwrap_or_default();
+            for example in entry.examples {
+                for parameter in asked(entry, &versioned(example)).unwrap_or_default() {
+                    if !parameters.iter().any(|p: &Parameter| p.name == parameter.name) {
+                        parameters.push(parameter);
+                    }
                 }
             }
+            let Entry { name, about, examples, .. } = *entry;
+            self.0.push(Model { kind, name, about, parameters, examples });
         }
-        models.push(Model {
-            kind,
-            name: entry.name,
-            about: entry.about,
-            parameters,
-            examples: entry.examples,
-        });
     }
 }
 
-/// What a model asks for when it is parsed, whether or not it is content with the answers.
+/// An example as the root of a document.
+fn versioned(example: &str) -> String {
+    example.replacen(" type=", " version=\"3.0.0\" type=", 1)
+}
+
+/// The parameters that a model asks for when it is parsed, whether or not that succeeds.
 fn asked<T>(entry: &Entry<T>, text: &str) -> Result<Vec<Parameter>, SceneError> {
     let document = xml::read_text("example", text)?;
     let loader = Loader::new(&document, ColorMode::Spectral)?;
@@ -73,29 +85,25 @@ mod tests {
 
     #[test]
     fn every_example_of_every_model_is_accepted() {
-        fn check<T>(kind: &str, table: &[Entry<T>]) {
-            for entry in table {
-                for example in entry.examples {
-                    let text = example.replacen(" type=", " version=\"3.0.0\" type=", 1);
+        struct Checked(usize);
+        impl Visitor for Checked {
+            fn registry<T>(&mut self, kind: &'static str, table: &[Entry<T>]) {
+                let all = table.iter().flat_map(|entry| entry.examples.iter().map(move |e| (entry, e)));
+                for (entry, example) in all {
                     for mode in [ColorMode::Spectral, ColorMode::Rgb] {
-                        let document = xml::read_text("example", &text).unwrap();
+                        let document = xml::read_text("example", &versioned(example)).unwrap();
                         let loader = Loader::new(&document, mode).unwrap();
                         let mut params = Params::new(&document.root, &loader, Usage::Reflectance).unwrap();
                         let parsed = (entry.parse)(&mut params).map(drop).and_then(|()| params.finish());
                         assert!(parsed.is_ok(), "{kind} {}: {}\n{example}", entry.name, parsed.unwrap_err());
+                        self.0 += 1;
                     }
                 }
             }
         }
-        check("integrator", crate::integrator::INTEGRATORS);
-        check("sensor", crate::sensor::SENSORS);
-        check("film", crate::film::FILMS);
-        check("rfilter", crate::film::filter::FILTERS);
-        check("sampler", crate::sampler::SAMPLERS);
-        check("emitter", crate::emitter::EMITTERS);
-        check("shape", crate::shape::SHAPES);
-        check("bsdf", crate::bsdf::MATERIALS);
-        check("texture", crate::texture::TEXTURES);
+        let mut checked = Checked(0);
+        visit(&mut checked);
+        assert!(checked.0 > 100, "{}", checked.0);
     }
 
     #[test]

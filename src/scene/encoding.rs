@@ -4,30 +4,27 @@ use super::error::{SceneError, Source, Span};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The text of a file. Error: bytes that are no UTF-8 in a file that does not declare them to be Latin-1.
+/// The text of a file; an error if bytes are not UTF-8 and the file does not declare them to be Latin-1.
 pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
-    String::from_utf8(bytes).or_else(|error| {
+    if declares_latin_1(&bytes) {
+        return Ok(bytes.into_iter().map(char::from).collect());
+    }
+    String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let bytes = error.into_bytes();
-        if declares_latin_1(&bytes) {
-            return Ok(bytes.into_iter().map(char::from).collect());
-        }
         let message = format!("the byte {:#04x} is no UTF-8", bytes[valid]);
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let source = Arc::new(Source { path: path.to_owned(), text });
         let expected = "expected UTF-8, or <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?> in the first line";
-        Err(SceneError::at(
-            &Span { source, range: valid..valid + char::REPLACEMENT_CHARACTER.len_utf8() },
-            message,
-            expected,
-        ))
+        let range = valid..valid + char::REPLACEMENT_CHARACTER.len_utf8();
+        SceneError::at(&Span { source, range }, message, expected)
     })
 }
 
 fn declares_latin_1(bytes: &[u8]) -> bool {
     let end = bytes.windows(2).position(|pair| pair == b"?>").unwrap_or(0);
     let declaration = String::from_utf8_lossy(&bytes[..end]).to_ascii_lowercase();
-    declaration.starts_with("<?xml")
+    declaration.trim_start().starts_with("<?xml")
         && ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name))
 }
 
@@ -40,6 +37,11 @@ mod tests {
         let body = b"\n<scene><!-- caf\xe9 --></scene>";
         let declared = [b"<?xml version='1.0' encoding='ISO-8859-1'?>".as_slice(), body].concat();
         assert!(decode(Path::new("a.xml"), declared).unwrap().contains("café"));
+        let late = b"\n <?xml version='1.0' encoding='latin1'?><!-- \xe9 -->".to_vec();
+        assert!(decode(Path::new("a.xml"), late).unwrap().contains('é'));
+        // Bytes that would be UTF-8 as well.
+        let twice = b"<?xml version='1.0' encoding='latin1'?><!-- caf\xc3\xa9 -->".to_vec();
+        assert!(decode(Path::new("a.xml"), twice).unwrap().contains("cafÃ©"));
         let error =
             decode(Path::new("a.xml"), [b"<?xml version='1.0'?>".as_slice(), body].concat()).unwrap_err();
         assert_eq!(error.line_column(), Some((2, 16)));

@@ -24,9 +24,9 @@ pub struct Span {
 #[derive(Debug)]
 pub struct SceneError {
     pub message: String,
-    /// Shown at the marked place; may be empty.
+    /// What was expected, shown at the marked place; may be empty.
     pub expected: String,
-    /// Boxed because the happy path carries this type's size.
+    /// The place; boxed because every `Result` is as large as this type.
     pub span: Option<Box<Span>>,
 }
 

@@ -1,4 +1,4 @@
-//! What tells one scene from another.
+//! The hash of a scene.
 
 use super::error::SceneError;
 use super::loader::Loader;
@@ -6,7 +6,8 @@ use super::xml::{Document, Element};
 use crate::spectrum::ColorMode;
 use xxhash_rust::xxh3::Xxh3;
 
-/// Scene text after substitution, colour mode, and the bytes of every file it refers to.
+/// The hash of the scene's text after substitution, of the colour mode, and of the bytes of every file that
+/// it refers to.
 pub fn hash(document: &Document, loader: &Loader, mode: ColorMode) -> Result<String, SceneError> {
     let mut hasher = Xxh3::new();
     hasher.update(mode.name().as_bytes());

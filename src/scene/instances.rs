@@ -1,4 +1,4 @@
-//! Groups of shapes that are held once and seen in many places.
+//! Groups of shapes that are stored once and seen in many places.
 
 use super::Shape;
 use super::owners::Owners;
@@ -9,72 +9,82 @@ use crate::shape::{Geometry, Hit, SurfacePoint};
 use std::sync::Arc;
 
 /// Shapes in coordinates of their own, numbered from 0.
-pub struct Group {
+pub struct ShapeGroup {
     shapes: Vec<Shape>,
     owners: Owners,
     tree: Arc<Accel>,
+    /// How many shapes the groups before this one have.
+    shapes_before: usize,
 }
 
-impl Group {
+impl ShapeGroup {
     /// Arranges shapes for searching.
     pub fn new(shapes: Vec<Shape>) -> Self {
         let geometries: Vec<&Geometry> = shapes.iter().map(|s| &s.geometry).collect();
         let tree = Arc::new(Accel::new(&geometries));
         let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
-        Self { shapes, owners, tree }
+        Self { shapes, owners, tree, shapes_before: 0 }
+    }
+
+    /// The shape that a primitive of the group belongs to, and its number there.
+    fn shape_of(&self, primitive: u32) -> (&Shape, u32) {
+        let shape = &self.shapes[self.owners.of(primitive)];
+        (shape, primitive - shape.first_primitive)
     }
 }
 
-/// All groups and all their looks. The primitives of every look have numbers of their own, which follow upon
+/// All groups and all their instances. The primitives of every instance have numbers of their own, after
 /// those of the scene's other shapes.
 #[derive(Default)]
 pub struct Instances {
-    groups: Vec<Group>,
-    /// The group, and from its coordinates to the world's.
-    looks: Vec<(u32, Transform)>,
-    /// Looks by primitive, counted from `first`.
+    groups: Vec<ShapeGroup>,
+    /// ShapeGroup of each instance, and the transform from the group's coordinates to the world's.
+    placements: Vec<(u32, Transform)>,
+    /// Instances by primitive, counted from `first`.
     owners: Owners,
-    /// The first of all primitives here.
+    /// Number of the first primitive of all instances.
     first: u32,
 }
 
 impl Instances {
-    /// Adds a group that nothing is seen of yet; answers with its number.
-    pub fn add_group(&mut self, group: Group) -> u32 {
-        self.groups.push(group);
+    /// Adds a group without placements; returns its number.
+    pub fn add_group(&mut self, group: ShapeGroup) -> u32 {
+        let shapes_before = self.groups.last().map_or(0, |last| last.shapes_before + last.shapes.len());
+        self.groups.push(ShapeGroup { shapes_before, ..group });
         self.groups.len() as u32 - 1
     }
 
-    /// Adds a look of a group; answers with its box and how many primitives it has.
+    /// Adds an instance of a group; returns its box and its number of primitives.
     pub fn place(&mut self, group: u32, to_world: Transform) -> ((DVec3, DVec3), u32) {
-        self.looks.push((group, to_world));
+        self.placements.push((group, to_world));
         let tree = Instance::new(self.groups[group as usize].tree.clone(), to_world);
         (tree.bounds(), tree.primitives())
     }
 
-    /// What is to be searched for each look.
+    /// The acceleration structure of each instance.
     pub fn trees(&self) -> Vec<Instance> {
         let tree = |&(group, to_world): &(u32, Transform)| {
             Instance::new(self.groups[group as usize].tree.clone(), to_world)
         };
-        self.looks.iter().map(tree).collect()
+        self.placements.iter().map(tree).collect()
     }
 
     /// Numbers all primitives, after `first` others.
     pub fn after(mut self, first: u32) -> Self {
-        self.owners =
-            Owners::new(self.looks.iter().map(|&(group, _)| self.groups[group as usize].tree.primitives()));
-        self.first = if self.looks.is_empty() { Ray::FREE } else { first };
+        self.owners = Owners::new(
+            self.placements.iter().map(|&(group, _)| self.groups[group as usize].tree.primitives()),
+        );
+        self.first = if self.placements.is_empty() { Ray::FREE } else { first };
         self
     }
 
-    /// How many looks there are.
+    /// Number of instances.
     pub fn len(&self) -> usize {
-        self.looks.len()
+        self.placements.len()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.looks.is_empty()
+        self.placements.is_empty()
     }
 
     /// The shapes of all groups.
@@ -82,13 +92,14 @@ impl Instances {
         self.groups.iter().flat_map(|group| &group.shapes)
     }
 
-    /// The bounding boxes of the looks of groups that have such a shape.
+    /// The bounding boxes of the instances of groups that have such a shape.
     pub fn bounds_of_groups_with(&self, wanted: impl Fn(&Shape) -> bool) -> Vec<(DVec3, DVec3)> {
-        let has = |look: &&(u32, Transform)| self.groups[look.0 as usize].shapes.iter().any(&wanted);
+        let has =
+            |placement: &&(u32, Transform)| self.groups[placement.0 as usize].shapes.iter().any(&wanted);
         let bounds = |&(group, to_world): &(u32, Transform)| {
             Instance::new(self.groups[group as usize].tree.clone(), to_world).bounds()
         };
-        self.looks.iter().filter(has).map(bounds).collect()
+        self.placements.iter().filter(has).map(bounds).collect()
     }
 
     /// Bytes of the groups' search structures.
@@ -102,27 +113,33 @@ impl Instances {
         primitive >= self.first
     }
 
-    fn find(&self, primitive: u32) -> (&Transform, &Shape, u32) {
-        let look = self.owners.of(primitive - self.first);
-        let (group, to_world) = &self.looks[look];
-        let group = &self.groups[*group as usize];
-        let local = primitive - self.first - self.owners.start(look);
-        let shape = &group.shapes[group.owners.of(local)];
-        (to_world, shape, local - shape.first_primitive)
+    /// The instance that a primitive belongs to: its transform and its group, and the number of the primitive
+    /// there.
+    fn find(&self, primitive: u32) -> (&Transform, &ShapeGroup, u32) {
+        let placement = self.owners.of(primitive - self.first);
+        let (group, to_world) = &self.placements[placement];
+        (to_world, &self.groups[*group as usize], primitive - self.first - self.owners.start(placement))
+    }
+
+    /// The number of the shape that a primitive belongs to, among those of all groups.
+    pub fn shape_index(&self, primitive: u32) -> usize {
+        let (_, group, local) = self.find(primitive);
+        group.shapes_before + group.owners.of(local)
     }
 
     /// The shape that a primitive belongs to, and its number there.
     pub fn shape_of(&self, primitive: u32) -> (&Shape, u32) {
-        let (_, shape, local) = self.find(primitive);
-        (shape, local)
+        let (_, group, local) = self.find(primitive);
+        group.shape_of(local)
     }
 
-    /// The surface at a hit: that of the group, placed. Normals go with the inverse transpose, so that they
-    /// keep their side under a mirroring transform.
+    /// The surface at a hit: that of the group, placed. Normals are transformed by the inverse transpose, so
+    /// that they keep their side under a mirroring transform.
     #[inline(never)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
-        let (to_world, shape, local) = self.find(hit.primitive);
-        // Quadrics find their point by that of the ray, of which nothing else is asked.
+        let (to_world, group, local) = self.find(hit.primitive);
+        let (shape, local) = group.shape_of(local);
+        // Quadrics compute their point from that of the ray, and need nothing else of it.
         let there = Ray::free(to_world.inverted().point(ray.at(hit.t)), ray.direction);
         let point = shape.geometry.point::<true>(&there, &Hit { t: 0.0, ..*hit }, local);
         let placed = SurfacePoint {
@@ -175,15 +192,15 @@ mod tests {
 
     fn instanced() -> Scene {
         let members: String = SHAPES.iter().map(|(kind, steps)| shape(kind, steps)).collect();
-        let looks = PLACES.map(|place| {
+        let placements = PLACES.map(|place| {
             format!(r#"<shape type="instance"><ref id="g"/><transform name="to_world">{place}</transform></shape>"#)
         });
-        scene(&format!(r#"<shape type="shapegroup" id="g">{members}</shape>{}"#, looks.concat()))
+        scene(&format!(r#"<shape type="shapegroup" id="g">{members}</shape>{}"#, placements.concat()))
     }
 
     #[test]
     fn an_instance_may_stand_anywhere_in_the_file() {
-        let (group, look) = (
+        let (group, placement) = (
             format!(r#"<shape type="shapegroup" id="g">{}</shape>"#, shape("cube", "")),
             r#"<shape type="instance"><ref id="g"/></shape>"#,
         );
@@ -191,14 +208,14 @@ mod tests {
             .iter()
             .flat_map(|p| SHAPES.map(|(kind, steps)| shape(kind, &[steps, p].concat())))
             .collect();
-        let last = scene(&format!("{group}{}{look}", others.concat()));
+        let last = scene(&format!("{group}{}{placement}", others.concat()));
         for first in 0..others.len() {
             let (before, after) = others.split_at(first);
-            let moved = scene(&format!("{group}{}{look}{}", before.concat(), after.concat()));
+            let moved = scene(&format!("{group}{}{placement}{}", before.concat(), after.concat()));
             for primitive in 0..last.accel.primitives() {
                 let [a, b] = [&last, &moved].map(|s| {
                     let (shape, local) = s.shape_of(primitive);
-                    (s.index_of(shape), local, shape.geometry.bounds())
+                    (s.shape_index(primitive), local, shape.geometry.bounds())
                 });
                 assert_eq!(a, b, "primitive {primitive} where {first} shapes stand before the instance");
             }

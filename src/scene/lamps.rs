@@ -1,30 +1,28 @@
 //! Lamps that lie in the plane of another surface, such as a panel in a ceiling.
 //!
 //! Rounding would decide which of the two a ray meets, while an emitter sample ends just before its lamp and
-//! arrives: whoever weighs the two techniques against one another loses what the surface hides from one of
-//! them. So flat lamps lie upon whatever they lie in.
+//! arrives: MIS of the two techniques would lose what the surface hides from one of them. So flat lamps are
+//! raised a little above whatever they lie in.
 
 use super::Shape;
 use crate::math::DVec3;
 use crate::math::ray::position_error;
 use crate::shape::Geometry;
 
-/// How many errors of a computed point a lamp rises: beyond those of both surfaces along a ray, and beyond
-/// where emitter samples end ([`way_between`](crate::math::ray::way_between)).
+/// By how many times the error of a computed point a lamp is raised: beyond the errors of both surfaces along
+/// a ray, and beyond where emitter samples end ([`way_between`](crate::math::ray::way_between)).
 const ERRORS: f64 = 16.0;
 
-/// Raises rectangles and disks that shine to their front, by less than can be seen and more than rounding.
-/// Lamps of triangles stay: their vertices have fewer digits, and share edges with others.
-pub fn raise(shapes: &mut [Shape]) {
-    let corner = |shape: &Shape| {
-        let (lo, hi) = shape.geometry.bounds();
-        lo.abs().max(hi.abs())
-    };
+/// Raises rectangles and disks that emit towards their front, by less than can be seen and more than
+/// rounding. Lamps of triangles stay: their vertices have fewer digits, and share edges with others.
+/// `instances` are the boxes of the instances, which are not among the shapes.
+pub fn raise(shapes: &mut [Shape], instances: impl Iterator<Item = (DVec3, DVec3)>) {
     let flat = |shape: &Shape| shape.emitter.is_some() && matches!(shape.geometry, Geometry::Patch(_));
     if !shapes.iter().any(flat) {
         return;
     }
-    let most = shapes.iter().map(corner).fold(DVec3::ZERO, DVec3::max);
+    let boxes = shapes.iter().map(|shape| shape.geometry.bounds()).chain(instances);
+    let most = boxes.map(|(lo, hi)| lo.abs().max(hi.abs())).fold(DVec3::ZERO, DVec3::max);
     let height = ERRORS * position_error(most);
     for shape in shapes.iter_mut().filter(|shape| shape.emitter.is_some()) {
         if let Geometry::Patch(patch) = &mut shape.geometry {

@@ -1,4 +1,4 @@
-//! What all parts of a scene share while it is being read.
+//! State that all parts of a scene share while it is being read.
 
 use super::error::{SceneError, known};
 use super::xml::{Attribute, Document, Element, find};
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// No object is within so many others.
+/// Most objects that are being read, each within the one before.
 const DEEPEST: usize = 64;
 /// Objects within objects are read again, by `<ref>`s, so many times for each element of the document, and
 /// this often besides. Each time costs some hundred bytes.
@@ -25,10 +25,11 @@ pub struct Loader<'d> {
     search: &'d [PathBuf],
     /// The objects being read, outermost first: a second visit to one of them is a cycle.
     open: RefCell<Vec<*const Element>>,
-    /// Those that have been read, and how often one of them was read again within two others and more.
+    /// The objects that have been read.
     read: RefCell<HashSet<*const Element>>,
+    /// How often one of those was read again within two others or more.
     repeats: Cell<usize>,
-    /// How many elements the document has.
+    /// Number of elements of the document.
     elements: usize,
     /// Decoded bitmaps; many materials share one.
     bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
@@ -117,7 +118,7 @@ impl<'d> Loader<'d> {
     }
 
     /// The file that an attribute of an element names. As in Mitsuba, all of the scene file's folders come
-    /// first, wherever the name stands; then those of the file in which it stands, which Mitsuba does not know.
+    /// first, wherever the name stands; then those of the file in which it stands, unlike in Mitsuba.
     pub fn find(&self, element: &Element, name: &Attribute) -> Result<PathBuf, SceneError> {
         let path = find(self.search, &name.value).or_else(|| find(&element.search, &name.value));
         let (message, help) = match path {

@@ -1,4 +1,4 @@
-//! A scene: plain arrays of everything that a ray can meet or that can shine, read from Mitsuba 3 XML.
+//! A scene: plain arrays of everything that a ray can meet and of all emitters, read from Mitsuba 3 XML.
 //!
 //! Reading has three stages. [`xml`] makes a tree of elements whose every piece knows its place in the file;
 //! the models read their own parameters from it through [`params`]; `build` puts what they made into arrays.
@@ -45,100 +45,101 @@ use std::time::Duration;
 /// A surface: its geometry, what it is made of and what it emits.
 pub struct Shape {
     pub geometry: Geometry,
-    /// The number of its first primitive.
+    /// The number of its first primitive, counted over the scene.
     pub first_primitive: u32,
     /// Materials by side: front, back.
     pub sides: [Side; 2],
-    /// Its entry in the scene's emitters.
+    /// Index of its emitter in the scene's list, if it emits.
     pub emitter: Option<u32>,
 }
 
 impl Shape {
-    /// Whether all that it does to light besides reflecting is to refract it.
+    /// Whether light passes it only by refraction, on both sides.
     pub fn refracts(&self) -> bool {
         self.sides.iter().all(|side| side.traits.refracts)
     }
 
-    /// Whether a side of it is a mirror.
+    /// Whether a side of it reflects like a mirror and in no other way.
     pub fn mirrors(&self) -> bool {
         self.sides.iter().any(|side| side.traits.mirrors)
     }
 }
 
-/// What one side of a surface wears.
+/// The material of one side of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
     /// Index of the material.
     pub material: u32,
-    /// The material is seen as if from its front: the local frame is turned around.
+    /// Whether the material is seen as if from its front: the local frame is turned around.
     pub turned: bool,
     pub traits: Traits,
 }
 
 impl Side {
-    /// Between the frame about the shading normal and that of the material: a turned side sees the frame
-    /// upside down.
+    /// Transforms a direction between the frame about the shading normal and that of the material, which is
+    /// upside down on a turned side.
     #[inline]
     pub fn turn(self, w: DVec3) -> DVec3 {
         if self.turned { DVec3::new(w.x, w.y, -w.z) } else { w }
     }
 }
 
-/// What a command line may say instead of the scene file.
+/// What a command line overrides of the scene file.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
-    /// An integrator with its default settings.
+    /// Name of an integrator, which has its default settings.
     pub integrator: Option<String>,
     /// Edges of the longest path; −1 means no limit.
     pub max_depth: Option<i64>,
     /// Film size; the crop window becomes the whole film.
     pub size: Option<(u32, u32)>,
     pub seed: Option<u32>,
-    /// A sampler by name.
+    /// Name of a sampler.
     pub sampler: Option<String>,
-    /// Light paths to a camera path.
+    /// Light paths per camera path.
     pub light_paths: Option<f64>,
-    /// Pixels that share what their paths find.
+    /// Number of pixels that share what their paths find.
     pub reuse: Option<u32>,
-    /// Light paths of each group of them.
+    /// Light paths per group of pixels that share.
     pub shared_light_paths: Option<u32>,
-    /// Where emitters are sampled through glass and by mirrors.
+    /// At which vertices emitters are sampled through glass and by mirrors.
     pub links: Option<String>,
 }
 
 /// Everything that a render needs.
 pub struct Scene {
-    /// All files that it was read from.
+    /// All files that the scene was read from.
     pub files: Vec<PathBuf>,
     pub shapes: Vec<Shape>,
     owners: Owners,
-    /// Looks of groups of further shapes.
+    /// Instances of groups of further shapes.
     pub instances: Instances,
     pub materials: Vec<AnyMaterial>,
     pub emitters: Emitters,
     pub accel: Accel,
     pub sensor: Sensor,
     pub integrator: AnyIntegrator,
-    /// How caustics are found, where light paths help.
+    /// The light paths that find caustics, if there are any.
     pub caustics: Option<Caustics>,
-    /// How light paths find sources for pixels that share, if they do; see [`crate::render::plan::reuse`].
+    /// The light paths that find sources for pixels that share, if there are any; see
+    /// [`crate::render::plan::reuse`].
     pub light_sources: Option<LightSources>,
-    /// Where emitters are sampled through glass and by mirrors, if they are.
+    /// The specular shapes by which emitters are sampled, if they are.
     pub links: Option<Links>,
-    /// Along which ways emitters are sampled instead, if light paths have shown some.
+    /// The directions by which emitter samples are guided instead, if light paths have left photons.
     pub guide: Option<Guide>,
     pub mode: ColorMode,
     /// What the scene uses; decides which kernel runs.
     pub features: Features,
-    /// Some material that emitters are sampled for has several lobes.
+    /// Whether some material for which emitters are sampled has several lobes.
     pub several_lobes: bool,
-    /// How long pilots took to settle what the file leaves open: a part of loading, and yet rendering.
+    /// How long pilots took to settle what the file leaves open; a part of the time for loading.
     pub planning: Duration,
     /// A hash of the scene file with all it refers to, as 32 hexadecimal digits.
     pub hash: String,
 }
 
-/// What a scene uses beyond the least that every scene does.
+/// What a scene uses beyond what every scene does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features(pub u32);
 
@@ -149,16 +150,16 @@ impl Features {
     pub const ANISOTROPY: u32 = 2;
     /// Refraction that separates wavelengths.
     pub const DISPERSION: u32 = 4;
-    /// Light from outside.
+    /// Light from outside the scene.
     pub const ENVIRONMENT: u32 = 8;
     /// Light paths look for caustics, or emitters are sampled by specular surfaces.
     pub const CAUSTICS: u32 = 16;
     /// Pixels share what their paths find.
     pub const REUSE: u32 = 32;
-    /// Groups of shapes are seen in several places.
+    /// Instances of groups of shapes.
     pub const INSTANCES: u32 = 64;
     pub const ALL: u32 = 127;
-    /// What scenes with textures often use, and what costs others little that have any.
+    /// The kernel for textured scenes: features that often come together, cheap if unused.
     pub const TEXTURED: u32 = Self::TEXTURES | Self::ANISOTROPY | Self::ENVIRONMENT | Self::INSTANCES;
 
     /// The names of the features, for people.
@@ -177,7 +178,7 @@ impl Features {
 }
 
 impl Scene {
-    /// Sets whether a kernel needs [`Features::CAUSTICS`], once what asks for it is settled anew.
+    /// Sets whether a kernel needs [`Features::CAUSTICS`], after what needs it has changed.
     pub fn settle_caustics(&mut self) {
         let needed = self.caustics.is_some() || self.links.is_some() || self.guide.is_some();
         self.features.0 &= !Features::CAUSTICS;
@@ -193,14 +194,14 @@ impl Scene {
         self.own_shape_of(primitive)
     }
 
-    /// The same of a primitive that is no instance's.
+    /// The shape that a primitive belongs to, not one of an instance, and its number there.
     #[inline(always)]
     fn own_shape_of(&self, primitive: u32) -> (&Shape, u32) {
         let shape = &self.shapes[self.owners.of(primitive)];
         (shape, primitive - shape.first_primitive)
     }
 
-    /// The surface at a hit, as far as a kernel with these features asks.
+    /// The surface at a hit, as far as a kernel with these features needs it.
     #[inline(always)]
     pub fn surface<const F: u32>(&self, ray: &Ray, hit: &Hit) -> (&Shape, SurfacePoint) {
         if F & Features::INSTANCES != 0 && self.instances.have(hit.primitive) {
@@ -215,8 +216,8 @@ impl Scene {
         (shape, point)
     }
 
-    /// Begins to bring what is known of surfaces into the cache, where primitives lie scattered over memory:
-    /// first which corners the triangles have, then the corners.
+    /// Prefetches the surfaces at hits, where primitives lie scattered over memory: first the indices of
+    /// corners, then the corners.
     pub fn prefetch_surfaces(&self, hits: &[Option<Hit>]) {
         if !self.accel.is_scattered() {
             return;
@@ -237,13 +238,15 @@ impl Scene {
         self.sensor.camera.seen_per_area(ray, p) * (f64::from(width) * f64::from(height))
     }
 
-    /// A number for each shape: those of groups come after the others.
-    pub fn index_of(&self, shape: &Shape) -> usize {
-        let mut all = self.shapes.iter().chain(self.instances.shapes());
-        all.position(|s| std::ptr::eq(s, shape)).unwrap_or(0)
+    /// The number of the shape that a primitive belongs to: those of groups come after the others.
+    pub fn shape_index(&self, primitive: u32) -> usize {
+        if self.instances.have(primitive) {
+            return self.shapes.len() + self.instances.shape_index(primitive);
+        }
+        self.owners.of(primitive)
     }
 
-    /// Bytes of the shapes and of what rays search them by; materials and textures are not counted.
+    /// Bytes of the shapes and of their acceleration structures; materials and textures are not counted.
     pub fn geometry_bytes(&self) -> usize {
         let all = self.shapes.iter().chain(self.instances.shapes());
         let meshes = all.map(|s| match &s.geometry {

@@ -1,7 +1,7 @@
 //! Shapes, materials and emitters, from their elements.
 
 use super::error::{SceneError, known};
-use super::instances::{Group, Instances};
+use super::instances::{Instances, ShapeGroup};
 use super::loader::Loader;
 use super::params::{Params, Usage};
 use super::registry::construct;
@@ -13,20 +13,20 @@ use crate::math::{DVec3, Ray, Transform};
 use crate::shape::{Declared, Geometry, SHAPES};
 use std::collections::BTreeMap;
 
-/// What a scene is made of, as far as it has been read.
+/// Shapes, materials and emitters of a scene, as far as it has been read.
 pub struct Objects<'a, 'd> {
     loader: &'a Loader<'d>,
     pub shapes: Vec<Shape>,
     pub instances: Instances,
-    /// The groups that were read, by their element.
+    /// Numbers of the groups that were read, by their element.
     known_groups: BTreeMap<*const Element, u32>,
-    /// Of all shapes and instances.
+    /// Number of primitives of all shapes and instances.
     primitives: u64,
     pub materials: Vec<AnyMaterial>,
-    /// What both sides wear of the materials that were read, by their element: shapes share them.
+    /// Sides already built, by material element, so that shapes share them.
     known: BTreeMap<*const Element, [Side; 2]>,
     pub emitters: Vec<select::Entry>,
-    /// Grey for surfaces without a material; black for those that shine.
+    /// Sides of surfaces without a material: grey ones, and black ones for those that emit.
     default_sides: [Option<[Side; 2]>; 2],
 }
 
@@ -45,7 +45,7 @@ impl<'a, 'd> Objects<'a, 'd> {
         }
     }
 
-    /// Reads a `<shape>` with what it wears and what it emits, a group, or an instance.
+    /// Reads a `<shape>` with its material and its emitter, a group, or an instance.
     pub fn shape(&mut self, element: &'d Element) -> Result<(), SceneError> {
         let mut params = Params::new(element, self.loader, Usage::Unbounded)?;
         match declared(&mut params)? {
@@ -72,14 +72,14 @@ impl<'a, 'd> Objects<'a, 'd> {
                 Some(self.emitters.len() as u32 - 1)
             }
         };
-        // Those of instances come after all of these, wherever they stand in the file.
+        // The primitives of instances come after all of these, wherever they stand in the file.
         let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
         self.count(geometry.primitives(), params.element)?;
         self.shapes.push(Shape { geometry, first_primitive, sides, emitter });
         Ok(())
     }
 
-    /// What a surface wears, and what it shall emit.
+    /// The sides of a surface, and the element of its emitter.
     fn attachments(
         &mut self,
         geometry: &Geometry,
@@ -98,8 +98,8 @@ impl<'a, 'd> Objects<'a, 'd> {
         Ok((sides, emitter))
     }
 
-    /// Reads a group, once, and answers with its number. As in Mitsuba, its shapes neither shine nor are
-    /// groups or instances themselves.
+    /// Reads a group, once, and returns its number. As in Mitsuba, its shapes neither emit nor are groups or
+    /// instances themselves.
     fn group(&mut self, element: &'d Element, params: Params<'_, 'd>) -> Result<u32, SceneError> {
         params.finish()?;
         if let Some(number) = self.known_groups.get(&(element as *const Element)) {
@@ -122,7 +122,7 @@ impl<'a, 'd> Objects<'a, 'd> {
             check_count(u64::from(first_primitive) + u64::from(geometry.primitives()), member)?;
             shapes.push(Shape { geometry, first_primitive, sides, emitter: None });
         }
-        let number = self.instances.add_group(Group::new(shapes));
+        let number = self.instances.add_group(ShapeGroup::new(shapes));
         self.known_groups.insert(element, number);
         Ok(number)
     }
@@ -178,7 +178,7 @@ impl<'a, 'd> Objects<'a, 'd> {
         Side { material: self.materials.len() as u32 - 1, turned, traits }
     }
 
-    /// Reads a material, once, and answers with what both sides of a surface wear.
+    /// Reads a material, once, and returns the two sides of a surface with it.
     pub fn material(&mut self, element: &'d Element) -> Result<[Side; 2], SceneError> {
         if let Some(sides) = self.known.get(&(element as *const Element)) {
             return Ok(*sides);
@@ -196,11 +196,11 @@ impl<'a, 'd> Objects<'a, 'd> {
         sides
     }
 
-    /// Reads an emitter that is no shape.
+    /// Reads an emitter that does not belong to a shape.
     pub fn emitter(&mut self, element: &'d Element) -> Result<(), SceneError> {
         let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
         if matches!(emitter, AnyEmitter::Area(_)) {
-            // One with a name shines where shapes refer to it.
+            // One with an `id` is used where shapes refer to it.
             let help = "put it inside a <shape>, or give it an `id` that a shape refers to";
             let named = element.attribute("id").map(drop);
             return named
@@ -214,7 +214,7 @@ impl<'a, 'd> Objects<'a, 'd> {
     }
 }
 
-/// Reads what a `<shape>` is by itself.
+/// Reads the geometry of a `<shape>`, without material and emitter.
 fn declared(params: &mut Params) -> Result<Declared, SceneError> {
     let kind = params.element.require("type")?;
     let entry = SHAPES.iter().find(|e| e.name == kind.value).ok_or_else(|| {

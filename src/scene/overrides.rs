@@ -1,5 +1,5 @@
-//! What the command line says instead of the scene file, written into the document before anything reads it:
-//! so it takes the same path, gives the same errors, and is part of the scene's hash.
+//! Overrides of the scene file by the command line, written into the document before anything reads it: so
+//! they are read in the same way, give the same errors, and are part of the scene's hash.
 
 mod place;
 
@@ -46,11 +46,11 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     Ok(())
 }
 
-/// The integrator that makes the image: the innermost, within those that look at another one's.
+/// The integrator that makes the image: the innermost, within those that nest another one.
 fn integrator(document: &mut Document) -> &mut Element {
     let mut place = child_or_new(document, &[], "integrator", "path");
     let mut seen = vec![];
-    // One that contains itself is refused by who reads it.
+    // One that contains itself is refused when it is read.
     while let Some(nested) = inner(document, &place, "integrator").filter(|nested| !seen.contains(nested)) {
         seen.push(nested.clone());
         place = nested;

@@ -1,17 +1,18 @@
-//! Which shape a primitive belongs to.
+//! The shape that a primitive belongs to.
 
-/// The shapes of all primitives, counted over the scene: found in a few steps, whatever their number.
+/// The shapes of all primitives, counted over the scene: a table gives a range of shapes to search, which is
+/// mostly a single one.
 #[derive(Clone, Debug, Default)]
 pub struct Owners {
     /// The first primitive of every shape, and the number of primitives.
     starts: Vec<u32>,
-    /// For every 2^`shift` primitives the shape of the first of them.
+    /// For every 2^`shift` primitives the shape of the first of them, and one more entry as their end.
     shapes: Vec<u32>,
     shift: u32,
 }
 
-/// Entries of the table, at most.
-const ENTRIES: u32 = 4096;
+/// Most entries of the table, unless there are more shapes.
+const ENTRIES: usize = 4096;
 
 impl Owners {
     /// From the numbers of primitives of the shapes.
@@ -22,12 +23,12 @@ impl Owners {
             total += count;
             starts.push(total);
         }
-        let shift = (0..32).find(|&shift| total >> shift < ENTRIES).unwrap_or(31);
-        let shapes = (0..=total >> shift).map(|entry| {
-            let after = starts.partition_point(|&start| start <= entry << shift);
-            after as u32 - 1
-        });
-        Self { shapes: shapes.collect(), starts, shift }
+        let entries = ENTRIES.max(starts.len());
+        let shift = (0..32).find(|&shift| ((total >> shift) as usize) < entries).unwrap_or(31);
+        let first = |entry: u32| starts.partition_point(|&start| start <= entry << shift) as u32 - 1;
+        let end = starts.len() as u32 - 1;
+        let shapes = (0..=total >> shift).map(first).chain([end]).collect();
+        Self { shapes, starts, shift }
     }
 
     /// The first primitive of a shape.
@@ -36,12 +37,18 @@ impl Owners {
         self.starts[shape]
     }
 
-    /// The index of the shape.
+    /// The index of the shape that a primitive belongs to.
     #[inline]
     pub fn of(&self, primitive: u32) -> usize {
-        let mut shape = self.shapes[(primitive >> self.shift) as usize] as usize;
-        while self.starts[shape + 1] <= primitive {
-            shape += 1;
+        let entry = (primitive >> self.shift) as usize;
+        let (mut shape, mut last) = (self.shapes[entry] as usize, self.shapes[entry + 1] as usize);
+        while shape < last {
+            let middle = (shape + last).div_ceil(2);
+            if self.starts[middle] <= primitive {
+                shape = middle;
+            } else {
+                last = middle - 1;
+            }
         }
         shape
     }
@@ -53,11 +60,13 @@ mod tests {
 
     #[test]
     fn every_primitive_is_found_where_it_was_counted() {
-        for counts in [vec![1, 1, 1], vec![0, 3, 0, 0, 2, 1], vec![70_000, 1, 0, 12_345, 2], vec![1; 9000]] {
+        let beside = [vec![3_000_000], vec![1; 5000], vec![0; 10], vec![1; 5000]].concat();
+        let few = [vec![1, 1, 1], vec![0, 3, 0, 0, 2, 1, 0], vec![70_000, 1, 0, 12_345, 2]];
+        for counts in few.into_iter().chain([vec![1; 9000], beside]) {
             let owners = Owners::new(counts.iter().copied());
             let all = counts.iter().enumerate().flat_map(|(i, n)| std::iter::repeat_n(i, *n as usize));
             for (primitive, shape) in all.enumerate() {
-                assert_eq!(owners.of(primitive as u32), shape, "{primitive} of {counts:?}");
+                assert_eq!(owners.of(primitive as u32), shape, "{primitive} of {} shapes", counts.len());
             }
         }
     }

@@ -1,4 +1,5 @@
-//! A registry is a table: one row a model, and everything that lists, dispatches or explains models reads it.
+//! Registries: tables with a row for each model, which everything that lists, dispatches or explains models
+//! reads.
 
 use super::error::{SceneError, known};
 use super::loader::Loader;

@@ -6,13 +6,13 @@ use super::params::number;
 use super::xml::{Attribute, Element, read_utf8};
 use crate::spectrum::table::Tabulated;
 
-/// What a `<spectrum>` says.
+/// The contents of a `<spectrum>`.
 pub enum Declared {
     Number(f64),
     Table(Tabulated),
 }
 
-/// Reads one, with the attribute that says it.
+/// Reads a `<spectrum>`; also returns the attribute that holds its contents.
 pub fn parse<'d>(element: &'d Element, loader: &Loader) -> Result<(Declared, &'d Attribute), SceneError> {
     element.only(&["name", "value", "filename"])?;
     match (element.attribute("value"), element.attribute("filename")) {

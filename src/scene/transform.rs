@@ -42,7 +42,8 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
             let point = |name| step.require(name).and_then(triple);
             let (origin, target) = (point("origin")?, point("target")?);
             let up = step.attribute("up").map(triple).transpose()?.filter(|up| *up != DVec3::ZERO);
-            // As in Mitsuba, whatever the same construction of a frame makes of the viewing direction.
+            // As in Mitsuba: a vector of the frame that the same construction makes about the viewing
+            // direction.
             let up = up.unwrap_or_else(|| Frame::about(unit(target - origin)).s);
             Transform::look_at(origin, target, up).ok_or_else(|| {
                 singular("expected a target apart from the origin, and `up` not along the view")

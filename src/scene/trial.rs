@@ -1,7 +1,6 @@
 //! Scenes for tests of several modules.
 
-/// A ball of glass under a lamp, so that light paths take part, seen by this integrator through a film of 8 × 6
-/// pixels.
+/// A ball of glass under a lamp, so that light paths take part, seen by this integrator on 8 × 6 pixels.
 pub fn ball_of_glass(integrator: &str) -> String {
     format!(
         r#"<scene version="3.0.0">{integrator}

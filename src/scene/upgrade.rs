@@ -1,4 +1,4 @@
-//! What files of Mitsuba 0.6 say in other words, as Mitsuba itself upgrades them.
+//! Upgrades of old names in files of Mitsuba 0.6, as Mitsuba itself does them.
 
 use super::xml::Element;
 
@@ -18,10 +18,10 @@ pub fn name(name: &str, node: roxmltree::Node) -> String {
     if result == "diffuse_reflectance" && parent == Some("diffuse") { "reflectance".into() } else { result }
 }
 
-/// What placed a bitmap in Mitsuba 0.6; later versions have one `to_uv`.
+/// Parameters that placed a bitmap in Mitsuba 0.6; later versions have one `to_uv`.
 const PLACING: [&str; 4] = ["uoffset", "voffset", "uscale", "vscale"];
 
-/// Makes a `to_uv` of what placed a bitmap.
+/// Replaces the parameters that placed a bitmap by a `to_uv`.
 pub fn texture_offsets(element: &mut Element) {
     let value = |name: &str| {
         let number = |c: &&Element| c.name() == Some(name) && ["float", "integer"].contains(&c.tag.as_str());

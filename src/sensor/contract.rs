@@ -1,4 +1,4 @@
-//! What every camera must hold to, asked of every example of every camera.
+//! Tests that every example of every camera must pass.
 
 use super::{AnySensor, SENSORS};
 use crate::math::{DVec2, DVec3, Ray, length};

@@ -35,11 +35,11 @@ pub enum AnySensor {
 pub struct View {
     /// Unit direction from the point to the lens, world space.
     pub towards: DVec3,
-    /// How far the way must be free.
+    /// Distance to the lens, over which the shadow ray must be unoccluded.
     pub distance: f64,
     /// The place on the film, 0 to 1 from the upper left where it is on it.
     pub film: DVec2,
-    /// The part of the film that a unit of area across the line of sight fills there.
+    /// The part of the film that a unit of area about the point, across the line of sight, fills.
     pub per_area: f64,
 }
 
@@ -90,8 +90,8 @@ impl AnySensor {
         }
     }
 
-    /// How a point in the world is seen through a place on the unit square of the lens, if nothing is in the
-    /// way. `None` for what lies behind the camera or beyond its clipping distances.
+    /// How a point in the world is seen through a place on the unit square of the lens, if it is not
+    /// occluded. `None` for what lies behind the camera or beyond its clipping distances.
     #[inline]
     pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
         match self {
@@ -148,7 +148,7 @@ impl Foreshortening {
     }
 }
 
-/// What every camera has besides its optics.
+/// The parameters that every camera has besides its optics.
 struct Common {
     to_world: Transform,
     near: f64,
@@ -189,18 +189,18 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
 fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
     let axes = ["x", "y", "diagonal", "smaller", "larger"];
     let expected = "degrees above 0 and below 180";
-    let given = params.has("fov");
-    let fov =
-        params.float_where("fov", 50.0, "field of view in degrees", expected, |v| v > 0.0 && v < 180.0)?;
-    let axis = params.choice("fov_axis", &axes, "the axis that `fov` is along")?;
-    let focal = params.string("focal_length", "instead of `fov`: of a lens for 35 mm film, such as 50mm")?;
-    let (half, axis) = match focal {
-        Some(place) if given => {
+    let about = "field of view in degrees; without it `focal_length` holds";
+    let fov = params.optional_float_where("fov", about, expected, |v| v > 0.0 && v < 180.0)?;
+    let axis = params.word("fov_axis", &axes, "the axis that `fov` is along")?;
+    let about = "instead of `fov`: of a lens for 35 mm film; without either it is 50mm";
+    let focal = params.string("focal_length", about)?;
+    let (half, axis) = match (focal, fov) {
+        (Some(place), Some(_)) => {
             let message = "both `fov` and `focal_length`";
             return Err(SceneError::at(&place.value_span, message, "expected one of them"));
         }
-        _ if given => (crate::math::transform::half_width(fov), axis),
-        _ => {
+        (None, Some(fov)) => (crate::math::transform::half_width(fov), axis),
+        (_, None) => {
             let length = focal.map_or("50mm", |a| a.value.as_str()).trim().trim_end_matches("mm");
             let length = crate::scene::params::number(length).filter(|v| *v > 0.0);
             let length = length

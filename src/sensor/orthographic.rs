@@ -40,7 +40,7 @@ impl Orthographic {
         Ray { end: self.far - self.near, ..Ray::free(self.to_world.point(p), direction) }
     }
 
-    /// The way back of [`Orthographic::ray`].
+    /// The inverse of [`Orthographic::ray`]: how a point is seen.
     pub fn connect(&self, p: DVec3) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);
         let forward = self.to_world.vector(DVec3::Z);

@@ -52,7 +52,7 @@ impl Perspective {
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
     }
 
-    /// The way back of [`Perspective::ray`].
+    /// The inverse of [`Perspective::ray`]: how a point is seen.
     #[inline]
     pub fn connect(&self, p: DVec3) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);

@@ -67,7 +67,7 @@ impl ThinLens {
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
     }
 
-    /// The way back of [`ThinLens::ray`] from the same place on the lens.
+    /// The inverse of [`ThinLens::ray`] for the same place on the lens: how a point is seen.
     pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);
         if !(local.z > self.near && local.z < self.far) {

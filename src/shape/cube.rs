@@ -42,6 +42,7 @@ pub struct Cube {
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
+    params.boolean("face_normals", false, "Mitsuba's; ignored, for its faces are flat")?;
     Ok(Geometry::Cube(Cube::new(&to_world, flip)))
 }
 
@@ -128,8 +129,8 @@ mod tests {
     use crate::shape::{Hit, Mesh};
     use rand_pcg::Pcg32;
 
-    /// Mitsuba's cube: each face's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit k
-    /// of a corner is the sign of axis k.
+    /// Mitsuba's cube: each face's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit
+    /// k of a corner is the sign of axis k.
     const OF_TRIANGLES: [([f32; 3], [u8; 4]); 6] = [
         ([0.0, -1.0, 0.0], [1, 5, 4, 0]),
         ([0.0, 1.0, 0.0], [3, 2, 6, 7]),

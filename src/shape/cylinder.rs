@@ -22,9 +22,11 @@ pub const EXAMPLES: &[&str] = &[
 #[derive(Clone, Copy, Debug)]
 pub struct Cylinder {
     pub start: DVec3,
-    /// Unit axis, and the two unit vectors that uv angles are measured in.
+    /// Unit axis, from `start` (world).
     pub axis: DVec3,
+    /// Unit vector across the axis, at u = 0.
     x: DVec3,
+    /// Unit vector across the axis, at u = ¼.
     y: DVec3,
     pub length: f64,
     pub radius: f64,
@@ -33,10 +35,11 @@ pub struct Cylinder {
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
-    let radius = params.float_where("radius", 1.0, "radius", "a positive number", |r| r > 0.0)?;
+    let about = "radius; with a negative one u begins on the other side";
+    let radius = params.float_where("radius", 1.0, about, "a number other than 0", |r| r != 0.0)?;
     let p0 = params.vector("p0", Some(DVec3::ZERO), "centre of one end")?.unwrap_or(DVec3::ZERO);
     let p1 = params.vector("p1", Some(DVec3::Z), "centre of the other end")?.unwrap_or(DVec3::Z);
-    if p0 == p1 {
+    if length(p1 - p0) <= 0.0 {
         return Err(params.error("p1", "the cylinder has no length", "expected two different points"));
     }
     let frame = Frame::about(unit(p1 - p0));
@@ -50,14 +53,17 @@ impl Cylinder {
         let frame = Frame::about(unit(p1 - p0));
         let start = to_world.point(p0);
         let along = to_world.point(p1) - start;
-        let x = to_world.vector(frame.s);
+        // A negative radius turns x and y about the axis by half a turn, and nothing else: as in Mitsuba, the
+        // outside stays the outside.
+        let sign = radius.signum();
+        let x = to_world.vector(frame.s * sign);
         Self {
             start,
             axis: unit(along),
             x: unit(x),
-            y: unit(to_world.vector(frame.t)),
+            y: unit(to_world.vector(frame.t * sign)),
             length: length(along),
-            radius: radius * length(x),
+            radius: radius.abs() * length(x),
             inward,
         }
     }
@@ -106,7 +112,7 @@ impl Cylinder {
         bounds(self.start, self.axis, self.length, self.radius)
     }
 
-    /// The smallest ball that holds it.
+    /// The smallest ball that contains it.
     pub fn ball(&self) -> Ball {
         let half = 0.5 * self.length;
         let radius = (half * half + self.radius * self.radius).sqrt();
@@ -119,4 +125,21 @@ pub fn bounds(start: DVec3, axis: DVec3, length: f64, radius: f64) -> Bounds {
     let half = axis.map(|a| ((1.0 - a) * (1.0 + a)).max(0.0).sqrt()) * radius;
     let end = start + axis * length;
     (start.min(end) - half, start.max(end) + half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_radius_moves_u_by_half_a_turn_and_the_outside_stays_outside() {
+        let near = DVec3::new(0.3, 0.4, 0.25);
+        let [a, b] = [0.5, -0.5].map(|radius| {
+            Cylinder::new(&Transform::IDENTITY, DVec3::ZERO, DVec3::Z, radius, false).point::<true>(near)
+        });
+        assert!(length(a.p - near) < 1e-15 && length(b.p - near) < 1e-15);
+        assert!(a.ng.dot(near) > 0.0 && b.ng.dot(near) > 0.0);
+        assert!((a.uv - b.uv).abs().abs_diff_eq(DVec2::new(0.5, 0.0), 1e-12), "{} {}", a.uv, b.uv);
+        assert!(length(a.dp_du - b.dp_du) < 1e-14);
+    }
 }

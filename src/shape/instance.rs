@@ -1,4 +1,4 @@
-//! One look of a group of shapes.
+//! An instance of a group of shapes.
 
 use super::shapegroup;
 use crate::math::Transform;

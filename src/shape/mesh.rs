@@ -17,11 +17,11 @@ pub struct Mesh {
     /// Unit shading normals; `None` means the triangles are flat.
     normals: Option<Vec<[f32; 3]>>,
     uvs: Option<Vec<[f32; 2]>>,
-    /// The winding gives the back side.
+    /// Whether the winding of triangles gives the back side.
     flipped: bool,
-    /// Triangles by area, for meshes that emit.
+    /// Distribution of triangles by area, for meshes that emit.
     areas: Discrete,
-    /// Of a mesh that emits; see [`Geometry::point_error`](super::Geometry::point_error).
+    /// Rounding error of a mesh that emits; see [`Geometry::point_error`](super::Geometry::point_error).
     error: f64,
 }
 
@@ -42,32 +42,29 @@ fn interpolated([n0, n1, n2]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
 impl Mesh {
     /// Places a mesh. Where the file has no normals they are made from the geometry, unless `face_normals`.
     ///
-    /// As in Mitsuba, stored normals keep their side under a mirroring transform, while geometry turns inside
-    /// out.
+    /// As in Mitsuba, stored normals keep their side under a mirroring transform. The surface itself is turned to
+    /// theirs, whatever its winding: so the front, where a one-sided material reflects, is where a lamp shines.
     pub fn new(data: MeshData, to_world: &Transform, flip: bool, face_normals: bool) -> Self {
         let positions: Vec<[f32; 3]> =
             data.positions.iter().map(|&p| single(to_world.point(double(p)))).collect();
         let side = if flip { -1.0 } else { 1.0 };
         let stored = data.normals.filter(|_| !face_normals);
-        let mirrored = stored.is_some() && to_world.mirrors();
+        let (triangles, uvs) = (data.triangles, data.uvs);
+        let mut flipped = flip;
         let normals = match stored {
             _ if face_normals => None,
             Some(normals) => {
                 let place = |n: &[f32; 3]| single(to_world.normal(double(*n)).normalize_or_zero() * side);
-                Some(normals.iter().map(place).collect())
+                let normals: Vec<[f32; 3]> = normals.iter().map(place).collect();
+                let agreement = agreement(&positions, &triangles, &normals);
+                if agreement != 0.0 {
+                    flipped = agreement < 0.0;
+                }
+                Some(normals)
             }
-            None => Some(smooth_normals(&positions, &data.triangles, side)),
+            None => Some(smooth_normals(&positions, &triangles, side)),
         };
-        let (triangles, uvs) = (data.triangles, data.uvs);
-        Self {
-            positions,
-            triangles,
-            normals,
-            uvs,
-            flipped: flip != mirrored,
-            areas: Discrete::default(),
-            error: 0.0,
-        }
+        Self { positions, triangles, normals, uvs, flipped, areas: Discrete::default(), error: 0.0 }
     }
 
     /// The vertices of a triangle.
@@ -76,12 +73,12 @@ impl Mesh {
         self.triangles[triangle as usize].map(|i| double(self.positions[i as usize]))
     }
 
-    /// Begins to bring the numbers of a triangle's corners into the cache.
+    /// Prefetches the numbers of a triangle's corners.
     pub fn prefetch_triangle(&self, triangle: u32) {
         prefetch(&self.triangles, triangle as usize);
     }
 
-    /// Begins to bring the corners of a triangle into the cache.
+    /// Prefetches the corners of a triangle.
     pub fn prefetch_corners(&self, triangle: u32) {
         for corner in self.triangles[triangle as usize] {
             prefetch(&self.positions, corner as usize);
@@ -218,6 +215,17 @@ fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]], side: f64) -> 
     sums.into_iter().map(|sum| single(sum.normalize_or_zero() * side)).collect()
 }
 
+/// The integral of the cosine between normals and the surface as it is wound, up to a factor: negative if most
+/// of it is wound against its normals.
+fn agreement(positions: &[[f32; 3]], triangles: &[[u32; 3]], normals: &[[f32; 3]]) -> f64 {
+    let of_triangle = |triangle: &[u32; 3]| {
+        let [p0, p1, p2] = triangle.map(|i| double(positions[i as usize]));
+        let [n0, n1, n2] = triangle.map(|i| double(normals[i as usize]));
+        (p1 - p0).cross(p2 - p0).dot(n0 + n1 + n2)
+    };
+    triangles.iter().map(of_triangle).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,6 +251,20 @@ mod tests {
             let point = Mesh::new(triangle(normals), &mirror, flip, face).point::<true>(0, 0.2, 0.2);
             assert_eq!((point.ns.z, point.ng.z), (expected, expected), "{normals} {face} {flip}");
         }
+    }
+
+    /// As lamps of some programs are written.
+    #[test]
+    fn a_mesh_that_is_wound_against_its_normals_is_turned_to_them() {
+        for flip in [false, true] {
+            let data = MeshData { triangles: vec![[0, 2, 1]], ..triangle(true) };
+            let mesh = Mesh::new(data, &Transform::IDENTITY, flip, false);
+            let (point, expected) = (mesh.point::<true>(0, 0.2, 0.2), if flip { -1.0 } else { 1.0 });
+            assert_eq!((point.ns.z, point.ng.z), (expected, expected), "{flip}");
+        }
+        // Without normals to go by, as it is wound.
+        let zeros = MeshData { normals: Some(vec![[0.0; 3]; 3]), ..triangle(true) };
+        assert_eq!(Mesh::new(zeros, &Transform::IDENTITY, true, false).point::<true>(0, 0.2, 0.2).ng.z, -1.0);
     }
 
     #[test]

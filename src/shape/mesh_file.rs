@@ -1,4 +1,4 @@
-//! What shapes that are read from mesh files have in common.
+//! Parameters that all shapes read from mesh files have.
 
 use super::mesh_data::{MeshData, MeshError};
 use crate::scene::error::SceneError;

@@ -1,4 +1,4 @@
-//! What there is to see: one file a shape, and `accel/`, which finds what a ray meets first.
+//! Shapes, one file each, and `accel/`, which finds the first primitive that a ray hits.
 //!
 //! *How to add one*: write `shape/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and a `parse` that makes a
 //! [`Geometry`], and add its line to `shapes!`. A shape that is not made of triangles also needs a variant of
@@ -39,7 +39,7 @@ pub enum Declared {
     Geometry(Geometry),
     /// Surfaces, nested in the element, that are seen only through instances.
     Group,
-    /// Another look of the group nested in the element, placed in the world.
+    /// An instance of the group nested in the element, placed in the world.
     Instance(Transform),
 }
 
@@ -82,8 +82,9 @@ pub enum Geometry {
 pub struct Hit {
     /// Distance along the ray.
     pub t: f64,
-    /// Barycentric or patch coordinates; cubes and quadrics leave them 0.
+    /// First barycentric or patch coordinate; 0 on cubes and quadrics.
     pub u: f64,
+    /// Second barycentric or patch coordinate; 0 on cubes and quadrics.
     pub v: f64,
     /// The primitive, counted over the whole scene.
     pub primitive: u32,
@@ -105,12 +106,12 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// A point whose texture coordinates are not asked for.
+    /// A point whose texture coordinates are not needed.
     pub fn plain(p: DVec3, ng: DVec3, ns: DVec3) -> Self {
         Self { p, ng, ns, uv: DVec2::ZERO, dp_du: DVec3::ZERO, dp_dv: DVec3::ZERO }
     }
 
-    /// A point in the plane z = 0 with its normal along +z, for a look at a material alone.
+    /// A point in the plane z = 0 with its normal along +z, to evaluate a material by itself.
     pub fn flat() -> Self {
         let n = DVec3::Z;
         Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X, dp_dv: DVec3::Y }
@@ -123,7 +124,7 @@ impl SurfacePoint {
     }
 }
 
-/// A point chosen on a surface.
+/// A sampled point on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct AreaSample {
     pub p: DVec3,
@@ -148,8 +149,8 @@ impl Geometry {
         }
     }
 
-    /// The number that Mitsuba gives to primitive `local` at a point of it: its cubes and rectangles are of
-    /// triangles.
+    /// The number that Mitsuba gives to primitive `local` at a point of it: Mitsuba's cubes and rectangles
+    /// are made of triangles.
     pub fn mitsuba_primitive(&self, local: u32, point: &SurfacePoint) -> u32 {
         let diagonal = point.uv.x + point.uv.y;
         match self {
@@ -196,7 +197,7 @@ impl Geometry {
     }
 
     /// A bound of the rounding error of points on it: that of the numbers they are computed from, which may
-    /// be larger than the points themselves. Meshes know it if they emit.
+    /// be larger than the points themselves. Meshes have it only if they emit.
     #[inline]
     pub fn point_error(&self) -> f64 {
         match self {
@@ -208,7 +209,8 @@ impl Geometry {
         }
     }
 
-    /// A point uniform in area. Meshes that emit know their triangles' areas; see [`Mesh::prepare_sampling`].
+    /// A point uniform in area, by u in [0, 1)². Of meshes only those that emit have their triangles' areas;
+    /// see [`Mesh::prepare_sampling`].
     #[inline(always)]
     pub fn sample_area(&self, u: DVec2) -> AreaSample {
         match self {
@@ -220,7 +222,7 @@ impl Geometry {
         }
     }
 
-    /// Around the normals on the front side, world.
+    /// A cone around the normals on the front side (world).
     pub fn normals(&self) -> Cone {
         match self {
             Self::Mesh(mesh) => {
@@ -234,7 +236,7 @@ impl Geometry {
         }
     }
 
-    /// Points whose convex hull holds the shape.
+    /// Points whose convex hull contains the shape.
     pub fn hull(&self) -> Vec<DVec3> {
         match self {
             Self::Mesh(mesh) => mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
@@ -244,7 +246,7 @@ impl Geometry {
         }
     }
 
-    /// A ball that holds the shape: of a sphere itself.
+    /// A ball that contains the shape; for a sphere, the sphere itself.
     pub fn ball(&self) -> Ball {
         match self {
             Self::Sphere(sphere) => Ball { centre: sphere.centre, radius: sphere.radius },

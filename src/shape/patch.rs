@@ -111,7 +111,7 @@ impl Patch {
         (self.centre - half, self.centre + half)
     }
 
-    /// The smallest ball that holds it.
+    /// The smallest ball that contains it.
     pub fn ball(&self) -> Ball {
         let Self { e1, e2, .. } = *self;
         let (a, b, c) = (e1.length_squared(), e1.dot(e2), e2.length_squared());

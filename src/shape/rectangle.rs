@@ -16,5 +16,6 @@ pub const EXAMPLES: &[&str] = &[
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
+    params.boolean("face_normals", false, "Mitsuba's; ignored, for it is flat")?;
     Ok(Geometry::Patch(Patch::new(&to_world, flip, Outline::Square)))
 }

@@ -1,4 +1,4 @@
-//! Shapes that are held once to be seen many times.
+//! Shapes that are stored once and seen through any number of instances.
 
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;

@@ -21,7 +21,7 @@ pub const EXAMPLES: &[&str] = &[
 pub struct Sphere {
     pub centre: DVec3,
     pub radius: f64,
-    /// Normals point inwards.
+    /// Whether normals point inwards.
     pub inward: bool,
     /// See [`Geometry::point_error`](super::Geometry::point_error).
     error: f64,
@@ -32,8 +32,8 @@ pub struct Sphere {
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
     let centre = params.vector("center", Some(DVec3::ZERO), "centre in object space")?.unwrap_or(DVec3::ZERO);
-    let radius =
-        params.float_where("radius", 1.0, "radius in object space", "a positive number", |r| r > 0.0)?;
+    let about = "radius in object space; a negative one turns the surface inside out";
+    let radius = params.float_where("radius", 1.0, about, "a number other than 0", |r| r != 0.0)?;
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
     require_orthogonal(params, axes, &[(0, 1), (1, 2)])?;
     Ok(Geometry::Sphere(Sphere::new(&to_world, centre, radius, flip)))
@@ -41,13 +41,16 @@ pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
 
 impl Sphere {
     pub fn new(to_world: &Transform, centre: DVec3, radius: f64, flip: bool) -> Self {
-        let (centre, radius) = (to_world.point(centre), radius * length(to_world.vector(DVec3::X)));
+        // A negative radius is a factor that mirrors all three axes.
+        let sign = radius.signum();
+        let (centre, radius) = (to_world.point(centre), radius.abs() * length(to_world.vector(DVec3::X)));
+        let inward = flip != to_world.mirrors();
         Self {
             error: position_error(centre.abs() + radius),
             centre,
             radius,
-            inward: flip != to_world.mirrors(),
-            axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| unit(to_world.vector(axis))),
+            inward: inward != (sign < 0.0),
+            axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| unit(to_world.vector(axis * sign))),
         }
     }
 
@@ -113,7 +116,7 @@ impl Sphere {
         (point, warp::cone_pdf(one_minus_cos))
     }
 
-    /// A point of the surface that was chosen with this density.
+    /// A sampled point of the surface, with this density by area.
     #[inline(always)]
     pub fn chosen(&self, point: &SurfacePoint, pdf: f64) -> AreaSample {
         AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf, primitive: 0, error: self.error }
@@ -148,6 +151,24 @@ mod tests {
                 let moved = DVec2::new(moved.x - moved.x.round(), moved.y) / STEP;
                 assert!((moved - expected).length() < 1e-4, "{way} {moved}");
             }
+        }
+    }
+
+    /// As by the transform that a negative radius stands for.
+    #[test]
+    fn a_negative_radius_turns_the_surface_inside_out() {
+        let mirror = Transform::scale(DVec3::splat(-2.0)).unwrap();
+        let mirrored = Sphere::new(&mirror, DVec3::ZERO, 1.0, false);
+        for flip in [false, true] {
+            let sphere = Sphere::new(&Transform::IDENTITY, DVec3::ZERO, -2.0, flip);
+            for way in [DVec3::X, DVec3::new(0.3, -0.5, 0.8)] {
+                let (point, other) = (sphere.point::<true>(way), mirrored.point::<true>(way));
+                assert!(point.ng.dot(way) < 0.0 || flip, "{way}");
+                assert!(point.ng.dot(way) > 0.0 || !flip, "{way}");
+                assert!(length(point.p - other.p) < 1e-15 && (point.uv - other.uv).length() < 1e-15);
+                assert!(length(point.dp_du - other.dp_du) < 1e-14);
+            }
+            assert_eq!(sphere.area(), mirrored.area());
         }
     }
 

@@ -2,6 +2,26 @@
 
 use crate::math::function::exp;
 
+/// The light of a black body, in a range of wavelengths.
+#[derive(Clone, Debug)]
+pub struct Blackbody {
+    /// Temperature in K.
+    pub kelvin: f64,
+    /// A factor of its radiance.
+    pub scale: f64,
+    /// First and last wavelength in nm; outside there is no light.
+    pub range: (f32, f32),
+}
+
+impl Blackbody {
+    /// Spectral radiance in W·m⁻²·sr⁻¹·nm⁻¹ at λ in nm.
+    #[inline]
+    pub fn eval(&self, λ: f32) -> f32 {
+        let within = (self.range.0..=self.range.1).contains(&λ);
+        if within { (self.scale * radiance(self.kelvin, f64::from(λ))) as f32 } else { 0.0 }
+    }
+}
+
 /// Planck's law: spectral radiance in W·m⁻²·sr⁻¹·nm⁻¹ of a black body at a temperature in K, at λ in nm.
 ///
 /// L = 2hc²λ⁻⁵ / (exp(hc/λkT) − 1). The constants are those of CODATA 2014, which Mitsuba uses.

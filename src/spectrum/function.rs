@@ -1,9 +1,10 @@
 //! Spectra that do not vary over a surface.
 
+use super::blackbody::Blackbody;
 use super::observer;
 use super::table::Tabulated;
 use super::upsample::Sigmoid;
-use super::{LANES, Spectrum, Wavelengths, blackbody};
+use super::{LANES, Spectrum, Wavelengths};
 use std::sync::Arc;
 
 /// A function of wavelength, resolved for one colour mode.
@@ -11,7 +12,7 @@ use std::sync::Arc;
 pub enum SpectralFunction {
     /// The same at every wavelength, or in every channel.
     Uniform(f32),
-    /// R, G, B: what every other spectrum becomes in RGB mode.
+    /// R, G, B; in RGB mode every spectrum that is not uniform becomes this.
     Rgb([f32; 3]),
     /// A reflectance made from RGB.
     Sigmoid(Sigmoid),
@@ -24,8 +25,8 @@ pub enum SpectralFunction {
     Table(Arc<Tabulated>),
     /// `scale` × the table × D65 of luminance 1.
     TableUnderD65 { scale: f32, table: Arc<Tabulated> },
-    /// Planck's law at a temperature in K, times a scale.
-    Blackbody { kelvin: f64, scale: f64 },
+    /// Thermal radiation.
+    Blackbody(Arc<Blackbody>),
 }
 
 impl SpectralFunction {
@@ -39,7 +40,7 @@ impl SpectralFunction {
         }
     }
 
-    /// [`SpectralFunction::eval`] of light, which is usually made from RGB.
+    /// [`SpectralFunction::eval`] for emission, which is usually made from RGB.
     #[inline]
     pub fn eval_light(&self, λ: &Wavelengths) -> Spectrum {
         match self {
@@ -48,7 +49,7 @@ impl SpectralFunction {
         }
     }
 
-    /// [`SpectralFunction::eval`] of what is no common reflectance, out of its way.
+    /// [`SpectralFunction::eval`] of less common spectra, out of the way of the common reflectances.
     #[inline(never)]
     fn eval_others(&self, λ: &Wavelengths) -> Spectrum {
         match self {
@@ -62,13 +63,11 @@ impl SpectralFunction {
             Self::TableUnderD65 { scale, table } => {
                 Spectrum::from_fn(|i| scale * table.eval(λ.nm[i]) * λ.d65[i])
             }
-            Self::Blackbody { kelvin, scale } => {
-                Spectrum::from_fn(|i| (scale * blackbody::radiance(*kelvin, λ.nm[i] as f64)) as f32)
-            }
+            Self::Blackbody(body) => Spectrum::from_fn(|i| body.eval(λ.nm[i])),
         }
     }
 
-    /// Whether the value is one number whatever the lane.
+    /// The value, if it is the same in all lanes.
     pub fn constant(&self) -> Option<f32> {
         match self {
             Self::Uniform(value) => Some(*value),
@@ -98,7 +97,7 @@ impl SpectralFunction {
         }
     }
 
-    /// Luminance under D65 of luminance 1: of a reflectance, how bright it is beside white.
+    /// Luminance under D65 of luminance 1; for a reflectance, relative to white.
     pub fn luminance(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => observer::luminance(rgb.map(f64::from)),
@@ -116,7 +115,7 @@ fn illuminant(scale: f32, color: &Sigmoid, λ: &Wavelengths) -> Spectrum {
     Spectrum::from_fn(|i| scale * color[i] * λ.d65[i])
 }
 
-/// How many times [`LANES`] wavelengths [`visible`] makes.
+/// Number of sets of [`LANES`] wavelengths that [`visible`] makes.
 const STEPS: usize = 16;
 
 /// 128 wavelengths, evenly spaced in the visible range.
@@ -127,7 +126,7 @@ fn visible() -> impl Iterator<Item = Wavelengths> {
     })
 }
 
-/// The mean of an estimate over these.
+/// The mean of an estimate over the wavelengths of [`visible`].
 fn over_the_visible(estimate: impl Fn(&Wavelengths) -> f64) -> f64 {
     visible().map(|λ| estimate(&λ)).sum::<f64>() / STEPS as f64
 }

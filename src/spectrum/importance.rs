@@ -63,7 +63,7 @@ impl Linear {
     }
 }
 
-/// The wavelength in nm that a part `index` / [`SEGMENTS`] of all wavelengths lies below.
+/// The wavelength in nm below which the fraction `index` / [`SEGMENTS`] of the distribution lies.
 fn quantile(index: usize) -> f32 {
     let [lowest, highest] =
         [WAVELENGTH_MIN, WAVELENGTH_MAX].map(|end| tanh(STEEPNESS * (end as f64 - CENTRE)));

@@ -1,6 +1,6 @@
 //! The eight values a path carries.
 
-use std::ops::{Add, AddAssign, Mul, MulAssign, Sub};
+use std::ops::{Add, AddAssign, Mul, MulAssign};
 
 /// Wavelengths a path carries at once; eight `f32` fill one AVX2 register.
 pub const LANES: usize = 8;
@@ -102,14 +102,6 @@ impl Add for Spectrum {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.zip(other, |a, b| a + b)
-    }
-}
-
-impl Sub for Spectrum {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Colour as the renderer carries it: eight lanes, each a wavelength of the same path, or three of them RGB.
+//! Colour as paths carry it: eight lanes, each a wavelength of the same path, or three of them R, G and B.
 //!
 //! *How a new kind of constant spectrum is added*: a variant of [`function::SpectralFunction`] and its
 //! `eval`.

@@ -67,7 +67,8 @@ pub fn d65(λ: f32) -> f32 {
 
 /// The colour matching functions taken to linear sRGB, and D65 of luminance 1, lane by lane: r̄, ḡ, b̄, D65.
 ///
-/// Interpolation and change of basis commute, so this is [`xyz_to_rgb`] of [`xyz`], in one look at one table.
+/// Interpolation and change of basis commute, so this is [`xyz_to_rgb`] of [`xyz`], by one look-up in a
+/// table.
 #[inline]
 pub fn responses<const N: usize>(nm: &[f32; N]) -> [[f32; N]; 4] {
     let table = &TABLES.response;
@@ -101,7 +102,7 @@ pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
     by_r * r + by_g * g + by_b * b
 }
 
-/// What RGB mode makes of a table: its colour, under D65 for what reflects and as it is for what emits.
+/// The colour of a table in RGB mode: under D65 for a reflectance, as it is for an emission.
 ///
 /// Follows Mitsuba's sum of 1000 points, which counts the range 1000/999 times; the same file must mean the
 /// same.

@@ -5,7 +5,7 @@
 pub struct Tabulated {
     wavelengths: Vec<f32>,
     values: Vec<f32>,
-    /// 1/step where the wavelengths are evenly spaced, which makes the interval a multiplication away.
+    /// 1/step if the wavelengths are evenly spaced; then a multiplication finds the interval.
     per_nm: Option<f32>,
 }
 
@@ -40,7 +40,7 @@ impl Tabulated {
         Ok(table)
     }
 
-    /// Reads lines of "wavelength value", `#` starting a comment. The error names the line.
+    /// Reads lines of "wavelength value", whatever follows, `#` starting a comment. The error names the line.
     pub fn parse_spd(text: &str) -> Result<Self, String> {
         let (mut wavelengths, mut values) = (vec![], vec![]);
         for (i, line) in text.lines().enumerate() {
@@ -48,21 +48,16 @@ impl Tabulated {
             if line.is_empty() {
                 continue;
             }
-            let words: Vec<&str> =
-                line.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty()).collect();
-            let numbers: Vec<f32> = words.iter().filter_map(|w| w.parse().ok()).collect();
-            match numbers[..] {
-                [λ, value] if words.len() == 2 && λ.is_finite() && value.is_finite() => {
-                    if wavelengths.last().is_some_and(|&previous| λ <= previous) {
-                        return Err(format!("line {}: wavelengths must increase, found `{line}`", i + 1));
-                    }
-                    wavelengths.push(λ);
-                    values.push(value);
-                }
-                _ => {
-                    return Err(format!("line {}: expected a wavelength and a value, found `{line}`", i + 1));
-                }
+            let mut words = line.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty());
+            let mut number = || words.next()?.parse::<f32>().ok().filter(|v| v.is_finite());
+            let (Some(λ), Some(value)) = (number(), number()) else {
+                return Err(format!("line {}: expected a wavelength and a value, found `{line}`", i + 1));
+            };
+            if wavelengths.last().is_some_and(|&previous| λ <= previous) {
+                return Err(format!("line {}: wavelengths must increase, found `{line}`", i + 1));
             }
+            wavelengths.push(λ);
+            values.push(value);
         }
         Self::new(wavelengths, values)
     }
@@ -87,17 +82,6 @@ impl Tabulated {
     /// The first and last wavelength.
     pub fn range(&self) -> (f32, f32) {
         (self.wavelengths[0], self.wavelengths[self.wavelengths.len() - 1])
-    }
-
-    /// The integral over all wavelengths, in units of the values times nm.
-    pub fn integrate(&self) -> f64 {
-        let trapezoid = |(λ, v): (&[f32], &[f32])| 0.5 * (λ[1] - λ[0]) as f64 * (v[0] as f64 + v[1] as f64);
-        self.wavelengths.windows(2).zip(self.values.windows(2)).map(trapezoid).sum()
-    }
-
-    /// The same function times a factor.
-    pub fn scaled(&self, factor: f32) -> Self {
-        Self { values: self.values.iter().map(|v| v * factor).collect(), ..self.clone() }
     }
 
     /// The smallest and largest value.
@@ -126,13 +110,6 @@ mod tests {
     }
 
     #[test]
-    fn the_integral_is_the_area_of_trapezoids() {
-        let table = Tabulated::new(vec![400.0, 410.0, 500.0], vec![1.0, 3.0, 0.0]).unwrap();
-        assert_eq!(table.integrate(), 20.0 + 135.0);
-        assert_eq!(table.scaled(2.0).integrate(), 310.0);
-    }
-
-    #[test]
     fn bad_tables_say_what_is_wrong() {
         assert!(Tabulated::new(vec![1.0, 1.0], vec![0.0, 0.0]).unwrap_err().contains("increase"));
         assert!(Tabulated::new(vec![1.0], vec![0.0]).unwrap_err().contains("two"));
@@ -140,7 +117,11 @@ mod tests {
         assert!(Tabulated::parse_spd("400 1\n# c\n500 x\n").unwrap_err().contains("line 3"));
         assert!(Tabulated::parse_spd("400 1\n300 1\n").unwrap_err().contains("line 2"));
         assert!(Tabulated::parse_spd("400 1\n500 nan\n").unwrap_err().contains("line 2"));
+        assert!(Tabulated::parse_spd("400 1\nx 500 1\n").unwrap_err().contains("line 2"));
+        assert!(Tabulated::parse_spd("400 1\n500\n").unwrap_err().contains("line 2"));
         assert!(Tabulated::regular(700.0, 400.0, vec![1.0, 2.0]).unwrap_err().contains("increase"));
         assert_eq!(Tabulated::parse_spd("400 1 # c\n\n500 3\n").unwrap().eval(450.0), 2.0);
+        let more = Tabulated::parse_spd("400 1 0.5 measured\n500, 3, nan").unwrap();
+        assert_eq!((more.range(), more.eval(450.0)), ((400.0, 500.0), 2.0));
     }
 }

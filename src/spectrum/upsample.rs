@@ -52,9 +52,9 @@ type Column = [[f32; 4]; RESOLUTION];
 
 /// The grid of fitted colours.
 pub struct Upsampler {
-    /// The brightness of each layer; finer near black and white.
+    /// The brightness of each layer; they are finer near black and white.
     brightness: [f32; RESOLUTION],
-    /// By largest component, then by the ratios of the two others to it.
+    /// Columns by largest component, then by the ratios of the two others to it.
     columns: Vec<OnceLock<Box<Column>>>,
 }
 

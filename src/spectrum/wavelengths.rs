@@ -1,4 +1,4 @@
-//! Which wavelengths a path carries, and how its lanes become colour.
+//! The wavelengths of a path, and how its lanes become colour.
 
 use super::{ColorMode, LANES, Spectrum};
 use super::{importance, observer};
@@ -13,7 +13,7 @@ pub struct Wavelengths {
     pub pdf: [f32; LANES],
     /// D65 of luminance 1 at each lane.
     pub d65: [f32; LANES],
-    /// What a lane's radiance adds to R, G and B: the response over 8 p(λ) ∫ȳ.
+    /// Factor from a lane's radiance to its contribution to R, G and B: the response over 8 p(λ) ∫ȳ.
     pub response: [[f32; LANES]; 3],
     /// 1 / (number of lanes that count in a mean): 8 wavelengths or 3 colours.
     pub mean_factor: f32,
@@ -23,7 +23,8 @@ pub struct Wavelengths {
 }
 
 impl Wavelengths {
-    /// 1 over the number of lanes and ∫ȳ: what turns a sum over lanes of response over density into a colour.
+    /// 1 over the number of lanes and ∫ȳ: the factor from a sum over lanes of response over density to a
+    /// colour.
     pub const RESPONSE_SCALE: f32 = (1.0 / (LANES as f64 * observer::Y_INTEGRAL)) as f32;
 
     /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum. Others do not
@@ -77,14 +78,14 @@ impl Wavelengths {
         if self.mean_factor == 1.0 / LANES as f32 { ColorMode::Spectral } else { ColorMode::Rgb }
     }
 
-    /// A statistic of a spectrum that treats all lanes alike. The choice of lobes rests on it: then all lanes
-    /// have the same path density and need no weights between them.
+    /// The mean over lanes. Lobes are chosen by it because it treats all lanes alike: so all lanes have the
+    /// same path density and need no weights between them.
     #[inline]
     pub fn mean(&self, s: Spectrum) -> f32 {
         s.sum() * self.mean_factor
     }
 
-    /// The largest lane, which treats all alike, too; of a lane that stands for all, its share.
+    /// The largest lane, which treats all lanes alike too; of a collapsed path, the share of the one lane.
     #[inline]
     pub fn peak(&self, s: Spectrum) -> f32 {
         if self.is_collapsed() { self.mean(s) } else { s.max() }

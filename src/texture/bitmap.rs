@@ -23,7 +23,7 @@ pub struct Pixels {
     pub width: usize,
     pub height: usize,
     pub channels: usize,
-    /// As stored: sRGB-encoded if `encoded`, else linear.
+    /// Values as stored: sRGB-encoded if `encoded`, else linear.
     pub values: Vec<f32>,
     pub encoded: bool,
 }
@@ -51,21 +51,21 @@ enum Wrap {
     Clamp,
 }
 
-/// What a texel holds.
+/// The values of texels.
 #[derive(Clone, Debug)]
 enum Texels {
     /// One number for all wavelengths.
     Grey(Arc<Vec<f32>>),
     /// Linear sRGB.
     Rgb(Vec<[f32; 3]>),
-    /// Coefficients of a reflectance.
+    /// Coefficients of reflectance spectra.
     Reflectance(Vec<Sigmoid>),
 }
 
 #[derive(Clone, Debug)]
 pub struct Bitmap {
     texels: Texels,
-    /// Luminance of each texel, for textures that hold numbers.
+    /// Luminance of each texel, for textures that are used as numbers.
     scalar: Arc<Vec<f32>>,
     width: usize,
     height: usize,
@@ -102,7 +102,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
             (0.0..=MOST, "expected no negative number, and none above 1.7e38")
         }
         // A bump's height may be below zero.
-        Usage::Vector => (-MOST..=MOST, "expected finite numbers, none above 1.7e38"),
+        Usage::Vector | Usage::Any => (-MOST..=MOST, "expected finite numbers, none above 1.7e38"),
     };
     let strange = |i: &usize| !pixels.linear(*i, raw).iter().all(|v| allowed.contains(v));
     if let Some(i) = texels().find_first(strange) {
@@ -117,7 +117,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let scalar: Arc<Vec<f32>> = Arc::new(scalar.collect());
     let texels = if pixels.channels == 1 {
         Texels::Grey(scalar.clone())
-    } else if params.loader.mode == ColorMode::Rgb || params.usage == Usage::Vector {
+    } else if params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any) {
         Texels::Rgb(texels().map(|i| pixels.linear(i, raw)).collect())
     } else if raw {
         Texels::Grey(scalar.clone())
@@ -141,15 +141,15 @@ impl Bitmap {
         (corners, x, y)
     }
 
-    /// The two columns or rows about a place, and how far it lies from the first.
+    /// The two columns or rows about a place, and the distance from the first, in texels.
     #[inline(always)]
     fn between(&self, p: f64, size: usize) -> ([usize; 2], f64) {
-        // Then nearly all are inside, and `beyond`, which divides, is for those on the border.
+        // Nearly all columns are inside then; `beyond`, which divides, is only for those on the border.
         let p = if self.wrap == Wrap::Repeat { p - p.floor() } else { p };
         let x = p * size as f64 - if self.nearest { 0.0 } else { 0.5 };
         let first = x.floor();
         let wrapped = |i: i64| if (0..size as i64).contains(&i) { i as usize } else { self.beyond(i, size) };
-        ([wrapped(first as i64), wrapped(first as i64 + 1)], x - first)
+        ([wrapped(first as i64), wrapped((first as i64).saturating_add(1))], x - first)
     }
 
     /// The texels about a place and their weights.
@@ -160,7 +160,7 @@ impl Bitmap {
         [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
     }
 
-    /// Which column or row stands for one outside.
+    /// The column or row that is used for one outside.
     #[cold]
     fn beyond(&self, i: i64, size: usize) -> usize {
         let n = size as i64;
@@ -192,7 +192,7 @@ impl Bitmap {
         self.corners(uv).into_iter().map(|(texel, weight)| (self.scalar[texel] * weight) as f64).sum()
     }
 
-    /// The channels as they are; `None` unless there are three that no spectrum was made of.
+    /// The three channels as numbers; `None` unless there are three that were not turned into spectra.
     pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
         let Texels::Rgb(values) = &self.texels else { return None };
         let weighted =
@@ -220,7 +220,7 @@ impl Bitmap {
     }
 }
 
-/// The sum of what texels hold times their weights; what has none may be infinite.
+/// The weighted sum of the values of texels; one with weight 0 may be infinite.
 #[inline(always)]
 fn weighted<T: Mul<f32, Output = T> + AddAssign>(
     corners: &[(usize, f32); 4],
@@ -238,6 +238,7 @@ fn weighted<T: Mul<f32, Output = T> + AddAssign>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::load_text;
 
     /// Five by three texels of no pattern, under a map that turns and stretches.
     fn picture(nearest: bool) -> Bitmap {
@@ -270,6 +271,28 @@ mod tests {
         }
         assert!(compared > 200, "{compared}");
         assert_eq!(picture(true).gradient(DVec2::new(0.3, 0.4)), DVec2::ZERO);
+    }
+
+    /// What stands by itself may be for any use: one that refuses its texels does so where it refers to it.
+    #[test]
+    fn heights_below_zero_may_stand_at_the_top() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("heights.exr");
+        exr::prelude::write_rgb_file(&path, 2, 1, |x, _| (x as f32 - 0.5, 0.25f32, 0.0f32)).unwrap();
+        let load = |material: &str, mode| {
+            let file = path.display();
+            let text = format!(
+                r#"<scene version="3.0.0"><sensor type="perspective"/><texture type="bitmap" id="h"><string name="filename" value="{file}"/>
+                <boolean name="raw" value="true"/></texture><bsdf {material}</bsdf></scene>"#
+            );
+            load_text("scene.xml", &text, mode).map(drop)
+        };
+        for mode in [ColorMode::Spectral, ColorMode::Rgb] {
+            let bump = load(r#"type="bumpmap"><ref id="h"/><bsdf type="diffuse"/>"#, mode);
+            assert!(bump.is_ok(), "{}", bump.unwrap_err());
+            let matte = load(r#"type="diffuse"><ref name="reflectance" id="h"/>"#, mode).unwrap_err();
+            assert!(matte.to_string().contains("expected 0 to 1"), "{matte}");
+        }
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! Thermal light.
 
 use super::AnyTexture;
+use super::regular::wavelength_range;
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
 use crate::scene::params::{Params, number};
 use crate::scene::xml::Element;
+use crate::spectrum::blackbody::Blackbody;
 use crate::spectrum::table::Tabulated;
-use crate::spectrum::{ColorMode, SpectralFunction, blackbody, observer};
+use crate::spectrum::{ColorMode, SpectralFunction, observer};
+use std::sync::Arc;
 
 pub const NAME: &str = "blackbody";
 pub const ABOUT: &str = "Planck's law: the radiance of a black body, in W·m⁻²·sr⁻¹·nm⁻¹.";
@@ -19,7 +22,8 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let kelvin =
         params.float_where("temperature", 5000.0, "temperature in K", TEMPERATURE, is_temperature)?;
     let scale = params.float_where("scale", 1.0, "factor (an extension)", FACTOR, is_factor)?;
-    Ok(AnyTexture::Constant(resolve(kelvin, scale, params.loader.mode)))
+    let range = wavelength_range(params)?;
+    Ok(AnyTexture::Constant(resolve(Blackbody { kelvin, scale, range }, params.loader.mode)))
 }
 
 /// `<blackbody name= temperature= scale=>`, the element of Mitsuba 0.6.
@@ -41,7 +45,8 @@ pub fn parse_legacy<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<Spe
             SceneError::at(&a.value_span, format!("`{}` is no factor", a.value), format!("expected {FACTOR}"))
         })?,
     };
-    Ok(resolve(kelvin, scale, loader.mode))
+    let range = (observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX);
+    Ok(resolve(Blackbody { kelvin, scale, range }, loader.mode))
 }
 
 /// Beyond, hc/λkT is lost beside 1.
@@ -58,17 +63,53 @@ fn is_temperature(kelvin: f64) -> bool {
     kelvin > 0.0 && kelvin <= 1e12
 }
 
-fn resolve(kelvin: f64, scale: f64, mode: ColorMode) -> SpectralFunction {
+fn resolve(body: Blackbody, mode: ColorMode) -> SpectralFunction {
     if mode == ColorMode::Spectral {
-        return SpectralFunction::Blackbody { kelvin, scale };
+        return SpectralFunction::Blackbody(Arc::new(body));
     }
     let step = (observer::WAVELENGTH_MAX - observer::WAVELENGTH_MIN) / 188.0;
-    let radiance = |i: i32| {
-        (scale * blackbody::radiance(kelvin, (observer::WAVELENGTH_MIN + step * i as f32) as f64)) as f32
-    };
-    let values = (0..=188).map(radiance).collect();
+    let values = (0..=188).map(|i| body.eval(observer::WAVELENGTH_MIN + step * i as f32)).collect();
     let table = Tabulated::regular(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX, values);
     // Planck's law is finite and positive everywhere, and the range is not empty.
     let rgb = table.map_or([0.0; 3], |t| observer::table_to_rgb(&t, false));
     SpectralFunction::Rgb(rgb.map(|v| v.max(0.0) as f32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec2;
+    use crate::scene::params::Usage;
+    use crate::scene::xml;
+    use crate::spectrum::Wavelengths;
+    use crate::spectrum::blackbody::radiance;
+
+    fn parsed(inside: &str, mode: ColorMode) -> AnyTexture {
+        let text = format!(
+            r#"<scene version="3.0.0"><spectrum type="blackbody"><float name="temperature" value="4000"/>{inside}</spectrum></scene>"#
+        );
+        let document = xml::read_text("t", &text).unwrap();
+        let loader = Loader::new(&document, mode).unwrap();
+        AnyTexture::parse(&document.root.children[0], &loader, Usage::Emission).unwrap()
+    }
+
+    /// As in Mitsuba, by default there is none beyond the visible range, which the bands of a film may see.
+    #[test]
+    fn there_is_no_light_outside_of_the_range() {
+        let limit = |name: &str, nm: u32| format!(r#"<float name="wavelength_{name}" value="{nm}"/>"#);
+        let narrow = limit("min", 500) + &limit("max", 600);
+        let narrow = narrow.as_str();
+        for (inside, range) in [("", 360.0f32..=830.0), (narrow, 500.0f32..=600.0)] {
+            let body = parsed(inside, ColorMode::Spectral);
+            for step in 0..10u8 {
+                let λ = Wavelengths::sample_uniform(f64::from(step) / 80.0, 300.0, 900.0);
+                for (nm, found) in λ.nm.iter().zip(body.eval(DVec2::ZERO, &λ).0) {
+                    let law = radiance(4000.0, f64::from(*nm)) as f32;
+                    assert_eq!(found, if range.contains(nm) { law } else { 0.0 }, "{nm}");
+                }
+            }
+        }
+        let [all, part] = ["", narrow].map(|inside| parsed(inside, ColorMode::Rgb).mean());
+        assert!(part > 0.0 && part < 0.8 * all, "{part} {all}");
+    }
 }

@@ -37,8 +37,8 @@ impl Checkerboard {
         &self.sides[usize::from(half(p.x) != half(p.y))]
     }
 
-    /// The texture at a place, where it stands for a number. Mitsuba 3.9.1 exchanges the squares there, and
-    /// the same file must mean the same.
+    /// The texture at a place, if the board is used as a number. Mitsuba 3.9.1 exchanges the squares then,
+    /// and the same file must mean the same.
     #[inline]
     pub fn scalar_side(&self, uv: DVec2) -> &AnyTexture {
         let first = std::ptr::eq(self.side(uv), &self.sides[0]);

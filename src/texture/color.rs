@@ -30,9 +30,7 @@ pub fn parse<'d>(
             })
         }
         "rgb" | "srgb" => {
-            element.only(&["name", "value"])?;
-            let value = element.require("value")?;
-            let rgb = parse_rgb(value)?;
+            let (rgb, value) = components(element)?;
             check_range(&rgb, value, usage)?;
             Ok(from_rgb(rgb, usage, loader))
         }
@@ -45,10 +43,22 @@ pub fn parse<'d>(
     }
 }
 
+/// The numbers of an `<rgb>`, and the attribute that holds them.
+pub fn components(element: &Element) -> Result<([f64; 3], &Attribute), SceneError> {
+    if !["rgb", "srgb"].contains(&element.tag.as_str()) {
+        let message = format!("<{}> is no list of components", element.tag);
+        return Err(SceneError::at(&element.span, message, "expected <rgb>"));
+    }
+    element.only(&["name", "value"])?;
+    let value = element.require("value")?;
+    Ok((parse_rgb(value)?, value))
+}
+
 /// One number, three numbers, or `#rrggbb`.
-pub fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
+fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
     if let Some(digits) = value.value.trim().strip_prefix('#') {
-        let parsed = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6);
+        let six = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+        let parsed = u32::from_str_radix(digits, 16).ok().filter(|_| six);
         let code = parsed.ok_or_else(|| {
             SceneError::at(&value.value_span, format!("`{}` is no colour", value.value), "expected #rrggbb")
         })?;
@@ -69,12 +79,12 @@ pub fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
-        Usage::Emission | Usage::Unbounded => (MOST, "expected no negative number, and none above 1.7e38"),
+        _ => (MOST, "expected no negative number, and none above 1.7e38"),
     };
     let word = match usage {
         Usage::Reflectance => "reflectance",
         Usage::Vector => "encoded coordinate",
-        Usage::Emission | Usage::Unbounded => "amount",
+        _ => "amount",
     };
     match values.iter().find(|v| !(0.0..=top).contains(*v)) {
         None => Ok(()),
@@ -84,7 +94,7 @@ pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<()
 
 /// The spectrum of a linear sRGB colour, or three numbers where no colour is meant.
 pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunction {
-    if loader.mode == ColorMode::Rgb || usage == Usage::Vector {
+    if loader.mode == ColorMode::Rgb || matches!(usage, Usage::Vector | Usage::Any) {
         return SpectralFunction::Rgb(rgb.map(|v| v as f32));
     }
     match usage {
@@ -96,7 +106,7 @@ pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunctio
             let color = loader.upsampler.fit(rgb.map(|v| (v / scale) as f32));
             SpectralFunction::Scaled { scale: scale as f32, color }
         }
-        Usage::Emission | Usage::Vector => {
+        Usage::Emission | Usage::Vector | Usage::Any => {
             let (scale, color) = scaled(rgb);
             if scale == 0.0 {
                 return SpectralFunction::Uniform(0.0);
@@ -113,7 +123,7 @@ pub fn scaled(rgb: [f64; 3]) -> (f32, [f32; 3]) {
     (scale as f32, rgb.map(|v| if scale > 0.0 { (v / scale) as f32 } else { 0.0 }))
 }
 
-/// D65 of a luminance.
+/// D65 with this luminance.
 pub fn white_illuminant(value: f64) -> SpectralFunction {
     SpectralFunction::Illuminant { scale: (2.0 * value) as f32, color: Sigmoid([0.0, 0.0, 0.0]) }
 }
@@ -135,7 +145,7 @@ fn parse_spectrum<'d>(
 /// Equal energy at all wavelengths.
 pub fn uniform(value: f64, usage: Usage, mode: ColorMode) -> SpectralFunction {
     if mode == ColorMode::Rgb && usage == Usage::Emission {
-        // Equal energy is no white of sRGB.
+        // Equal energy is not the white of sRGB.
         return SpectralFunction::Rgb(observer::xyz_to_rgb([value; 3]).map(|v| v as f32));
     }
     SpectralFunction::Uniform(value as f32)
@@ -149,11 +159,12 @@ pub fn from_table(
     loader: &Loader,
 ) -> Result<SpectralFunction, SceneError> {
     let (low, high) = table.bounds();
-    let top = if usage == Usage::Reflectance { 1.0 } else { f32::INFINITY };
+    let (top, expected) = match usage {
+        Usage::Reflectance => (1.0, "expected values from 0 to 1"),
+        _ => (MOST as f32, "expected no negative number, and none above 1.7e38"),
+    };
     if low < 0.0 || high > top {
         let bad = if low < 0.0 { low } else { high };
-        let expected =
-            if usage == Usage::Reflectance { "expected values from 0 to 1" } else { "expected no negative" };
         return Err(SceneError::at(
             &place.value_span,
             format!("the spectrum has a value of {bad}"),

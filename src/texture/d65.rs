@@ -1,4 +1,4 @@
-//! Daylight, alone or colouring another texture.
+//! The illuminant D65, alone or times another texture.
 
 use super::{AnyTexture, color};
 use crate::math::DVec2;
@@ -23,17 +23,13 @@ pub struct UnderD65 {
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let scale = params.amount("scale", 1.0, "factor")?;
     if let Some(element) = params.raw("color", "rgb", "1", "linear sRGB colour of the light")? {
-        if !["rgb", "srgb"].contains(&element.tag.as_str()) {
-            let message = format!("`color` cannot be a <{}>", element.tag);
-            return Err(SceneError::at(&element.span, message, "expected <rgb>"));
-        }
-        element.only(&["name", "value"])?;
-        let value = element.require("value")?;
-        let rgb = color::parse_rgb(value)?.map(|v| v * scale);
+        let (rgb, value) = color::components(element)?;
+        let rgb = rgb.map(|v| v * scale);
         color::check_range(&rgb, value, Usage::Emission)?;
         return Ok(AnyTexture::Constant(color::from_rgb(rgb, Usage::Emission, params.loader)));
     }
-    if let Some(element) = params.object("texture", "a texture to multiply")? {
+    let about = "a texture or spectrum to multiply, from 0 to 1";
+    if let Some((element, _)) = params.one_nested("texture", about, AnyTexture::is_object)? {
         let texture = AnyTexture::parse(element, params.loader, Usage::Reflectance)?;
         return Ok(AnyTexture::UnderD65(Box::new(UnderD65 { texture, scale: scale as f32 })));
     }
@@ -57,12 +53,42 @@ impl UnderD65 {
         self.texture.mean() * self.scale as f64 * SpectralFunction::mean(&color::white_illuminant(1.0))
     }
 
-    /// Of a texture of reflectances that reaches 1.
+    /// Largest value, if the texture of reflectances reaches 1.
     pub fn peak(&self) -> f32 {
         color::white_illuminant(1.0).peak() * self.scale
     }
 
     pub fn varies(&self) -> bool {
         self.texture.varies()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::loader::Loader;
+    use crate::scene::xml;
+
+    /// At one place, of what is written within `d65`.
+    fn light(within: &str) -> Result<Spectrum, SceneError> {
+        let text = format!(r#"<scene version="3.0.0"><spectrum type="d65">{within}</spectrum></scene>"#);
+        let document = xml::read_text("t", &text)?;
+        let loader = Loader::new(&document, ColorMode::Spectral)?;
+        let texture = AnyTexture::parse(&document.root.children[0], &loader, Usage::Emission)?;
+        Ok(texture.eval(DVec2::ZERO, &Wavelengths::sample_visible(0.3)))
+    }
+
+    #[test]
+    fn a_nested_spectrum_is_a_factor_as_a_texture_is() {
+        let white = light("").unwrap();
+        for tag in ["spectrum", "texture"] {
+            let half = format!(r#"<{tag} type="uniform" name="n"><float name="value" value="0.5"/></{tag}>"#);
+            let dimmed = light(&half).unwrap();
+            let apart = dimmed.zip(white, |a, b| a - 0.5 * b);
+            assert!(apart.0.iter().all(|v| v.abs() < 1e-6), "{tag} {dimmed:?} {white:?}");
+        }
+        // A value that is no object has no name that is known here.
+        let error = light(r#"<spectrum name="n" value="0.5"/>"#).unwrap_err();
+        assert!(error.message.contains("no parameter `n`"), "{error}");
     }
 }

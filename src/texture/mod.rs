@@ -1,5 +1,5 @@
-//! Values that may vary over a surface. A folder's file is a model; the constant spectra are models too,
-//! because a scene file may give either wherever it gives a colour.
+//! Values that may vary over a surface. Each file of this folder is a model; the constant spectra are models
+//! too, because a scene file may give either wherever it gives a colour.
 //!
 //! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line
 //! to [`TEXTURES`].
@@ -51,11 +51,11 @@ entries!(bitmap, checkerboard, uniform, regular, irregular, srgb, d65, blackbody
 impl AnyTexture {
     /// Reads `<rgb>`, `<spectrum>`, `<float>` or `<texture>`.
     pub fn parse<'d>(element: &'d Element, loader: &Loader<'d>, usage: Usage) -> Result<Self, SceneError> {
-        let texture = match element.tag.as_str() {
-            "texture" => construct(TEXTURES, element, loader, usage),
-            "spectrum" if element.attribute("type").is_some() => construct(TEXTURES, element, loader, usage),
-            _ => color::parse(element, loader, usage).map(Self::Constant),
-        }?;
+        let texture = if Self::is_object(element) {
+            construct(TEXTURES, element, loader, usage)?
+        } else {
+            Self::Constant(color::parse(element, loader, usage)?)
+        };
         let peak = match &texture {
             Self::Constant(function) => function.peak(),
             Self::UnderD65(product) => product.peak(),
@@ -69,7 +69,12 @@ impl AnyTexture {
         Ok(texture)
     }
 
-    /// The constant that stands where a file gives nothing.
+    /// Whether an element is an object of its own, not just a value.
+    pub fn is_object(element: &Element) -> bool {
+        element.tag == "texture" || element.tag == "spectrum" && element.attribute("type").is_some()
+    }
+
+    /// The constant that is used where a file gives nothing.
     pub fn default_value(value: f64, usage: Usage, mode: ColorMode) -> Self {
         let constant = SpectralFunction::Uniform(value as f32);
         match (usage, mode) {
@@ -86,7 +91,7 @@ impl AnyTexture {
         }
     }
 
-    /// [`AnyTexture::eval`] of light.
+    /// [`AnyTexture::eval`] for emission.
     #[inline]
     pub fn eval_light(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         match self {
@@ -117,7 +122,8 @@ impl AnyTexture {
         }
     }
 
-    /// A texture for [`AnyTexture::eval_scalar`] alone: the mean of a colour is taken once, not at every look.
+    /// A texture for [`AnyTexture::eval_scalar`] alone: the mean of a colour is taken once, not at every
+    /// call.
     pub fn scalar(self) -> Self {
         match self {
             Self::Constant(function) if function.constant().is_none() => {
@@ -127,7 +133,7 @@ impl AnyTexture {
         }
     }
 
-    /// The three numbers of a texture that was read for them ([`Usage::Vector`]); `None` if it has not three.
+    /// The three numbers of a texture that was read with [`Usage::Vector`]; `None` if it has not three.
     #[inline]
     pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
         match self {
@@ -138,7 +144,7 @@ impl AnyTexture {
         }
     }
 
-    /// (∂/∂u, ∂/∂v) of [`AnyTexture::eval_scalar`]; `None` if the texture jumps or is no number.
+    /// (∂/∂u, ∂/∂v) of [`AnyTexture::eval_scalar`]; `None` if the texture is discontinuous or no number.
     #[inline]
     pub fn gradient(&self, uv: DVec2) -> Option<DVec2> {
         match self {
@@ -158,7 +164,7 @@ impl AnyTexture {
         }
     }
 
-    /// How bright a colour is beside white, under D65.
+    /// Luminance of a colour relative to white, under D65.
     pub fn luminance(&self, uv: DVec2) -> f64 {
         match self {
             Self::Constant(function) => function.luminance(),
@@ -168,7 +174,7 @@ impl AnyTexture {
         }
     }
 
-    /// The number this texture is everywhere and at every wavelength, if it is one.
+    /// The value of this texture, if it is one number everywhere and at every wavelength.
     pub fn constant(&self) -> Option<f64> {
         match self {
             Self::Constant(function) => function.constant().map(|v| v as f64),

@@ -4,6 +4,7 @@ use super::irregular::number_list;
 use super::{AnyTexture, color};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
+use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::table::Tabulated;
 
 pub const NAME: &str = "regular";
@@ -12,16 +13,22 @@ pub const EXAMPLES: &[&str] = &[r#"<spectrum type="regular"><float name="wavelen
     <float name="wavelength_max" value="700"/><string name="values" value="0.1, 0.4, 0.2"/></spectrum>"#];
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
-    let min =
-        params.float_where("wavelength_min", 360.0, "first wavelength in nm", "a wavelength", |v| v > 0.0)?;
-    let max =
-        params.float_where("wavelength_max", 830.0, "last wavelength in nm", "a wavelength", |v| v > min)?;
+    let (min, max) = wavelength_range(params)?;
+    let (values, place) = number_list(params, "values", "the values")?;
+    let table = Tabulated::regular(min, max, values).map_err(|e| params.error("values", e, ""))?;
+    color::from_table(table, place, params.usage, params.loader).map(AnyTexture::Constant)
+}
+
+/// `wavelength_min` and `wavelength_max`, by default those of the visible range.
+pub fn wavelength_range(params: &mut Params) -> Result<(f32, f32), SceneError> {
+    let (first, last) = (f64::from(WAVELENGTH_MIN), f64::from(WAVELENGTH_MAX));
+    let about = "first wavelength in nm";
+    let min = params.float_where("wavelength_min", first, about, "a wavelength", |v| v > 0.0)?;
+    let about = "last wavelength in nm";
+    let max = params.float_where("wavelength_max", last, about, "a wavelength", |v| v > min)?;
     if max <= min {
         let expected = "add a `wavelength_max` beyond it";
         return Err(params.error("wavelength_min", "`wavelength_min` is beyond `wavelength_max`", expected));
     }
-    let (values, place) = number_list(params, "values", "the values")?;
-    let table =
-        Tabulated::regular(min as f32, max as f32, values).map_err(|e| params.error("values", e, ""))?;
-    color::from_table(table, place, params.usage, params.loader).map(AnyTexture::Constant)
+    Ok((min as f32, max as f32))
 }

@@ -1,4 +1,4 @@
-//! Files and command lines that cannot be used: the program says why, exits with 2, and touches nothing.
+//! Unusable files and command lines: the program gives the reason, exits with 2, and changes nothing.
 
 use super::{Folder, SENSOR, refused_with, scene};
 use std::process::Command;
@@ -12,7 +12,7 @@ fn mesh_refused(kind: &str, content: &[u8], words: &[&str]) {
     );
 }
 
-/// A triangle as binary PLY, with the counts that the header claims and the third index.
+/// A triangle as binary PLY, whose header declares the given counts, with the given third index.
 fn ply(vertices: &str, faces: &str, z: f32, last: i32) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
@@ -83,7 +83,7 @@ fn missing_and_damaged_files_are_refused_where_they_are_named() {
     folder.command_refused(&["replay", "gone.xml", "--pixel", "0,0", "--sample", "0"], &["gone.xml"]);
 }
 
-/// A PNG that claims 200 000 × 200 000 pixels and holds none.
+/// A PNG that declares 200 000 × 200 000 pixels and contains none.
 fn vast_png() -> Vec<u8> {
     let mut header = b"IHDR".to_vec();
     header.extend([200_000u32.to_be_bytes(), 200_000u32.to_be_bytes()].concat());
@@ -130,7 +130,7 @@ fn command_lines_that_make_no_sense_are_refused() {
     for output in ["gone/out.exr", "scene.xml/out.exr", "sub", "."] {
         folder.command_refused(&["render", "scene.xml", "-o", output], &["cannot write", output]);
     }
-    // Whatever an error begins with, the word is before it, once.
+    // Whatever an error message begins with, the word `error` precedes it, once.
     folder.command_refused(
         &["render", "scene.xml", "-o", "error-gone/out.exr"],
         &["error: error-gone/out.exr: cannot write"],
@@ -161,7 +161,7 @@ fn what_takes_colours_is_refused_before_a_render_without() {
         .current_dir(folder.path())
         .output()
         .expect("it runs");
-    // Depths are all 0 where nothing is, which is not for want of light.
+    // Depths are all 0 where there are no surfaces, which is not reported as a lack of light.
     let said = String::from_utf8_lossy(&rendered.stdout);
     assert!(
         rendered.status.success() && said.contains("no relative standard error: the mean is 0"),
@@ -181,7 +181,7 @@ fn no_output_is_written_over_another_or_over_the_scene() {
     folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &words);
     std::fs::write(folder.path().join("part"), "of a render").expect("written");
     folder.command_refused(&["merge", "part", "-o", "out.exr", "--png", "./part"], &words);
-    // Nor over what the scene is made of.
+    // Nor over a file that the scene reads.
     let (mesh, part) = (folder.path().join("a.obj"), folder.path().join("part.xml"));
     let triangle = "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n";
     std::fs::write(&mesh, triangle).expect("written");

@@ -1,4 +1,4 @@
-//! Bad input: the program says what is wrong and where, exits with 2, and touches nothing.
+//! Bad input: the program gives the reason and the place, exits with 2, and changes nothing.
 
 mod files;
 mod numbers;
@@ -8,12 +8,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// A small film, so that a scene that is accepted by mistake does not cost time.
+/// A sensor with a small film, so that a scene accepted by mistake renders quickly.
 const SENSOR: &str = r#"<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>"#;
 
 const OLD: &[u8] = b"the image of yesterday";
 
-/// A folder with `scene.xml` and an `out.exr` that must survive.
+/// A folder with `scene.xml` and an `out.exr` that must not change.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -39,12 +39,12 @@ impl Folder {
         self.command_refused(&all, words);
     }
 
-    /// Asserts that the program exits with 2 after one error that holds all the words, and leaves the folder
-    /// as it was.
+    /// Asserts that the program exits with 2 after one error that contains all the words, and that the folder
+    /// is unchanged.
     fn command_refused(&self, arguments: &[&str], words: &[&str]) {
         let before = self.list();
         let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
-        // Little memory: a refusal needs none.
+        // The memory is limited: a refusal needs little.
         let output =
             limited(&mut command).current_dir(self.path()).args(arguments).output().expect("it runs");
         let error = String::from_utf8_lossy(&output.stderr);
@@ -82,13 +82,13 @@ fn limited(command: &mut Command) -> Command {
     Command::new(command.get_program())
 }
 
-/// A scene with the small film and this besides.
+/// A scene with the small film and this body.
 fn scene(body: &str) -> String {
     format!("<scene version=\"3.0.0\">\n{SENSOR}\n{body}\n</scene>\n")
 }
 
-/// Asserts that a scene is refused with an error that points at the first line that holds `place` and shows
-/// it.
+/// Asserts that a scene is refused with an error that points at the first line that contains `place` and
+/// shows it.
 fn refused(scene: &str, place: &str, words: &[&str]) {
     let line = scene.lines().position(|line| line.contains(place)).unwrap_or(0) + 1;
     let at = format!("scene.xml:{line}:");
@@ -96,7 +96,7 @@ fn refused(scene: &str, place: &str, words: &[&str]) {
 }
 
 /// `(where, body, words)`: a scene with this body is refused with a message that points at the line of
-/// `where` and holds all the words.
+/// `where` and contains all the words.
 type Trial<'a> = (&'a str, &'a str, &'a [&'a str]);
 
 fn all_refused(trials: &[Trial]) {

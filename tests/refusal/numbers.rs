@@ -1,4 +1,4 @@
-//! Numbers, transforms and sizes that cannot be.
+//! Invalid numbers, transforms and sizes.
 
 use super::{Folder, all_refused, refused, scene};
 use std::time::Instant;
@@ -7,8 +7,8 @@ use std::time::Instant;
 fn numbers_out_of_range_are_refused() {
     let sphere =
         |value: &str| format!("<shape type=\"sphere\">\n<float name=\"radius\" value=\"{value}\"/></shape>");
-    for value in ["-1", "0", "NaN", "inf", "-inf", "1e999", "", "one", "0x10", "1,5"] {
-        all_refused(&[("name=\"radius\"", &sphere(value), &["`radius`", "expected a positive number"])]);
+    for value in ["0", "-0", "NaN", "inf", "-inf", "1e999", "", "one", "0x10", "1,5"] {
+        all_refused(&[("name=\"radius\"", &sphere(value), &["`radius`", "expected a number other than 0"])]);
     }
     for value in ["1.5", "1e3", "99999999999999999999", ""] {
         let body = format!("<shape type=\"sphere\">\n<integer name=\"radius\" value=\"{value}\"/></shape>");
@@ -26,7 +26,7 @@ fn numbers_out_of_range_are_refused() {
         let body = format!("<bsdf type=\"diffuse\">\n<rgb name=\"reflectance\" value=\"{value}\"/></bsdf>");
         all_refused(&[("name=\"reflectance\"", &body, &["expected"])]);
     }
-    // Light is no reflectance, however it is written.
+    // A spectrum of light is no reflectance, in whatever form it is written.
     for (kind, inside) in [
         ("uniform", "<float name=\"value\" value=\"5\"/>"),
         ("d65", ""),
@@ -235,6 +235,7 @@ fn amounts_and_shapes_that_no_number_can_hold_are_refused() {
     all_refused(&[
         ("-1e-6", &light(cold), &["expected"]),
         ("3e38", &light("<rgb name=\"radiance\"\nvalue=\"3e38\"/>"), &["expected"]),
+        ("3e38", &light("<spectrum name=\"radiance\"\nvalue=\"400:1, 700:3e38\"/>"), &["none above 1.7e38"]),
     ]);
     let of = |element: &str, kind: &str, name: &str, value: &str| {
         format!("<{element} type=\"{kind}\">\n<float name=\"{name}\" value=\"{value}\"/></{element}>")

@@ -1,4 +1,4 @@
-//! Documents that are no scenes: unknown names, references, includes, XML that is none or too much of it.
+//! Documents that are no valid scenes: unknown names, references, includes, malformed XML and too much of it.
 
 use super::{Folder, SENSOR, all_refused, refused, refused_with};
 use std::time::Instant;
@@ -40,6 +40,7 @@ fn unknown_names_are_refused_and_the_known_ones_listed() {
             &["Unobtainium", "Cu"],
         ),
         ("<widget", "<widget/>", &["<widget> has no place here", "shape", "emitter"]),
+        ("<boolean", "<boolean name=\"kd_fast\" value=\"true\"/>", &["<boolean> has no place here"]),
         ("<shape>", "<shape>\n</shape>", &["no `type`"]),
         ("radius", "<shape type=\"sphere\">\n<float name=\"radius\"/></shape>", &["no `value`"]),
         (
@@ -122,6 +123,11 @@ fn scenes_that_make_no_sense_are_refused() {
         ),
         ("hello", "<shape type=\"sphere\"/>\nhello", &["text between elements"]),
     ]);
+    for (kind, name) in [("point", "intensity"), ("spot", "intensity"), ("directional", "irradiance")] {
+        let texture = format!("<texture name=\"{name}\" type=\"checkerboard\"/>");
+        let lamp = format!("<emitter type=\"{kind}\">\n{texture}</emitter>");
+        all_refused(&[("<texture", &lamp, &["cannot be textured", "the same everywhere"])]);
+    }
     refused(
         "<scene version=\"3.0.0\">\n<shape type=\"sphere\"/>\n</scene>",
         "<scene",
@@ -146,6 +152,7 @@ fn documents_that_are_no_xml_or_too_much_of_it_are_refused() {
     );
     refused("<scene version=\"3.0.0\">\n<shape type=sphere/>\n</scene>", "sphere", &["not well-formed"]);
     refused("<scene version=\"3.0.0\">\n&unknown;\n</scene>", "&unknown;", &["not well-formed"]);
+    refused("<scene version=\"3.0.0\">\n<!-- a -- b\n</scene>", "<!-- a", &["not well-formed", "comment"]);
     refused("", "", &["not well-formed"]);
     let mut bomb = "<!DOCTYPE scene [\n<!ENTITY a0 \"aaaaaaaaaa\">\n".to_owned();
     for i in 1..20 {
@@ -162,7 +169,7 @@ fn documents_that_are_no_xml_or_too_much_of_it_are_refused() {
     folder.refused(&["scene.xml", "UTF-8"]);
 }
 
-/// A few lines that mean a thousand times as much each as the line before.
+/// A few lines, each of which expands to a thousand times the line before.
 #[test]
 fn what_multiplies_is_refused_soon() {
     let begin = Instant::now();
@@ -247,7 +254,7 @@ fn channels_that_no_file_could_hold_are_refused() {
             r#"<scene version="3.0.0"><sensor type="perspective"><film type="specfilm">{bands}</film></sensor></scene>"#
         )
     };
-    // Of two bands with one centroid the first keeps its name.
+    // Of two bands with the same centroid the first keeps its name.
     refused(&sensor("R|ω"), "name=\"R\"", &["two channels would have the name `R`"]);
     refused(&sensor("|ω"), "name=\"\"", &["a channel would have no name"]);
     refused(&sensor("variance.R|ω"), "name=\"variance.R\"", &["`variance` is taken"]);

@@ -1,11 +1,13 @@
-//! Small scenes that between them use every feature that decides how an image is computed.
+//! Small scenes that together use every feature that affects how an image is computed.
 
 use etalon::spectrum::ColorMode;
 
-/// What one unit of light and of length is multiplied by.
+/// Factors on the units of light and of length.
 #[derive(Clone, Copy)]
 pub struct Units {
+    /// Factor on all radiances and intensities.
     pub light: f64,
+    /// Factor on all lengths.
     pub length: f64,
 }
 
@@ -15,7 +17,7 @@ impl Default for Units {
     }
 }
 
-/// A scene without its units: `L(…)` around lists of radiances, `X(…)` around lists of lengths, and `{place}`
+/// A scene without its units: `L(…)` encloses lists of radiances, `X(…)` lists of lengths, and `{place}` is
 /// at the end of every shape's transform.
 pub struct Trial {
     pub name: &'static str,
@@ -208,7 +210,8 @@ pub const SCENES: &[Trial] = &[
 ];
 
 impl Trial {
-    /// The scene file; a product with a power of two is exact, and printed so that reading gives it back.
+    /// The scene file. Products with a power of two are exact, and printed so that reading gives the same
+    /// number.
     pub fn text(&self, units: Units) -> String {
         let frame = format!(
             r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="7"/>{options}</integrator>
@@ -230,7 +233,7 @@ impl Trial {
     }
 }
 
-/// Multiplies the numbers in every list that `open` begins.
+/// Multiplies the numbers in every list that begins with `open`.
 fn scaled(text: &str, open: &str, factor: f64) -> String {
     let mut pieces = text.split(open);
     let mut result = pieces.next().unwrap_or("").to_owned();

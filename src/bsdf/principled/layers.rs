@@ -13,9 +13,9 @@ use std::f64::consts::FRAC_1_PI;
 /// All lobes at a point.
 pub struct Layers {
     pub base: Spectrum,
-    /// The base over its luminance; 1 where nothing is tinted.
+    /// Colour of the base over its luminance; 1 where nothing is tinted.
     pub hue: Spectrum,
-    /// Colour times amount, none on metal.
+    /// Colour of the sheen times its amount; zero on metal.
     pub sheen: Spectrum,
     pub facets: Distribution,
     /// η inside / η outside.
@@ -26,12 +26,13 @@ pub struct Layers {
     pub flatness: f64,
     pub clearcoat: f64,
     pub coat: Gtr1,
-    /// Shares of what is matte and of what is like glass; the rest is metal.
+    /// Share of the matte lobe; what neither this nor `clear` takes is metal.
     pub matte: f64,
+    /// Share of what reflects and transmits like glass.
     pub clear: f64,
-    /// Of sampling the matte lobe and the coat, seen from outside.
+    /// Probabilities of sampling the matte lobe and the coat, seen from outside.
     pub chances: [f64; 2],
-    /// Of sampling the microfacets.
+    /// Probability of sampling the microfacets.
     pub specular_chance: f64,
 }
 
@@ -46,7 +47,8 @@ struct Meeting {
 }
 
 impl Meeting {
-    /// Where a viewer of the far side counts as one of the near side, with the indices exchanged.
+    /// From any two directions: a viewer below the surface counts as one above it, with the indices
+    /// exchanged.
     fn new(wo: DVec3, wi: DVec3, eta: f64) -> Self {
         let eta = seen(eta, wo);
         let (wo, wi) = (upward(wo, wo), upward(wi, wo));
@@ -54,7 +56,7 @@ impl Meeting {
         Self::at(wo, wi, unit(if h.z < 0.0 { -h } else { h }), eta)
     }
 
-    /// Of a viewer above the surface, where the facet is known.
+    /// From a viewer above the surface, with the facet known.
     fn at(wo: DVec3, wi: DVec3, m: DVec3, eta: f64) -> Self {
         Self { wo, wi, m, eta, face: fresnel::dielectric(wo.dot(m).max(0.0), eta) }
     }
@@ -66,8 +68,8 @@ impl Layers {
         fifth(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
     }
 
-    /// What microfacets reflect of light from outside: exactly as glass, by Schlick's approximation where it
-    /// has a colour.
+    /// Reflectance of microfacets for light from outside: exactly as glass, by Schlick's approximation where
+    /// it has a colour.
     fn fresnel(&self, at: &Meeting) -> Spectrum {
         let reflectance = at.face.reflectance;
         // As in Mitsuba, where the index is that of outside there is no interface, of metal neither.
@@ -156,7 +158,7 @@ impl Layers {
         }
     }
 
-    /// Whether anything is seen from the side that `wo` is on.
+    /// Whether any lobe scatters towards the side that `wo` is on.
     fn shows(&self, wo: DVec3) -> bool {
         wo.z > 0.0 || wo.z < 0.0 && self.clear > 0.0
     }
@@ -200,12 +202,12 @@ impl Bsdf for Layers {
             // The facet is the one that was drawn: where η is next to 1, two directions hardly tell it.
             (Meeting::at(wo, wi, m, eta), reflected)
         };
-        // A facet may send light to where its surface is.
+        // A facet may scatter light into its own surface.
         if at.wi.z == 0.0 || (at.wi.z > 0.0) != reflected {
             return None;
         }
         let Evaluation { value, pdf } = self.lobes(&at, outside);
-        let sample = Sample::smooth(upward(at.wi, viewer), value * (1.0 / pdf) as f32, pdf);
+        let sample = Sample::with_density(upward(at.wi, viewer), value * (1.0 / pdf) as f32, pdf);
         (pdf > 0.0).then_some(Sample { eta: if reflected { 1.0 } else { eta }, ..sample })
     }
 }

@@ -23,7 +23,7 @@ pub use layers::Layers;
 /// The parameters of the model.
 pub struct Principled {
     base: AnyTexture,
-    /// That of a base that does not vary.
+    /// Luminance of the base colour, if that does not vary.
     luminance: Option<f64>,
     roughness: AnyTexture,
     anisotropic: AnyTexture,
@@ -40,7 +40,7 @@ pub struct Principled {
     rates: Rates,
 }
 
-/// How readily lobes are chosen, beside what they weigh.
+/// Factors of the probabilities of lobes, besides the lobes' weights.
 struct Rates {
     diffuse: f64,
     specular: f64,
@@ -184,13 +184,13 @@ impl Material for Principled {
             &self.clearcoat,
             &self.clearcoat_gloss,
         ];
-        // As narrow in either direction as what counts as such of rough metal, and more than the gloss of
-        // something matte.
+        // Narrow in either direction, by the same limit as rough metal, and more than the gloss of something
+        // matte.
         let bright = transmits || self.metallic.mean() > 0.5;
         let across =
             self.roughness.mean() * self.roughness.mean() * (1.0 - 0.9 * self.anisotropic.mean()).sqrt();
         Traits {
-            smooth: true,
+            has_density: true,
             only_rough: !transmits,
             transmits,
             glossy: bright && across < NARROW,

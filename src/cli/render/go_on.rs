@@ -1,12 +1,12 @@
-//! The command that goes on with a render that came to an early end.
+//! The command that resumes a render that ended early.
 
 use super::Arguments;
 use crate::cli::quoted;
 use std::ops::Range;
 
 impl Arguments {
-    /// All of the command line that goes on from the checkpoint. A pilot does not choose again: the samples
-    /// are those that were chosen.
+    /// The whole command line that resumes from the checkpoint. No pilot runs again: the samples are those
+    /// that were chosen.
     pub fn go_on(&self, samples: &Range<u64>) -> String {
         let mut words = ["etalon", "render"].map(String::from).to_vec();
         words.extend(self.scene.words());

@@ -1,4 +1,4 @@
-//! Directions towards an image of the surroundings, chosen by how important it is there and how much a
+//! Sampling of directions towards an image of the surroundings, by its importance there and by how much a
 //! surface faces it.
 //!
 //! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its importance and the
@@ -17,7 +17,7 @@ use crate::math::function::sin_cos_turn;
 use crate::math::{DVec2, DVec3, INV_PI, warp};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// No more blocks than these along the turn and the height: their tables stay in a near cache.
+/// Numbers of blocks along the turn and the height: so few that their tables stay in a near cache.
 const BLOCKS: [usize; 2] = [32, 16];
 
 /// Normals along an edge of the square that the octahedron is unfolded to; odd, so that the axes are among
@@ -27,17 +27,17 @@ const NORMALS: usize = 17;
 /// Most normals are nearer than this to the nearest of those, in radians.
 const NEAR: f64 = 0.15;
 
-/// The number of the choice that faces everything.
+/// The number, among those of normals, that stands for no normal: all directions are faced alike.
 const ANYWHERE: usize = NORMALS * NORMALS;
 
 /// A place within a cell, between the texel centres at its corners.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// Its texels to the left are in this column, those above in this row.
+    /// Column of the texels to the left, and row of those above.
     pub cell: Cell,
-    /// The part of its width.
+    /// Distance from the left edge, as a fraction of the cell's width.
     pub across: f64,
-    /// The part of its height, of the cosine.
+    /// Distance from the upper edge, as a fraction of the cell's height in the cosine.
     pub down: f64,
 }
 
@@ -50,7 +50,7 @@ pub struct Cell {
 /// How important the corners of a cell are: of the row above, left and right, and of the row below.
 pub type Corners = [[f64; 2]; 2];
 
-/// For one row of blocks, where the steps of each block begin: as long as a cache line.
+/// For one row of blocks, where the [`steps`] of each block begin: as long as a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct RowOfBlocks([u16; BLOCKS[0]]);
@@ -58,22 +58,23 @@ struct RowOfBlocks([u16; BLOCKS[0]]);
 #[derive(Debug)]
 pub struct Directions {
     columns: usize,
-    /// Height of each row of cells and its upper edge, as cosines.
+    /// Height of each row of cells and its upper edge, as cosines of the polar angle.
     strips: Vec<(f64, f64)>,
     /// Cells along a block's sides, as powers of two.
     shift: [u32; 2],
-    /// For each normal, and for none, by which a row of blocks is chosen.
+    /// Table by which a row of blocks is chosen, for each normal and for none.
     rows: Vec<[u16; BLOCKS[1]]>,
-    /// For each normal, row by row, by which a block is chosen.
+    /// Tables by which a block of a row is chosen, row by row, for each normal and for none.
     blocks: Vec<RowOfBlocks>,
-    /// For each block, by which a row of its cells is chosen and then, row by row, a cell.
+    /// For each block, the table by which a row of its cells is chosen, then those by which a cell of a row
+    /// is.
     insides: Vec<u16>,
 }
 
-/// By which cells of a block are chosen.
+/// The tables by which cells of a block are chosen.
 struct Inside<'a> {
     rows: &'a [u16],
-    /// Row by row.
+    /// Tables of the cells, row by row.
     cells: &'a [u16],
     width: usize,
 }
@@ -135,8 +136,8 @@ impl Directions {
         self.blocks.extend(weights.chunks(BLOCKS[0]).map(|row| RowOfBlocks(array(deal(row)))));
     }
 
-    /// A place that may light a surface of normal n, or of none if n is zero, and its density in sr⁻¹; `None`
-    /// if nothing shines there.
+    /// Samples a place that may light a surface of normal n (any surface, if n is zero); returns it with its
+    /// density in sr⁻¹. `None` if there is no light.
     #[inline]
     pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<(Place, f64)> {
         let normal = nearest(n);
@@ -172,7 +173,7 @@ impl Directions {
         self.density(of_block * of_cell, place, corners)
     }
 
-    /// By which a block of a row of blocks is chosen for a normal.
+    /// The table by which a block of a row of blocks is chosen for a normal.
     #[inline]
     fn blocks(&self, normal: usize, row: usize) -> &[u16] {
         &self.blocks[normal * BLOCKS[1] + row].0
@@ -186,7 +187,7 @@ impl Directions {
         Inside { rows, cells, width }
     }
 
-    /// The density of a place in a cell of this probability.
+    /// The density, in sr⁻¹, of a place in a cell of this probability.
     #[inline]
     fn density(&self, probability: f64, place: &Place, corners: Corners) -> f64 {
         let [above, below] = corners;
@@ -233,12 +234,12 @@ fn facing(c: f64, blur: f64) -> f64 {
     if c > 0.0 { large } else { 0.25 * blur * blur / large }
 }
 
-/// The first N of what comes.
+/// The first N numbers.
 fn array<const N: usize>(mut numbers: impl Iterator<Item = u16>) -> [u16; N] {
     std::array::from_fn(|_| numbers.next().unwrap_or(u16::MAX))
 }
 
-/// The number of the normal nearest to n on the octahedron, or of none.
+/// The number of the normal nearest to n on the octahedron; [`ANYWHERE`] if n is zero.
 #[inline]
 fn nearest(n: DVec3) -> usize {
     if n == DVec3::ZERO {

@@ -17,13 +17,13 @@ use directions::{Cell, Corners, Directions, Place};
 
 pub const NAME: &str = "envmap";
 pub const ABOUT: &str =
-    "A latitude–longitude image around the scene; +y is up, the centre of the image lies towards −z.";
+    "A latitude–longitude image around the scene; +y is up, the centre of the image lies towards +z.";
 pub const EXAMPLES: &[&str] = &[];
 
-/// Where it is darker than the mean, an image is chosen with this part of its brightness.
+/// Fraction of its brightness with which an image is sampled where it is darker than its mean.
 const DARK: f64 = 1.0 / 32.0;
 
-/// All that is known of a texel, side by side, for a lookup waits for memory.
+/// Everything about a texel in one place, for a lookup waits for memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(16))]
 struct Texel {
@@ -43,12 +43,13 @@ pub struct EnvironmentMap {
     to_local: Transform,
     to_world: Transform,
     directions: Directions,
-    /// What a brightness must exceed to count in full.
+    /// Mean brightness, which importances leave out; see [`importance`].
     common: f64,
     mean: f64,
 }
 
-/// Along a side: a block of [`directions`] then has fewer cells along a side than a choice has steps.
+/// Most texels along a side: a block of [`directions`] then has fewer cells along a side than a choice has
+/// steps.
 const MOST_TEXELS: usize = 1 << 16;
 
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
@@ -171,10 +172,10 @@ fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
     [cell.row, cell.row + 1].map(|row| [texels[row * width + cell.column], texels[row * width + right]])
 }
 
-/// By what directions are chosen: the brightness beyond the mean, for scattering finds the rest as well
-/// (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling");
-/// and some of it everywhere, for nothing that shines may be left out where directions are chosen in no other
-/// way.
+/// The importance by which directions are sampled: the brightness beyond the mean, for scattering finds the
+/// rest as well (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance
+/// Sampling"); and a fraction of the brightness everywhere, for no light may be left out where directions are
+/// sampled in no other way.
 fn importance(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
     corners.map(|row| {
         row.map(|texel| {

@@ -1,4 +1,4 @@
-//! Choices among a few, with probabilities in whole steps.
+//! Choices among a few, with probabilities that are whole numbers of steps.
 //!
 //! Numbers of 16 bits are a quarter as long as doubles: what one choice looks at lies in a cache line or two,
 //! and tables that would wait in a far cache fit into a near one. Probabilities are rounded to whole steps,
@@ -7,20 +7,20 @@
 
 use crate::math::BELOW_ONE;
 
-/// How many steps are dealt out.
+/// Number of steps, which are distributed over the choices.
 const STEPS: u16 = u16::MAX;
 
-/// What was chosen.
+/// The result of a choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
     pub index: usize,
     pub probability: f64,
-    /// What is left of the random number, as good as a new one.
+    /// The random number, rescaled to [0, 1) within the choice for reuse.
     pub rest: f64,
 }
 
-/// Deals the steps out by some weights, of which there are far fewer than steps: where those of each begin.
-/// Nothing is chosen where no weight is positive.
+/// Distributes the steps in proportion to some weights, of which there are far fewer than steps: where those
+/// of each begin. Nothing is chosen where no weight is positive.
 pub fn deal(weights: &[f64]) -> impl Iterator<Item = u16> {
     let total: f64 = weights.iter().sum();
     let possible = weights.iter().filter(|weight| **weight > 0.0).count() as u16;
@@ -47,13 +47,13 @@ pub fn pick(starts: &[u16], u: f64) -> Option<Choice> {
     Some(Choice { index, probability: steps / f64::from(STEPS), rest })
 }
 
-/// With what probability one is chosen.
+/// The probability of choosing an index.
 #[inline]
 pub fn probability(starts: &[u16], index: usize) -> f64 {
     span(starts, index).1 / f64::from(STEPS)
 }
 
-/// Where the steps of one begin, and how many there are.
+/// Where the steps of an index begin, and how many there are.
 #[inline]
 fn span(starts: &[u16], index: usize) -> (f64, f64) {
     let (begin, end) = (starts[index], starts.get(index + 1).copied().unwrap_or(STEPS));

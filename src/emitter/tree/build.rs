@@ -5,10 +5,10 @@ use super::children::{Children, WIDTH};
 use super::{Cluster, Node, Place, Target, Tree};
 use crate::math::DVec3;
 
-/// Planes that are tried in each axis, and one.
+/// Bins along each axis: one more than the planes that are tried.
 const BINS: usize = 12;
 
-/// An emitter and its number.
+/// An emitter's number and the emitter as a cluster.
 type Numbered = (u32, Cluster);
 
 pub fn build(clusters: &[Cluster]) -> Tree {
@@ -18,7 +18,7 @@ pub fn build(clusters: &[Cluster]) -> Tree {
     tree
 }
 
-/// Adds the nodes of some emitters; the number of the first.
+/// Adds the nodes of some emitters; returns the index of the first.
 fn grow(tree: &mut Tree, emitters: &mut [Numbered], place: Option<Place>) -> u32 {
     let mut groups = vec![(all(emitters), emitters)];
     while groups.len() < WIDTH {
@@ -50,12 +50,12 @@ fn grow(tree: &mut Tree, emitters: &mut [Numbered], place: Option<Place>) -> u32
     node
 }
 
-/// What is known of emitters together, of which there is at least one.
+/// The cluster of some emitters, of which there is at least one.
 fn all(emitters: &[Numbered]) -> Cluster {
     emitters[1..].iter().fold(emitters[0].1, |sum, (_, cluster)| Cluster::union(sum, *cluster))
 }
 
-/// Sorts emitters into two sides; how many are on the first.
+/// Sorts emitters into two sides; returns how many are on the first.
 fn halve(emitters: &mut [Numbered]) -> usize {
     let (lo, hi) = crate::math::bounds::around(emitters.iter().map(|(_, cluster)| cluster.ball().0));
     let extent = hi - lo;
@@ -79,7 +79,7 @@ fn halve(emitters: &mut [Numbered]) -> usize {
         for i in 0..BINS - 1 {
             below = joined(below, bins[i]);
             let (Some(a), Some(b)) = (below, above[i]) else { continue };
-            // Long boxes are not to be made longer.
+            // Splits across a short axis leave long boxes.
             let cost = (a.cost() + b.cost()) * (extent.max_element() / extent[axis]);
             if best.is_none_or(|(least, ..)| cost < least) {
                 best = Some((cost, axis, i + 1));

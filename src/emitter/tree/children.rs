@@ -4,18 +4,19 @@ use super::{Cluster, Receiver};
 use crate::math::DVec3;
 use crate::math::simd::{F64x4, dot};
 
-/// How many children a node has at most.
+/// Most children of a node.
 pub const WIDTH: usize = 4;
 
 /// [`Cluster`]s, one to a lane; those that are missing have no power.
 #[derive(Debug)]
 pub struct Children {
     centre: [[f64; WIDTH]; 3],
-    /// Of the ball about the box.
+    /// Radius of the ball about the box.
     radius: [f64; WIDTH],
     axis: [[f64; WIDTH]; 3],
-    /// Of the half angle of the normals.
+    /// Cosine of the half angle of the cone of normals.
     cos: [f64; WIDTH],
+    /// Sine of that angle.
     sin: [f64; WIDTH],
     cos_beyond: [f64; WIDTH],
     power: [f64; WIDTH],
@@ -39,8 +40,8 @@ impl Children {
         }
     }
 
-    /// Estimates of the irradiance at a point, about n unless that is zero, at any scale, and their sum. Zero
-    /// only if nothing can arrive there.
+    /// Estimates of the irradiance from each child at a point p (from all directions, if n is zero), up to a
+    /// common factor, and their sum. An estimate is zero only if no light of the child can arrive there.
     ///
     /// Power over squared distances, times the largest cosines that can be at either end: as seen from the
     /// point all emitters are within a cone about the centre, and from any of them the point is as far from
@@ -64,7 +65,7 @@ impl Children {
         if n != DVec3::ZERO {
             cosines = cosines * less(with_sine(dot(n.to_array().map(F64x4::splat), w)), seen).0.max(zero);
         }
-        // What is within the ball may be anywhere, and shine anywhere.
+        // Within the ball, emitters may be in any direction, and emit in any.
         let all = distance2.at_most(radius * radius).select(near, near * cosines).to_array();
         (all, (all[0] + all[1]) + (all[2] + all[3]))
     }

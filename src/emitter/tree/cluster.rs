@@ -1,19 +1,19 @@
-//! What is known of some emitters together.
+//! Bounds of some emitters together.
 
 use crate::math::DVec3;
 use crate::math::bounds::{Bounds, union};
 use crate::math::cone::Cone;
 use crate::math::function::{acos, cos, sin};
 
-/// Where emitters are, whither they shine, and how much.
+/// Bounds of emitters in space and direction, and their power.
 #[derive(Clone, Copy, Debug)]
 pub struct Cluster {
     pub bounds: Bounds,
-    /// Around all normals.
+    /// Cone around all normals (world).
     pub normals: Cone,
     /// Cosine of the largest angle with a normal at which light leaves.
     pub cos_beyond: f64,
-    /// At a scale at which all emitters together have no more than 1.
+    /// Their power, relative to a total of at most 1 of all emitters.
     pub power: f64,
 }
 
@@ -33,9 +33,9 @@ impl Cluster {
         (0.5 * lo + 0.5 * hi, (0.5 * hi - 0.5 * lo).length_squared())
     }
 
-    /// What a node of a tree costs: its power, times its extent, times the solid angle into which it shines,
-    /// weighted by the cosine beyond the normals (Conty Estevez and Kulla 2018, §4.1). In place of the
-    /// surface of its box the diagonal squared, which is not zero for emitters in a row.
+    /// Cost of a node of the tree: its power, times its extent, times the solid angle into which it emits,
+    /// weighted by the cosine beyond the normals (Conty Estevez and Kulla 2018, §4.1). The extent is the
+    /// squared diagonal of the box, not its surface, which is zero for emitters in a row.
     pub fn cost(&self) -> f64 {
         use std::f64::consts::{FRAC_PI_2, PI, TAU};
         let (lo, hi) = self.bounds;

@@ -1,12 +1,12 @@
-//! A tree of emitters, for scenes with many: one is chosen by what it may bring to the place where light is
-//! gathered.
+//! A tree of emitters, for scenes with many: one is chosen by an estimate of its contribution at the point
+//! where light is gathered.
 //!
-//! Every node knows of its children where their emitters are, whither they shine and their power
-//! ([`Cluster`]), from which follow estimates of the light that they bring to a point. A choice goes down
-//! from the root, at each node to one of the children with chances in proportion to these estimates (Conty
-//! Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; PBRT, 4th
-//! edition, §12.6.3). The estimate for an emitter that may light the point is never zero, so no light is
-//! lost, however wrong it is.
+//! Every node stores for each of its children where the emitters are, in which directions they emit, and
+//! their power ([`Cluster`]), from which follow estimates of the light that they contribute at a point. A
+//! choice descends from the root, at each node to one of the children with a probability in proportion to
+//! these estimates (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
+//! Splitting"; PBRT, 4th edition, §12.6.3). The estimate for an emitter that may light the point is never
+//! zero, so no light is lost, however wrong it is.
 
 mod build;
 mod children;
@@ -16,7 +16,8 @@ use crate::math::{BELOW_ONE, DVec3};
 use children::{Children, WIDTH};
 pub use cluster::Cluster;
 
-/// Where light is gathered, and the normal of the hemisphere from which it is; zero if it is from everywhere.
+/// The point where light is gathered, and the normal of the hemisphere from which it is; zero if it is
+/// gathered from all directions.
 pub type Receiver = (DVec3, DVec3);
 
 /// A tree of which every leaf is an emitter.
@@ -24,7 +25,7 @@ pub type Receiver = (DVec3, DVec3);
 pub struct Tree {
     /// The root comes first.
     nodes: Vec<Node>,
-    /// Where each emitter that was given is, by its number.
+    /// The leaf of each emitter, by its number.
     leaves: Vec<Place>,
 }
 
@@ -32,13 +33,13 @@ pub struct Tree {
 struct Node {
     children: Children,
     targets: [Target; WIDTH],
-    /// Of the root nowhere.
+    /// Where the node is among its parent's children; `None` for the root.
     place: Option<Place>,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Target {
-    /// Chosen never.
+    /// No child: it has no power, so it is never chosen.
     Nothing,
     Emitter(u32),
     Node(u32),
@@ -52,13 +53,13 @@ struct Place {
 }
 
 impl Tree {
-    /// Of at least one emitter.
+    /// A tree of at least one emitter.
     pub fn new(clusters: &[Cluster]) -> Self {
         build::build(clusters)
     }
 
-    /// The emitter that a number in [0, 1) falls on, its probability, and the number to be used again; `None`
-    /// if no emitter shines there.
+    /// The emitter that a number in [0, 1) falls on, its probability, and the number, rescaled to [0, 1) for
+    /// reuse; `None` if no emitter lights the point.
     #[inline(never)]
     pub fn sample(&self, at: Receiver, mut u: f64) -> Option<(usize, f64, f64)> {
         let (mut index, mut probability) = (0, 1.0);
@@ -71,7 +72,7 @@ impl Tree {
                 child += 1;
             }
             probability *= importance[child] / total;
-            // Rounding may lead past the last that shines.
+            // Rounding may lead past the last that can light the point.
             if probability.is_nan() || probability <= 0.0 {
                 return None;
             }

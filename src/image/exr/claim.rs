@@ -1,11 +1,11 @@
-//! Whether a file can hold what its header claims, asked before memory is taken for it.
+//! Whether a file can hold what its header claims, checked before memory is allocated for it.
 
 use exr::meta::header::Header;
 use std::io::BufReader;
 use std::path::Path;
 
-/// No method of the format stores a byte of samples in less than 1/4096 of one: deflate needs 1/1032, and
-/// DWA, where a whole block is dark, little less.
+/// Most bytes of samples that a byte of the file can hold, with room to spare: deflate reaches 1032, and DWA,
+/// where a whole block is dark, little more.
 const MOST_PER_BYTE: u128 = 4096;
 
 /// Refuses a file that claims more samples than one of its length can hold.

@@ -12,12 +12,12 @@ use exr::prelude::*;
 use glam::DMat3;
 use std::path::Path;
 
-/// What three numbers of a pixel are.
+/// The colour space of a pixel's three numbers.
 enum Space {
     /// Linear sRGB, which has the primaries of Rec. 709.
     Srgb,
     Xyz,
-    /// The columns are the primaries' X, Y, Z.
+    /// Other primaries: the columns are their X, Y, Z.
     Primaries(DMat3),
 }
 
@@ -60,7 +60,7 @@ impl Space {
         }
     }
 
-    /// What the three numbers add to the luminance.
+    /// The contributions of the three numbers to the luminance.
     fn luminance(&self) -> [f64; 3] {
         match self {
             Self::Srgb => RGB_TO_XYZ[1],

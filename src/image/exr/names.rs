@@ -1,8 +1,8 @@
-//! What channels can be called in a file.
+//! Valid names of channels in a file.
 
 use super::VARIANCE;
 
-/// OpenEXR has room for so many characters of a name, that of a variance included.
+/// Most characters of a channel's name: OpenEXR must have room for the name of its variance.
 const LONGEST: usize = 255 - VARIANCE.len();
 
 /// Finds out whether a file can hold channels of these names, each with its variance.

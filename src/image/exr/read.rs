@@ -1,4 +1,4 @@
-//! Reading.
+//! Reading of OpenEXR files.
 
 use super::{PREFIX, SHARD_PART, VARIANCE, claim, word_name};
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};

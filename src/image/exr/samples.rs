@@ -47,7 +47,7 @@ impl<'a> WritableSamples<'a> for Samples<'_> {
     }
 }
 
-/// A channel on its way into the file.
+/// A channel that is being written into the file.
 pub(super) struct Rows<'a> {
     samples: Samples<'a>,
     size: Vec2<usize>,

@@ -1,4 +1,4 @@
-//! Writing.
+//! Writing of OpenEXR files.
 
 use super::samples::Samples;
 use super::{PREFIX, SHARD_PART, VARIANCE, word_name};

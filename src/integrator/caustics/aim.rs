@@ -1,17 +1,18 @@
-//! Directions from an emitter towards what is specular.
+//! Sampling of directions from an emitter towards the casters: shapes with narrow lobes.
 
 use crate::math::ball::{self, Ball};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, INV_PI, length, warp};
 use std::f64::consts::PI;
 
-/// How many balls stand for all casters: their densities are summed at every light path's beginning and end.
+/// Most balls that bound the casters; every evaluation of the density sums over all of them.
 const BALLS: usize = 16;
 
-/// The share of directions that are not aimed, so that nothing can be missed or be found too rarely.
+/// Probability of sampling by the cosine instead, so that no direction is impossible or has too low a
+/// density.
 const UNAIMED: f64 = 0.1;
 
-/// Balls that together hold all casters.
+/// Balls that together contain all casters.
 ///
 /// From a point p with normal n, ball k fills a cone of solid angle Ωₖ (or all directions, where p is
 /// inside). It is aimed at with probability in proportion to Ωₖ cₖ, cₖ being the largest cosine to n in its
@@ -19,14 +20,15 @@ const UNAIMED: f64 = 0.1;
 ///
 /// p(ω) = a cos/π + (1 − a) Σₖ [ω in cone k] cₖ / Σₖ Ωₖ cₖ.
 ///
-/// A ball about p counts with Ω c = π and cos/π for its density.
+/// A ball that contains p counts with Ω c = π and the density cos/π.
 #[derive(Debug)]
 pub struct Aim {
     balls: Vec<Ball>,
 }
 
 impl Aim {
-    /// From balls around each of the casters, halved along their longest extent until there are few groups.
+    /// From a ball around each caster: the group with the largest box is halved along its longest extent
+    /// until there are [`BALLS`] groups, each of which gets one ball.
     pub fn new(casters: &[Ball]) -> Self {
         let size = |group: &[Ball]| {
             let (lo, hi) = ball::bounds_of(group);
@@ -49,12 +51,12 @@ impl Aim {
         Self { balls: groups.iter().map(|group| Ball::around(group)).collect() }
     }
 
-    /// Aimed at nothing: by the cosine.
+    /// Without casters: directions are sampled by the cosine alone.
     pub fn everywhere() -> Self {
         Self { balls: vec![] }
     }
 
-    /// From a point with a normal.
+    /// The distribution of directions from a point with the normal n (world, unit length).
     pub fn from(&self, p: DVec3, n: DVec3) -> Aimed {
         let mut aimed = Aimed { n, cones: [Cone::NONE; BALLS], count: self.balls.len(), total: 0.0 };
         for (cone, &ball) in aimed.cones.iter_mut().zip(&self.balls) {
@@ -65,17 +67,17 @@ impl Aim {
     }
 }
 
-/// A ball as it is seen from a point.
+/// The cone of directions in which a ball is seen from a point.
 #[derive(Clone, Copy)]
 struct Cone {
-    /// Whether it is all around, and none of what follows but the weight means anything.
+    /// Whether the ball contains the point; then of the other fields only `weight` has a meaning.
     surrounds: bool,
     axis: DVec3,
-    /// 1 − cos of its opening.
+    /// 1 − cos of the angle between its axis and its surface.
     one_minus_cos: f64,
-    /// Its largest cosine to the normal.
+    /// cₖ: the largest cosine to the normal of its directions, 0 if all are below the horizon.
     largest: f64,
-    /// Ω c.
+    /// Ωₖ cₖ; π if the ball contains the point.
     weight: f64,
 }
 
@@ -99,7 +101,8 @@ impl Cone {
         Self { surrounds: false, axis, one_minus_cos, largest, weight: 2.0 * PI * one_minus_cos * largest }
     }
 
-    /// cₖ where the direction is within; of a ball all around, π times the density.
+    /// The ball's term of the sum in the density, `cosine` being cos/π: cₖ if the direction w is in the cone;
+    /// π times the density, if the ball contains the point.
     fn part(&self, w: DVec3, cosine: f64) -> f64 {
         // |w − axis|² / 2 is 1 − cos without its cancellation.
         if self.surrounds {
@@ -112,7 +115,7 @@ impl Cone {
     }
 }
 
-/// What there is to aim at from a point of an emitter.
+/// The density p(ω) at one point of an emitter.
 pub struct Aimed {
     n: DVec3,
     cones: [Cone; BALLS],

@@ -1,4 +1,4 @@
-//! Light that waits to be tested for whether the camera sees it.
+//! Connections of light paths with the camera, collected until their shadow rays are traced.
 
 use super::light_path::Splat;
 use crate::integrator::Counters;
@@ -9,12 +9,12 @@ use crate::scene::Scene;
 /// Connections of light paths with the camera.
 #[derive(Default)]
 pub struct Connections {
-    /// Of the last ones that were asked for.
+    /// Shadow rays of the last entries of `asked`, those not yet resolved.
     rays: Vec<Ray>,
-    /// All, each with the path's place in its stream. They are large, and stay where they are.
+    /// All connections, each with its path's index in the stream. They are large, so they are never moved.
     asked: Vec<(usize, Splat)>,
     occluded: Vec<bool>,
-    /// Which of them arrive.
+    /// Indices into `asked` of those that are unoccluded.
     arrived: Vec<usize>,
 }
 
@@ -25,7 +25,7 @@ impl Connections {
         self.asked.push((index, splat));
     }
 
-    /// Finds out what arrives of what was asked for since the last time.
+    /// Traces the shadow rays of all connections pushed since the last call.
     pub fn resolve(&mut self, scene: &Scene, counters: &mut Counters) {
         occluded(scene, &self.rays, &mut self.occluded, counters);
         let first = self.asked.len() - self.rays.len();
@@ -34,7 +34,8 @@ impl Connections {
         self.rays.clear();
     }
 
-    /// Hands on all that has arrived, path by path, each one's in the order in which it was asked for.
+    /// Passes all unoccluded connections to `splat`: path by path, those of a path in the order of
+    /// [`Self::push`].
     pub fn hand_on(&mut self, mut splat: impl FnMut(usize, &Splat)) {
         self.arrived.sort_by_key(|i| self.asked[*i].0);
         for i in self.arrived.drain(..) {

@@ -1,4 +1,4 @@
-//! How a light path begins.
+//! Sampling of a light path's first edge.
 
 use super::aim::Aim;
 use super::is_caster;
@@ -13,7 +13,7 @@ use crate::spectrum::{Spectrum, Wavelengths};
 /// Chooses an area emitter by its power, a point of it uniformly, and a direction aimed at casters.
 #[derive(Debug)]
 pub struct Emission {
-    /// Over all emitters; those without a surface have no part.
+    /// Probabilities of all emitters; zero for those without a surface.
     choice: Discrete,
     aim: Aim,
 }
@@ -23,14 +23,14 @@ pub struct Start {
     pub end: EmitterPoint,
     pub ray: Ray,
     pub radiance: Spectrum,
-    /// To the emitter's normal.
+    /// Cosine between the ray and the emitter's normal.
     pub cos: f64,
-    /// Of point and direction, in m⁻²·sr⁻¹.
+    /// Joint density of the point and the direction, in m⁻²·sr⁻¹.
     pub density: f64,
 }
 
 impl Emission {
-    /// `None` where nothing shines or nothing is specular.
+    /// Aimed at the casters. `None` without casters or without area emitters.
     pub fn new(emitters: &Emitters, shapes: &[Shape], instances: &Instances) -> Option<Self> {
         let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.ball());
         let placed = instances.bounds_of_groups_with(is_caster).into_iter().map(Ball::of_box);
@@ -38,7 +38,7 @@ impl Emission {
         if casters.is_empty() { None } else { Self::aimed(emitters, shapes, Aim::new(&casters)) }
     }
 
-    /// Aimed at nothing. `None` where nothing shines.
+    /// With directions by the cosine, not aimed. `None` without area emitters.
     pub fn everywhere(emitters: &Emitters, shapes: &[Shape]) -> Option<Self> {
         Self::aimed(emitters, shapes, Aim::everywhere())
     }
@@ -53,7 +53,8 @@ impl Emission {
         some.then_some(Self { choice, aim })
     }
 
-    /// Takes the pairs 0 and 1 and the dimensions 5 and 6.
+    /// Samples a point and a direction by the pairs 0 and 1 and the dimensions 5 and 6 of `u`. `None` if no
+    /// light leaves there.
     pub fn sample(
         &self,
         emitters: &Emitters,
@@ -78,8 +79,8 @@ impl Emission {
         (!radiance.is_zero()).then(|| Start { end, ray, radiance, cos: w.dot(start.n), density })
     }
 
-    /// The density of a point and the direction w from it as [`Emission::sample`] makes them, in m⁻²·sr⁻¹, over
-    /// the cosine there.
+    /// The density with which [`Emission::sample`] makes a point and the direction w from it, in m⁻²·sr⁻¹,
+    /// over the cosine between w and the normal there.
     pub fn over_cos(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
         let Some(shape) = scene.emitters.list[end.emitter].shape else { return 0.0 };
         let pdf = 1.0 / scene.shapes[shape as usize].geometry.area();

@@ -1,4 +1,4 @@
-//! What happens along a light path.
+//! A light path: its state, its scattering, and its connections with the camera.
 
 use super::Caustics;
 use super::connections::Connections;
@@ -14,38 +14,42 @@ use crate::scene::{Features, Scene, Side};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// What a light path brings to a pixel.
+/// The contribution of a light path to a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Splat {
     pub pixel: (u32, u32),
     pub λ: Wavelengths,
     pub radiance: Spectrum,
-    /// Of the estimate, the reconstruction filter included: its range exceeds that of the lanes.
+    /// Factor of `radiance`, with the MIS weight and the reconstruction filter: its range exceeds that of the
+    /// lanes.
     pub weight: f64,
 }
 
-/// A light path on its way.
+/// The state of a light path between two vertices.
 pub struct LightPath {
     λ: Wavelengths,
     emitted: Spectrum,
-    /// What has become of the light since it left.
+    /// Product of the factors of the estimate at all vertices beyond the emitter so far.
     throughput: Spectrum,
-    /// cos / density at the emitter: a lane might not hold it.
+    /// cos / density at the emitter, apart from the throughput: a lane might not hold it.
     scale: f64,
-    /// r, as far as it is known; see [`super`].
+    /// Product of the factors of r so far; see [`super`].
     ratio: f64,
-    /// Where it began.
+    /// The sampled point of the emitter.
     end: EmitterPoint,
-    /// How much likelier emitter sampling makes the path's beginning than the first lobe with a density on
-    /// the way does, from its end.
+    /// The density of emitter sampling at the first vertex with a density, over that of BSDF sampling there,
+    /// both as of a path from the camera. Zero if emitter sampling cannot make the edges before it.
     by_emitter: f64,
-    /// Surfaces that a link might lead by since it left, with the chance of its turns there; `None` once it
-    /// has done anything else.
+    /// The specular chain since the emitter, with the probability of the lobes that were chosen along it;
+    /// `None` once no link could lead by it.
     passage: Option<(Passage, f64)>,
 }
 
 impl LightPath {
-    /// The path and its first ray; `None` where no light leaves. `u` is the block of the camera.
+    /// The path and its first ray; `None` if no light leaves there. `u` is the block [`CAMERA`] of its
+    /// sampler.
+    ///
+    /// [`CAMERA`]: crate::sampler::CAMERA
     #[inline(always)]
     pub fn begin(caustics: &Caustics, scene: &Scene, u: Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
         let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
@@ -64,18 +68,18 @@ impl LightPath {
     }
 }
 
-/// Where a light path has landed, and by which ray.
+/// The hit at the end of a light path's ray.
 pub struct Landing<'a> {
     pub ray: &'a Ray,
     pub hit: Hit,
-    /// From the emitter.
+    /// Edges of the path from the emitter to the hit.
     pub edges: u32,
     pub u: Numbers,
 }
 
 impl Caustics {
-    /// Connects what the path has met with the camera, and scatters: the ray with which it goes on. `index` is
-    /// the path's place in its stream.
+    /// Connects the vertex at the hit with the camera, and samples the next ray; `None` ends the path.
+    /// `index` is the path's place in its stream.
     #[inline(always)]
     pub fn step<const F: u32>(
         &self,
@@ -107,7 +111,7 @@ impl Caustics {
     }
 }
 
-/// What happens at a vertex, for a material still to be named.
+/// A vertex of a light path, for any type of material.
 struct Scatter<'a, const F: u32> {
     caustics: &'a Caustics,
     scene: &'a Scene,
@@ -134,9 +138,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
         let bsdf = material.at(point, &λ);
         let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, to_light);
-        // The density of emitter samples by the same surfaces from here, over the chance that what scatters
-        // takes the same turns.
-        let asked = side.traits.smooth && scene.links.as_ref().is_some_and(|links| links.everywhere);
+        // The density of emitter samples from here by the same specular chain, over the probability that a
+        // scattered path chooses the same lobes along it.
+        let asked = side.traits.has_density && scene.links.as_ref().is_some_and(|links| links.everywhere);
         let linked =
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
                 let EmitterPoint { emitter, p, n } = path.end;
@@ -144,7 +148,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let found = density_of(scene, vertex.origin(), (to_light, passage), end, &λ, counters);
                 found.unwrap_or(0.0) * f64::from(caustics.settings.emitter_samples) / chance
             });
-        if edges > 1 && seen && side.traits.smooth {
+        if edges > 1 && seen && side.traits.has_density {
             caustics.connect(scene, (index, path), (&vertex, to_light), (linked, u), connections);
         }
         // The next connection is one edge more.
@@ -194,7 +198,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
 }
 
 impl Caustics {
-    /// Asks for what the camera gets of the light at a vertex if nothing is between them.
+    /// Queues the contribution of a vertex to the camera, with its shadow ray.
     #[inline]
     fn connect<B: Bsdf>(
         &self,

@@ -1,16 +1,16 @@
-//! Light tracing of caustics, and the weights that share them between camera and light.
+//! Light tracing of caustics, and its MIS weights against camera paths.
 //!
-//! A path tracer finds light that a mirror or a glass throws upon a surface only by chance: it must hit the
+//! A path tracer finds light that a mirror or glass casts upon a surface only by chance: it must hit the
 //! emitter by following the specular chain from the surface. From the other end, that is easy. So beside the
 //! camera paths there are *light paths*: they leave an emitter, aimed at what is specular, and every rough
 //! surface that they reach beyond is connected with the camera.
 //!
 //! **Which paths.** Let x₁ … xₙ be the vertices from the one that the camera sees to the one on the emitter.
 //! Light paths make those with n ≥ 3 whose xₙ₋₁ is of a material with narrow lobes (a *caster*), whose xₙ
-//! lies on an area emitter, and whose x₁ scatters into more than single directions; no relief with a mirror's
-//! or a glass's lobes is among them, whose weights are not the same from either end (`Traits::relief`). All
-//! others are left to camera paths alone. Where xₙ₋₁ has a lobe with a density, emitter sampling makes these
-//! paths too; the three techniques share them by the power heuristic.
+//! lies on an area emitter, and whose x₁ has a lobe with a density; they do not follow specular lobes under a
+//! relief, whose weights are not the same from either end (`Traits::relief`). All others are left to camera
+//! paths alone. Where xₙ₋₁ has a lobe with a density, emitter sampling makes these paths too; the three
+//! techniques share them by the power heuristic.
 //!
 //! **The ratio of the densities.** Per sample number there is one camera path to each pixel, and there are M
 //! light paths for the film. With area densities, the squared distances of all edges between x₁ and xₙ cancel
@@ -49,21 +49,21 @@ use crate::sensor::Sensor;
 pub use emission::Emission;
 pub use light_path::Splat;
 
-/// Light paths to a camera path, until it is known how much of the light they bring; see
+/// Light paths per camera path, until a pilot has found how much of the light they find; see
 /// [`crate::render::plan`].
 const LIGHT_PATHS: f64 = 0.25;
 
-/// What light paths need to know of a scene.
+/// The light paths of a scene: how they start, and how many there are.
 #[derive(Debug)]
 pub struct Caustics {
     emission: Emission,
     settings: Path,
-    /// Light paths for each sample number.
+    /// M, the number of light paths per sample number.
     pub paths: u32,
 }
 
 impl Caustics {
-    /// `None` where there is nothing that light paths would find, or where they are not wanted.
+    /// `None` without casters or area emitters, or if the integrator's settings exclude light paths.
     pub fn plan(
         integrator: &AnyIntegrator,
         sensor: &Sensor,
@@ -82,24 +82,24 @@ impl Caustics {
         Some(caustics)
     }
 
-    /// Sets how many light paths there are to a camera path.
+    /// Sets the number of light paths per camera path.
     pub fn set_ratio(&mut self, ratio: f64, pixels: usize) {
         self.paths = (ratio * pixels as f64).ceil().min(f64::from(u32::MAX)) as u32;
     }
 
-    /// The factor of r from xₙ, where w is the direction back to xₙ₋₁.
+    /// The factor of r at xₙ, where w is the direction back to xₙ₋₁.
     pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
         f64::from(self.paths) * self.emission.over_cos(scene, end, w)
     }
 }
 
-/// Whether light paths look for what a shape does to light.
+/// Whether light paths are aimed at a shape: a side of it has narrow lobes.
 pub fn is_caster(shape: &Shape) -> bool {
     shape.sides.iter().any(|side| side.traits.focuses())
 }
 
-/// The factor of r from x₁, where a lobe with a density went on: no light path can be connected with another.
-/// `seen` is J.
+/// The factor of r at x₁, whose lobe has the density `pdf`: no light path can be connected with the camera by
+/// a lobe without one. `seen` is J.
 pub fn first(pdf: f64, cos_light: f64, seen: f64) -> f64 {
     cos_light / (pdf * seen)
 }

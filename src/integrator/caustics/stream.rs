@@ -1,23 +1,17 @@
-//! Light paths that take each step together.
+//! Light paths in streams that take each step together.
 
 use super::Caustics;
 use super::connections::Connections;
 use super::light_path::{Landing, LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::path::MAX_VERTICES;
-use crate::integrator::wavefront::{Arrived, Wavefront};
-use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, ManyNumbers, PAIRS, Sampler};
+use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
+use crate::sampler::{CAMERA, CAUSTICS_COLUMN, FIRST_VERTEX, Kind, ManyNumbers, PAIRS, Sampler};
 use crate::scene::{Features, Scene};
 use crate::spectrum::Wavelengths;
 use std::ops::Range;
 
-/// How many light paths are traced together.
-const STREAM: usize = 64;
-
-/// The column that stands for light paths where samplers are given a pixel: no film is as wide.
-const LIGHT: u32 = u32::MAX;
-
-/// What a stream of light paths needs on its way, kept for the next.
+/// Buffers of a stream of light paths, kept for the next.
 #[derive(Default)]
 struct Stream {
     samplers: Vec<Sampler>,
@@ -29,8 +23,8 @@ struct Stream {
 }
 
 impl Caustics {
-    /// Traces light paths by their numbers, counted over all samples, and hands on what they bring to the
-    /// film, in the order of their numbers.
+    /// Traces the light paths with these numbers, counted over all samples, and passes their contributions to
+    /// `splat`, in the order of their numbers.
     pub fn trace(
         &self,
         scene: &Scene,
@@ -40,12 +34,14 @@ impl Caustics {
         counters: &mut Counters,
         mut splat: impl FnMut(u64, &Splat),
     ) {
-        // Kernels of light paths differ in what they ask of a surface; what surrounds the scene is never met.
+        // Kernels of light paths differ in what they need of a surface; light paths never meet an
+        // environment.
         let simple = scene.features.0 & Features::TEXTURED & !Features::ENVIRONMENT == 0;
         let mut stream = Stream::default();
         for first in numbers.clone().step_by(STREAM) {
-            let sampler =
-                |number: u64| Sampler::new(kind, seed, (LIGHT, (number >> 32) as u32), number as u32);
+            let sampler = |number: u64| {
+                Sampler::new(kind, seed, (CAUSTICS_COLUMN, (number >> 32) as u32), number as u32)
+            };
             stream.samplers.clear();
             stream.samplers.extend((first..numbers.end.min(first + STREAM as u64)).map(sampler));
             if simple {

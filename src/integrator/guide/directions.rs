@@ -3,24 +3,24 @@
 use crate::math::function::turn;
 use crate::math::{BELOW_ONE, DVec2, DVec3, INV_PI, warp};
 
-/// A square is divided where so many directions lie in it.
+/// Fewest directions in a quarter that is divided further.
 const DIVIDED: usize = 16;
 
 /// How often a square is divided at most: to a 512th of a turn.
 const DEEPEST: u32 = 8;
 
-/// The sphere of directions as a square of the same measure ([`warp::sphere`]), divided into quarters and
-/// these again where many directions were seen (as in the trees of Müller, Gross & Novák 2017, §3.2), and
-/// even within the smallest.
+/// A density over the sphere of directions, mapped to a square with equal areas ([`warp::sphere`]): that is
+/// divided into quarters, and these again where many directions were seen (as in the trees of Müller, Gross &
+/// Novák 2017, §3.2); the density is constant within the smallest.
 #[derive(Clone, Debug)]
 pub struct Directions(Vec<Quarters>);
 
 /// The four quarters of a square: left and right of the upper half, then of the lower.
 #[derive(Clone, Copy, Debug, Default)]
 struct Quarters {
-    /// Which part of what was seen in the square lies in each.
+    /// Share of the square's weight that each quarter has.
     parts: [f64; 4],
-    /// Where the quarters of each are; 0 if it is even.
+    /// Index of the quarters that each is divided into; 0 if it is not divided.
     further: [u32; 4],
 }
 
@@ -33,7 +33,7 @@ impl Directions {
         Self(squares)
     }
 
-    /// In sr⁻¹.
+    /// The density of a direction (world), in sr⁻¹.
     pub fn density(&self, w: DVec3) -> f64 {
         let mut place = square(w);
         let mut density = 0.25 * INV_PI;
@@ -70,7 +70,7 @@ impl Directions {
     }
 }
 
-/// Where [`warp::sphere`] takes a direction from.
+/// The inverse of [`warp::sphere`].
 fn square(w: DVec3) -> DVec2 {
     DVec2::new(turn(w.y, w.x), 0.5 - 0.5 * w.z)
 }
@@ -83,12 +83,12 @@ fn corner_of(quarter: usize) -> DVec2 {
     DVec2::new((quarter % 2) as f64, (quarter / 2) as f64)
 }
 
-/// A place of a quarter, in the square that the quarter is.
+/// A place in a quarter, in coordinates that fill the quarter as a unit square.
 fn within(place: DVec2, quarter: usize) -> DVec2 {
     place * 2.0 - corner_of(quarter)
 }
 
-/// Whether a number chooses the first of two by their weights; it becomes what it is within its choice.
+/// Whether a number chooses the first of two by their weights; it is stretched to [0, 1) within the choice.
 fn first(u: &mut f64, a: f64, b: f64) -> bool {
     let part = a / (a + b);
     let chosen = *u < part;

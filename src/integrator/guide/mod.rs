@@ -1,18 +1,19 @@
-//! Emitter samples along ways that light paths have shown.
+//! Guided emitter samples: along specular chains, in directions from which light paths have come.
 //!
-//! Where a surface is seen through glass or in a mirror, and lit by way of others, no light path can be
-//! connected with the camera, and a [link](super::links) is found only if few surfaces are on the way and the
-//! straight line names them. Scattering finds such light by chance. But light paths know from where it comes:
+//! Where a surface is seen through glass or in a mirror, and lit through others, no light path can be
+//! connected with the camera, and a [link](super::links) is found only if few surfaces lie between and they
+//! lie on the straight line. Scattering finds such light by chance. But light paths know from where it comes:
 //! before the render some leave the emitters, aimed at what is specular ([`Emission`]), and each that comes
 //! by specular surfaces to one that scatters with a density leaves a photon there. Space is halved until few
-//! photons are in a cell, and the directions of these, weighed by their power, are a density g(ω) (path
+//! photons are in a cell, and the directions of these, weighted by their power, are a density g(ω) (path
 //! guiding by photons: Jensen 1995; Vorba et al. 2014).
 //!
 //! **The technique.** At a vertex one direction is drawn from g and followed from one specular surface to the
-//! next, each time by a lobe that is sampled as a path would. If it comes to an emitter, by one such surface
-//! at least, that is an estimate of the light that scattering finds as well, by the same turns with the same
-//! chances; so the two share it by the power heuristic, of g(ω) and of the density p(ω) of scattering. What g
-//! does not cover is left to scattering, so however few or wrong photons are, nothing is biased.
+//! next, each time by a lobe that is sampled as on a path. If it comes to an emitter, by at least one such
+//! surface, that is an estimate of the light that scattering finds as well, by the same lobes with the same
+//! probabilities; so its MIS weight is that of the power heuristic, of g(ω) and the density p(ω) of
+//! scattering. What g does not cover is left to scattering, so however few or wrong photons are, nothing is
+//! biased.
 //!
 //! Photons are a function of the scene alone: every part of a render guides alike.
 
@@ -34,23 +35,23 @@ pub use photons::Photon;
 use photons::photon;
 use rayon::prelude::*;
 
-/// Ways by more specular surfaces than these are left to scattering.
+/// Most surfaces of a specular chain that is guided; longer ones are left to scattering.
 pub const MOST_SURFACES: u32 = 32;
 
 /// Cells with more photons are halved.
 const MOST_PHOTONS: usize = 512;
 
-/// From where light comes by specular surfaces, everywhere in the scene.
+/// The directions from which light comes by specular surfaces, as a density for each cell of space.
 #[derive(Debug)]
 pub struct Guide {
-    /// The first is the whole of space.
+    /// Nodes of the tree; the first is the whole of space.
     cells: Vec<Cell>,
 }
 
 /// A part of space.
 #[derive(Debug)]
 enum Cell {
-    /// What is below a coordinate and what is not.
+    /// Divided along `axis`: below the coordinate `at`, and not below.
     Halves {
         axis: usize,
         at: f64,
@@ -69,7 +70,7 @@ impl Guide {
         })
     }
 
-    /// From where light comes about a point.
+    /// The directions from which light comes, in the cell of a point.
     pub fn at(&self, p: DVec3) -> &Directions {
         let mut index = 0;
         loop {
@@ -81,8 +82,8 @@ impl Guide {
     }
 }
 
-/// An estimate of the light that this technique has to contribute at a vertex with `depth` edges behind it,
-/// by no more surfaces than `most`.
+/// One guided emitter sample at a vertex with `depth` vertices before it, by at most `most` specular
+/// surfaces: the radiance that leaves the vertex, with its MIS weight.
 pub fn sample_emitters<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
@@ -113,7 +114,7 @@ pub fn sample_emitters<B: Bsdf>(
             found += throughput * emitter.surface_radiance(&point, -ray.direction, λ);
         }
         let side = side_towards(shape, point.ns.dot(-ray.direction));
-        if side.traits.smooth {
+        if side.traits.has_density {
             break;
         }
         let number = surfaces + 2;
@@ -128,16 +129,16 @@ pub fn sample_emitters<B: Bsdf>(
     found
 }
 
-/// How a specular surface turns light.
+/// Scattering at a specular surface.
 struct Turn {
-    /// Local.
+    /// Direction to where the path came from (local).
     wo: DVec3,
     sample: Sample,
-    /// With which it goes on.
+    /// The path's next ray.
     ray: Ray,
 }
 
-/// By a lobe that a number in [0, 1) chooses; `None` where wavelengths part.
+/// Scatters by the lobe that a number in [0, 1) chooses; `None` if the path ends or the wavelengths separate.
 fn onward(
     scene: &Scene,
     back: DVec3,
@@ -153,12 +154,12 @@ fn onward(
     Some(Turn { wo, sample, ray })
 }
 
-/// The photons that so many light paths leave.
+/// The photons of so many light paths.
 pub fn photons(scene: &Scene, emission: &Emission, light_paths: u32) -> Vec<Photon> {
     (0..light_paths).into_par_iter().filter_map(|number| photon(scene, emission, number)).collect()
 }
 
-/// Makes a cell of photons; its place.
+/// Adds the cell of these photons, halved as long as there are too many; returns its index.
 fn halve(photons: &mut [Photon], cells: &mut Vec<Cell>) -> u32 {
     let index = cells.len();
     let (lo, hi) = bounds::around(photons.iter().map(|photon| photon.p));

@@ -1,4 +1,4 @@
-//! Light paths that show from where light comes by specular surfaces.
+//! The light paths whose photons guide emitter samples.
 
 use super::{MOST_SURFACES, onward};
 use crate::integrator::Counters;
@@ -6,30 +6,25 @@ use crate::integrator::caustics::Emission;
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::side_towards;
 use crate::math::{DVec3, INV_PI, Origin};
-use crate::sampler::{CAMERA, FIRST_VERTEX, Kind, Sampler};
+use crate::sampler::{CAMERA, FIRST_VERTEX, GUIDE_COLUMN, Kind, Sampler};
 use crate::scene::{Features, Scene};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{ColorMode, Wavelengths};
 
-/// Light that has come to a surface that scatters with a density, by others that do not.
+/// Light that has come by specular surfaces to one that scatters with a density.
 #[derive(Clone, Copy, Debug)]
 pub struct Photon {
     pub p: DVec3,
-    /// Towards where it came from.
+    /// Direction (world) to where it came from.
     pub w: DVec3,
     pub power: f64,
-    /// Which part of the light along it is left to scattering if emitters are sampled through glass and by
-    /// mirrors.
+    /// Share of its light that is left to scattering, its MIS weight, if emitters are sampled by links.
     pub left: f64,
 }
 
-/// The column that stands for these light paths where samplers are given a pixel: no film is as wide, and
-/// other light paths have another.
-const COLUMN: u32 = u32::MAX - 1;
-
-/// What the light path with this number leaves.
+/// The photon of the light path with this number, if there is one.
 pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon> {
-    let sampler = Sampler::new(Kind::Sobol, 0, (COLUMN, 0), number);
+    let sampler = Sampler::new(Kind::Sobol, 0, (GUIDE_COLUMN, 0), number);
     let u = sampler.block(CAMERA);
     let λ = match scene.mode {
         ColorMode::Rgb => Wavelengths::rgb(),
@@ -45,14 +40,14 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
         let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
         let w = -ray.direction;
         let side = side_towards(shape, point.ns.dot(w));
-        if side.traits.smooth {
+        if side.traits.has_density {
             let power = f64::from(λ.mean(light)) * scale;
             let linked = passage.and_then(|(passage, chance)| {
                 let end = (start.end.emitter, &SurfacePoint::plain(start.end.p, start.end.n, start.end.n));
                 let mut counters = Counters::default();
                 let from = Origin { p: point.p, primitive: hit.primitive };
                 let found = density_of(scene, from, (w, passage), end, &λ, &mut counters)?;
-                // Of a matte surface; of others it is not known for whom they scatter.
+                // As of a matte surface; for others it is not known in which direction they scatter.
                 Some(found / (chance * point.ng.dot(w).abs() * INV_PI))
             });
             let left = linked.map_or(1.0, |linked| 1.0 / (1.0 + linked * linked));

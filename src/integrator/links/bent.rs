@@ -1,4 +1,4 @@
-//! A ray through given surfaces, and how it changes with its direction.
+//! A ray through given surfaces, and its derivatives by its direction.
 //!
 //! Newton's method needs the derivatives of where the ray ends by two angles of its direction, and they are
 //! carried along (Igehy 1999, "Tracing Ray Differentials"). At an interface with the normal n against the
@@ -28,22 +28,22 @@ pub const NOT_REFLECTED: f64 = BELOW_ONE;
 /// A ray after the last surface, with its derivatives by two angles of its first direction.
 pub struct Bent {
     pub ray: Ray,
-    /// What becomes of radiance on the way back.
+    /// Factor of radiance that comes back along the ray.
     pub transmittance: Spectrum,
-    /// With which probability a path takes these turns.
+    /// Probability with which a path chooses the lobes along the ray.
     pub chance: f64,
     /// The square of the index at its end over that at its beginning.
     pub eta2: f64,
-    /// Of the place where the ray is nearest to the point, across the ray.
+    /// Derivatives of the place where the ray is nearest to the target, across the ray.
     derivatives: [DVec3; 2],
     pub distance: f64,
-    /// From there to the point.
+    /// Vector from that place to the target.
     pub miss: DVec3,
 }
 
 impl Bent {
-    /// From a point on a primitive towards the nearest that the ray comes to `to`; `None` if it meets other
-    /// surfaces.
+    /// Traces a ray from a point on a primitive by these surfaces, to where it is nearest to the target `to`;
+    /// `None` if it meets other surfaces.
     pub fn new(
         scene: &Scene,
         Origin { p, primitive }: Origin,
@@ -114,8 +114,8 @@ impl Bent {
         (distance > 0.0).then_some(Self { ray, transmittance, chance, eta2, derivatives, distance, miss })
     }
 
-    /// By which angles the first direction must change, and the area across the ray for each unit of solid
-    /// angle; `None` where all light comes together.
+    /// The Newton step, as two angles of the first direction, and the area across the ray for each unit of
+    /// solid angle; `None` at a focus, where that is zero.
     pub fn correction(&self) -> Option<(DVec2, f64)> {
         let frame = Frame::about(self.ray.direction);
         let flat = |v: DVec3| DVec2::new(v.dot(frame.s), v.dot(frame.t));
@@ -125,7 +125,7 @@ impl Bent {
         (determinant != 0.0 && step.is_finite()).then_some((step, determinant.abs()))
     }
 
-    /// By how much it misses the point.
+    /// Distance by which it misses the target.
     pub fn missed(&self) -> f64 {
         length(self.miss)
     }

@@ -1,5 +1,5 @@
-//! What light is asked to come by: a flat mirror, a ball that mirrors, or a ball of glass. Where a point is
-//! seen in them is known.
+//! What a link may lead by, where a point seen in it can be found directly: a flat mirror, a mirroring ball,
+//! or a ball of glass.
 //!
 //! **Flat.** The image x′ of a point x lies as far behind the plane as x before it; x sees y where the
 //! segment x′y crosses the plane.
@@ -13,11 +13,11 @@
 use super::lens::Lens;
 use crate::math::{Ball, DVec2, DVec3, length, root};
 
-/// How much more light than its size says a lens may bring: behind it, as far from its centre as a diameter,
-/// all seems to come by it. (Four times as much brought no less noise.)
+/// Factor by which a lens may bring more light than its solid angle suggests: behind it, at a diameter from
+/// its centre, all light is taken to come by it. (Four times this factor gave no less noise.)
 const GATHERED: f64 = 4.0;
 
-/// What it looks like.
+/// The geometry of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Form {
     /// All points p with n·p = height.
@@ -34,12 +34,12 @@ pub enum Form {
 #[derive(Clone, Debug)]
 pub struct Element {
     pub form: Form,
-    /// The ball around it.
+    /// Bounding ball.
     pub around: Ball,
-    /// Which part of the light it reflects or lets through, about, on the side of the normal (of a ball:
-    /// outside) and on the other.
+    /// Approximate share of the light that it reflects (a lens: transmits), on the side of the normal (of a
+    /// ball: outside) and on the other.
     pub strength: [f64; 2],
-    /// Counted over the whole scene, in order.
+    /// Its primitives, numbered over the whole scene, in ascending order.
     pub primitives: Vec<u32>,
 }
 
@@ -60,8 +60,8 @@ impl Element {
         self.lens().is_some_and(|lens| lens.inner == 0)
     }
 
-    /// From where emitters are sampled for x: where x seems to be when one looks at the mirror; a lens gathers
-    /// what meets it. `None` from where there is nothing.
+    /// The point as from which emitters are sampled for x: the image of x in the mirror, or the centre of a
+    /// lens, which gathers what meets it. `None` if x is inside a ball.
     pub fn image(&self, x: DVec3) -> Option<DVec3> {
         match self.form {
             Form::Plane { n, height } => Some(x - n * (2.0 * (n.dot(x) - height))),
@@ -78,7 +78,7 @@ impl Element {
         }
     }
 
-    /// Where x sees y in it, if it is a mirror.
+    /// The point of the mirror in which x sees y; `None` if there is none, or if this is a lens.
     pub fn reflection(&self, x: DVec3, y: DVec3) -> Option<DVec3> {
         match self.form {
             Form::Plane { n, height } => {
@@ -96,7 +96,7 @@ impl Element {
         }
     }
 
-    /// How much of the light at x it may bring, about: what it reflects, times the part of the surroundings
+    /// Approximate share of the light at x that comes by it: its strength, times the part of the surroundings
     /// that it fills.
     pub fn weight(&self, x: DVec3) -> f64 {
         let behind = match self.form {
@@ -131,14 +131,14 @@ fn on_unit_ball(x: DVec3, y: DVec3) -> Option<DVec3> {
         let n = DVec2::new(1.0 - t + t * along / b, t * across / b);
         n / n.length()
     };
-    // The sine of the angle to the normal; of a direction below the horizon, beyond that of the horizon.
+    // The sine of the angle to the normal; for a direction below the horizon, continued beyond ±1.
     let sine = |n: DVec2, p: DVec2| {
         let way = p - n;
         let sine = n.perp_dot(way) / way.length();
         let above = n.dot(way) > 0.0;
         (if above { sine } else { sine.signum() * 2.0 - sine }, above)
     };
-    // Angles to the two sides are equal where their sines, of opposite signs, add to nothing.
+    // Angles to the two sides are equal where their sines, of opposite signs, sum to zero.
     let at = |t: f64| {
         let n = normal(t);
         let ((of_x, above_x), (of_y, above_y)) =

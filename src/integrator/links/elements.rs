@@ -1,5 +1,5 @@
-//! The mirrors of a scene: rectangles, disks, flat pieces of meshes, and balls seen from outside; and its balls
-//! of glass.
+//! The mirrors of a scene: rectangles, disks, flat pieces of meshes, and balls seen from outside; and its
+//! balls of glass.
 //!
 //! Glass is a mirror too, and from within a good one.
 
@@ -14,24 +14,26 @@ use crate::scene::Shape;
 use crate::shape::{Geometry, Mesh, Patch, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
 
-/// More of them than these are not asked; the smallest are left out.
+/// Most elements of a kind; the largest are taken.
 const MOST_ELEMENTS: usize = 16;
 
-/// Meshes of more flat pieces than these are taken for curved.
+/// Most flat pieces of a mesh; one with more is taken to be curved.
 const MOST_PIECES: usize = 32;
 
-/// Corners belong to a plane that they miss by less than this part of the mesh's size: vertices are f32.
+/// Corners belong to a plane if they miss it by no more than this fraction of the mesh's size: vertices are
+/// f32.
 const FLAT: f64 = 16.0 * f32::EPSILON as f64;
 
-/// Inside a ball of glass light is reflected no oftener: each time leaves a twentieth.
+/// Most reflections inside a ball of glass: each keeps about a twentieth of the light.
 const MOST_INNER: u32 = 1;
 
-/// Mirrors, or lenses, of which one is asked.
+/// Mirrors, or lenses, of which each emitter sample uses at most one.
 #[derive(Debug)]
 pub struct Elements(Vec<Element>);
 
 impl Elements {
-    /// Those that reflect light, and those that it goes straight through.
+    /// The elements that reflect light, balls of glass with inner reflections among them, and the lenses that
+    /// it goes straight through.
     pub fn of(shapes: &[Shape], materials: &[AnyMaterial], mode: ColorMode) -> [Self; 2] {
         let elements = shapes.iter().flat_map(|shape| of_shape(shape, materials, mode));
         let (lenses, mirrors): (Vec<_>, _) = elements.partition(Element::gathers);
@@ -61,15 +63,16 @@ impl Elements {
         &self.0[index]
     }
 
-    /// The weight of each for the light at x, and what their chances are in proportion to.
+    /// The weight of each for the light at x, and the number by which weights are divided to be
+    /// probabilities.
     fn weights(&self, x: DVec3) -> ([f64; MOST_ELEMENTS], f64) {
         let mut weights = [0.0; MOST_ELEMENTS];
         self.0.iter().zip(&mut weights).for_each(|(element, weight)| *weight = element.weight(x));
         (weights, weights.iter().sum::<f64>().max(1.0))
     }
 
-    /// One of them for the light at x, by a number in [0, 1). Where all together bring little, perhaps none:
-    /// what is a hundredth of the light is asked for a hundredth of the time.
+    /// Chooses one for the light at x by a number in [0, 1), or none, if all together contribute little: an
+    /// element that contributes a hundredth of the light is chosen with a probability of a hundredth.
     pub fn choose(&self, x: DVec3, choice: f64) -> Option<Technique<'_>> {
         let (weights, all) = self.weights(x);
         let mut rest = choice * all;
@@ -80,18 +83,18 @@ impl Elements {
         Some(Technique { by: Some(self.get(chosen)), chance: weights[chosen] / all })
     }
 
-    /// Which of them makes ways by such surfaces.
+    /// Index of the one whose links lead by such surfaces.
     pub fn of_passage(&self, passage: &Passage) -> Option<usize> {
         self.0.iter().position(|element| match element.lens() {
             Some(lens) => passage.is_through(element.primitives[0], lens.inner),
             None => passage.mirror.is_some_and(|primitive| {
-                // From within a ball it is no mirror.
+                // A ball is no mirror from inside.
                 passage.reflections == 1 && element.has(primitive) && !passage.is_through(primitive, 1)
             }),
         })
     }
 
-    /// One of them, and the chance with which it is chosen for the light at x.
+    /// One of them, with the probability of choosing it for the light at x.
     pub fn technique(&self, x: DVec3, index: usize) -> Technique<'_> {
         let (weights, all) = self.weights(x);
         Technique { by: Some(self.get(index)), chance: weights[index] / all }
@@ -127,7 +130,7 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<El
     match &shape.geometry {
         Geometry::Sphere(sphere) => {
             let ball = shape.geometry.ball();
-            // From inside it would be a hollow mirror.
+            // Only from outside: from inside it is a concave mirror.
             let Turned { reflected, eta } = turned[usize::from(sphere.inward)];
             let mirror = whole(Form::Ball(ball), ball, [reflected, 0.0], first);
             let lenses =
@@ -153,7 +156,7 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<El
     }
 }
 
-/// What a mirror or glass does to light at 45°.
+/// Samples a mirror or glass at 45°.
 struct At45 {
     wo: DVec3,
     mode: ColorMode,
@@ -161,9 +164,9 @@ struct At45 {
 
 #[derive(Clone, Copy)]
 struct Turned {
-    /// The part that is reflected.
+    /// Share of the light that is reflected.
     reflected: f64,
-    /// The index behind over that in front, if light is bent there and all wavelengths alike.
+    /// Index of refraction behind over that in front; `None` unless all wavelengths are refracted alike.
     eta: Option<f64>,
 }
 
@@ -189,7 +192,7 @@ impl Visitor for At45 {
     }
 }
 
-/// A flat piece in the making.
+/// A flat piece of a mesh that is being collected.
 struct Piece {
     n: DVec3,
     height: f64,

@@ -1,26 +1,26 @@
-//! A ball of glass: all ways through it from one point to another.
+//! A ball of glass: all paths through it from one point to another.
 //!
-//! A way that enters a ball, is reflected within it k times and leaves it lies in the plane of its two ends
+//! A path that enters a ball, is reflected within it k times and leaves it lies in the plane of its two ends
 //! and the centre. Let the radius be 1, the index relative to what is around η, the ends x and y, and in the
 //! plane v × w the number vₓ w_y − v_y wₓ. A ray of direction d at a point p has b = p × d, its distance from
-//! the centre with a sign, which is the sine of the angle θ that it makes with the normal; within the ball the
-//! sine is b/η, that of θ′. At every surface the ray is turned in the same sense, by θ − θ′ where it enters and
-//! leaves and by π − 2θ′ where it is reflected, so in all by
+//! the centre with a sign, which is the sine of the angle θ that it makes with the normal; within the ball
+//! the sine is b/η, that of θ′. At every surface the ray is turned in the same sense, by θ − θ′ where it
+//! enters and leaves and by π − 2θ′ where it is reflected, so in all by
 //!
 //! Δ(b) = 2(θ − θ′) + k (π − 2θ′),
 //!
-//! and then it is as far from the centre as before. It passes through y where y × d′(b) = b, in front of where
-//! it leaves the ball if y · d′ > cos θ. That is one equation in one unknown, of which all solutions are
-//! looked for, between places where signs differ; how many there are (three and more within a caustic, none
-//! outside) need not be known.
+//! and then it is as far from the centre as before. It passes through y where y × d′(b) = b, in front of
+//! where it leaves the ball if y · d′ > cos θ. That is one equation in one unknown, of which all solutions
+//! are looked for, between places where signs differ; how many there are (three and more within a caustic,
+//! none outside) need not be known.
 
 use crate::math::simd::F64x4;
 use crate::math::{Ball, DVec2, DVec3, length, root};
 
-/// More ways than these were not seen.
+/// Most paths through a ball that are found; no configuration tried had more.
 const MOST_WAYS: usize = 8;
 
-/// Places at which signs are looked at, four at once.
+/// Values of t at which the sign is evaluated, four at once.
 const PLACES: [[f64; 4]; 4] = {
     let mut places = [[0.0; 4]; 4];
     let all = places.as_flattened().len();
@@ -42,7 +42,7 @@ pub struct Lens {
     pub inner: u32,
 }
 
-/// Where ways begin: a few directions (world, unit length).
+/// Start directions of links (world, unit length).
 #[derive(Clone, Copy, Debug)]
 pub struct Starts {
     list: [DVec3; MOST_WAYS],
@@ -71,7 +71,7 @@ impl Starts {
 }
 
 impl Lens {
-    /// The directions in which ways to y leave x.
+    /// The directions in which paths through the ball to y leave x.
     pub fn ways(&self, x: DVec3, y: DVec3) -> Starts {
         let Self { ball: Ball { centre, radius }, eta, inner } = *self;
         let mut found = Starts::NONE;
@@ -81,7 +81,7 @@ impl Lens {
         let along = y.dot(e1);
         let aside = y - e1 * along;
         let across = length(aside);
-        // Of two ends on one line through the centre the plane is not known; what is all there has no area.
+        // If both ends lie on a line through the centre the plane is not known; such ends have measure zero.
         if !(a > 1.0 && along * along + across * across > 1.0) || across == 0.0 {
             return found;
         }
@@ -118,8 +118,8 @@ impl Lens {
     }
 }
 
-/// Where a function may cross zero twice between places that are equally far apart: where the parabola by its
-/// values there is nearest to zero, if the middle one is nearer than its neighbours and all have one sign.
+/// Where a function may cross zero twice between three equidistant places: where the parabola through its
+/// values is nearest to zero, if all values have one sign and the middle one is the nearest to zero.
 fn extremum([before, here, _]: [f64; 3], [a, b, c]: [f64; 3]) -> Option<f64> {
     let near = a * b > 0.0 && b * c > 0.0 && b.abs() <= a.abs() && b.abs() <= c.abs();
     let curvature = a - 2.0 * b + c;
@@ -134,13 +134,13 @@ struct Plane {
     inner: u32,
 }
 
-/// Rays before and after the ball.
+/// A ray before and after the ball.
 struct Crossing {
-    /// Unit direction.
+    /// Unit direction before the ball, in the plane.
     before: [F64x4; 2],
-    /// On which side of y it passes, and by how much.
+    /// Signed distance by which the ray behind the ball passes y.
     passes: F64x4,
-    /// How far y is from where it leaves the ball, along it.
+    /// Distance along that ray from where it leaves the ball to y.
     leads: F64x4,
 }
 
@@ -151,7 +151,7 @@ fn turned([a, b]: [F64x4; 2], [c, d]: [F64x4; 2]) -> [F64x4; 2] {
 }
 
 impl Plane {
-    /// The rays for t in [−1, 1]: b is the sine of 2 arctan t, as far as it can enter.
+    /// The rays for t in [−1, 1]: b is the sine of 2 arctan t, times min(η, 1), the largest b that can enter.
     #[inline(always)]
     fn crossing(&self, t: F64x4) -> Crossing {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));

@@ -1,9 +1,9 @@
-//! The way from one point to another through refracting interfaces, perhaps by a mirror.
+//! A link: a specular chain from one point to another, through refracting interfaces and perhaps by a mirror.
 //!
-//! Which interfaces is read off the straight line between the two, or the lines by which the first sees the
-//! second in the mirror. Then a ray is shot and bent at each of them, and its direction is corrected until it
-//! meets the other point: Newton's method in two unknowns, whose derivatives the ray carries along
-//! ([`bent`](super::bent)).
+//! The interfaces are those on the straight line between the two points, or on the lines by which the first
+//! sees the second in the mirror. Then a ray is traced and bent at each of them, and its direction is
+//! corrected until it meets the other point: Newton's method in two unknowns, whose derivatives the ray
+//! carries along ([`bent`](super::bent)).
 
 use super::SAME;
 use super::bent::{Bent, specular};
@@ -15,47 +15,54 @@ use crate::math::{DVec3, Frame, Origin, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// More surfaces than these are not tried.
+/// Most surfaces of a link; longer chains are left to scattering.
 const MOST_SURFACES: usize = 8;
 
-/// Corrections of a direction; the fourth is seldom needed.
+/// Most Newton steps; the fourth is seldom needed.
 const CORRECTIONS: usize = 12;
 
-/// How often a correction that leads away is halved.
+/// Lengths that are tried for a Newton step, each half of the one before, until one reduces the miss.
 const HALVINGS: usize = 6;
 
-/// A ray has met a point that it misses by less than this part of their distance.
+/// A ray has met a point if it misses it by no more than this fraction of the link's length.
 const MET: f64 = 1.0 / (1u64 << 26) as f64;
 
-/// What light meets on its way.
+/// A surface of a specular chain.
 #[derive(Clone, Copy, Debug)]
 pub enum Surface<'a> {
-    /// Refracts; by the first primitive of its shape.
+    /// Refracts; given by the first primitive of its shape.
     Glass(u32),
     Mirror(&'a Element),
 }
 
-/// A way by surfaces that refract or reflect.
+/// A path between two points by surfaces that refract or reflect.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
     /// Unit direction in which it leaves the first point.
     pub direction: DVec3,
     pub surfaces: u32,
-    /// What becomes of radiance on the way back.
+    /// Factor of radiance that comes along it to the first point.
     pub transmittance: Spectrum,
-    /// With which probability a path takes the same turns.
+    /// Probability with which a scattered path chooses the same lobes along it.
     pub chance: f64,
     /// The square of the index at the second point over that at the first.
     pub eta2: f64,
     /// Area across the ray at the second point for each unit of solid angle at the first.
     pub spread: f64,
-    /// From the last surface to where it passes the second point.
+    /// Ray from the last surface to where it is nearest to the second point.
     pub last: Ray,
-    /// By how much it misses that.
+    /// Distance by which that ray misses the second point.
     pub miss: f64,
 }
 
-/// The surfaces of a way in the making.
+/// Which end of a straight line lies on a mirror.
+#[derive(Clone, Copy)]
+enum End {
+    First,
+    Last,
+}
+
+/// The surfaces of a specular chain that is being collected.
 struct Chain<'a> {
     surfaces: [Surface<'a>; MOST_SURFACES],
     count: usize,
@@ -68,7 +75,8 @@ impl<'a> Chain<'a> {
         Some(())
     }
 
-    /// Whether it leads through a lens, in and out: there may be several such ways, which others look for.
+    /// Whether it leads through a lens, in and out: there may be several such links, and another technique
+    /// finds all of them.
     fn is_lens(&self, scene: &Scene) -> bool {
         match self.surfaces[..self.count] {
             [Surface::Glass(a), Surface::Glass(b)] if a == b => {
@@ -78,14 +86,14 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Adds the shapes that the straight line goes through, up to the mirror if one is given; `None` if one
+    /// Adds the shapes that the straight line goes through, up to the mirror if it leads there; `None` if one
     /// of them does not refract.
     fn read(
         &mut self,
         scene: &Scene,
         Origin { mut p, mut primitive }: Origin,
         to: DVec3,
-        until: Option<&Element>,
+        mirror: Option<(&Element, End)>,
         counters: &mut Counters,
     ) -> Option<()> {
         let mut distance = length(to - p);
@@ -97,31 +105,35 @@ impl<'a> Chain<'a> {
             let ray = Ray::leaving(p, straight, distance, primitive);
             counters.rays += 1;
             let Some(hit) = scene.accel.closest(&ray) else { return Some(()) };
-            if until.is_some_and(|mirror| mirror.has(hit.primitive)) {
-                return Some(());
+            match mirror.filter(|(mirror, _)| mirror.has(hit.primitive)) {
+                Some((_, End::Last)) => return Some(()),
+                // Another piece of it: all lie in one plane but for the rounding of their corners.
+                Some((_, End::First)) => {}
+                None => {
+                    let (shape, _) = specular(scene, hit.primitive).filter(|(shape, _)| shape.refracts())?;
+                    self.push(Surface::Glass(shape.first_primitive))?;
+                }
             }
-            let (shape, _) = specular(scene, hit.primitive).filter(|(shape, _)| shape.refracts())?;
-            self.push(Surface::Glass(shape.first_primitive))?;
             (p, primitive, distance) = (ray.at(hit.t), hit.primitive, distance - hit.t);
         }
     }
 }
 
-/// What is to be looked for: ways by these surfaces to a point, from each of some directions.
+/// A search for links by given surfaces to a point, one from each of some start directions.
 pub struct Search<'a> {
     scene: &'a Scene,
     from: Origin,
     to: DVec3,
     chain: Chain<'a>,
     starts: Starts,
-    /// Whether ways begin there, and not only near by.
+    /// Whether the start directions are those of the links already, and not only near them.
     exact: bool,
-    /// About how far it is.
+    /// Approximate length of the links.
     distance: f64,
 }
 
 impl<'a> Search<'a> {
-    /// For ways from a point on a primitive to another point, by a mirror or a lens if one is given; `None`
+    /// For links from a point on a primitive to another point, by a mirror or a lens if one is given; `None`
     /// if there is nothing but air between them, or something else than refracting interfaces, or more
     /// surfaces than `most`.
     pub fn new(
@@ -153,10 +165,10 @@ impl<'a> Search<'a> {
                 }
                 None => {
                     let seen = element.reflection(from.p, to)?;
-                    chain.read(scene, from, seen, by, counters)?;
+                    chain.read(scene, from, seen, Some((element, End::Last)), counters)?;
                     chain.push(Surface::Mirror(element))?;
                     let mirrored = Origin { p: seen, primitive: element.primitives[0] };
-                    chain.read(scene, mirrored, to, None, counters)?;
+                    chain.read(scene, mirrored, to, Some((element, End::First)), counters)?;
                     seen
                 }
             },
@@ -172,20 +184,20 @@ impl<'a> Search<'a> {
         Some(Self { scene, from, to, chain, starts, exact: lens.is_some(), distance })
     }
 
-    /// The ways there are.
+    /// The links that are found.
     pub fn links<'s>(
         &'s self,
         λ: &'s Wavelengths,
         counters: &'s mut Counters,
     ) -> impl Iterator<Item = Link> + 's {
         self.starts.list().iter().filter_map(move |start| {
-            // Corrections must not lead to a way that begins at another start.
+            // Newton's method must not lead to the link of another start.
             let link = self.link(*start, λ, counters)?;
             (!self.exact || length(link.direction - *start) < SAME).then_some(link)
         })
     }
 
-    /// The way that a direction leads to, by Newton's method.
+    /// The link to which Newton's method converges from a direction.
     fn link(&self, mut direction: DVec3, λ: &Wavelengths, counters: &mut Counters) -> Option<Link> {
         let surfaces = &self.chain.surfaces[..self.chain.count];
         let mut bend =

@@ -1,28 +1,29 @@
 //! Emitter samples through glass and by mirrors.
 //!
-//! A shadow ray ends at glass, and knows nothing of light that a mirror throws, so these are left to paths
+//! A shadow ray ends at glass, and cannot follow light that a mirror reflects, so such light is left to paths
 //! that happen to hit the emitter, and to light paths; but where the surface is itself seen through glass or
-//! in a mirror, light paths cannot be connected with the camera. There is a bent way from the surface to the
-//! sampled point of the emitter, and [`Link`] finds it: manifold next-event estimation (Hanika, Droske &
+//! in a mirror, light paths cannot be connected with the camera. A specular chain leads from the surface to
+//! the sampled point of the emitter, and [`Link`] finds it: manifold next-event estimation (Hanika, Droske &
 //! Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
-//! (`element.rs`). Through a ball of glass there may be several ways, and all of them are found (`lens.rs`).
-//! Ways through glass, ways by a mirror and ways through a ball are techniques that have no path in common.
+//! (`element.rs`). Through a ball of glass there may be several chains, and all of them are found
+//! (`lens.rs`). Chains through glass, by a mirror and through a ball are techniques that have no path in
+//! common.
 //!
 //! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which
-//! the way to it leaves the vertex, with the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the way tell
-//! the area |∂y⊥/∂ω| across the ray, and the emitter is hit at an angle, so p(ω) = pₐ(y) |∂y⊥/∂ω| / cos θ_y.
-//! Points are sampled as if for the vertex, for its image in the mirror, or for the middle of the ball: the
-//! straight line's density of directions p′ gives pₐ = p′ cos θ′_y / d². The mirror and the ball are chosen
-//! with chances that the vertex's place decides.
+//! the chain to it leaves the vertex, with the density p(ω) = pₐ(y) |∂y/∂ω|: the derivatives along the chain
+//! give the area |∂y⊥/∂ω| across the ray, and the emitter is hit at an angle, so p(ω) = pₐ(y) |∂y⊥/∂ω| / cos
+//! θ_y. Points are sampled as if for the vertex, for its image in the mirror, or for the middle of the ball:
+//! the straight line's density of directions p′ gives pₐ = p′ cos θ′_y / d². The mirror and the ball are
+//! chosen with probabilities that depend on where the vertex is.
 //!
-//! **The weights.** There may be other ways to y, with other interfaces or other bends; they are left to
-//! paths that scatter into them. So when such a path has left a vertex by a lobe with a density, gone by
-//! specular surfaces and met the emitter, the links between vertex and emitter are found again: only if this
-//! very way is among them could an emitter sample have made the path, and the power heuristic shares it, of
-//! p(ω) and the density of the scattering times the chance of the turn at each surface. What is found depends
-//! on the two points and the mirror or ball alone, so both sides agree; and so do light paths, the third
-//! technique (see [`caustics`](super::caustics)), which look for the link as soon as they meet a rough
-//! surface.
+//! **The weights.** There may be other chains to y, with other interfaces or other bends; they are left to
+//! paths that scatter into them. So when such a path has left a vertex by a lobe with a density, followed
+//! specular surfaces and hit the emitter, the links between vertex and emitter are computed again: only if
+//! this very chain is among them could an emitter sample have made the path. Then its weight is the power
+//! heuristic's, of p(ω) and the density of scattering times the probability of the lobe chosen at each
+//! surface. What is found depends on the two points and the mirror or ball alone, so both sides agree; and so
+//! do light paths, the third technique (see [`caustics`](super::caustics)), which look for the link as soon
+//! as they meet a rough surface.
 
 mod bent;
 mod element;
@@ -47,8 +48,8 @@ use link::Search;
 pub use link::{Link, Surface};
 pub use passage::{Passage, Way};
 
-/// Directions closer than this are the same: those that Newton's method finds are far closer, other ways are
-/// farther.
+/// Directions closer than this are those of the same link: Newton's method repeats one far more closely, and
+/// other links are farther apart.
 const SAME: f64 = 1e-6;
 
 /// At which vertices emitters are sampled through glass and by mirrors, and how.
@@ -60,7 +61,7 @@ pub enum Where {
     /// Where no light path can be connected with the camera.
     Unaided,
     Everywhere,
-    /// Where no light path can be connected with the camera, along ways that light paths have shown; see
+    /// Where no light path can be connected with the camera, guided by photons of light paths; see
     /// [`guide`](super::guide).
     Guided,
 }
@@ -75,37 +76,37 @@ impl Where {
     }
 }
 
-/// What emitter samples are to lead by.
+/// How an emitter sample is connected.
 #[derive(Clone, Copy)]
 pub struct Technique<'a> {
-    /// Through glass alone, if nothing is given.
+    /// The mirror or the ball of glass that it leads by; `None` for panes and other glass alone.
     by: Option<&'a Element>,
-    /// That it is asked.
+    /// Probability of choosing it.
     chance: f64,
 }
 
 impl Technique<'_> {
     const THROUGH: Self = Self { by: None, chance: 1.0 };
 
-    /// From where emitters are sampled for a point.
+    /// The point as from which emitters are sampled, for a vertex at p.
     fn seen_from(&self, p: DVec3) -> Option<DVec3> {
         self.by.map_or(Some(p), |element| element.image(p))
     }
 }
 
-/// What links may lead by.
+/// The specular shapes that links may lead by.
 #[derive(Debug)]
 pub struct Links {
     /// Boxes around shapes that refract; where there are many, one around all.
     glass: Vec<(DVec3, DVec3)>,
     mirrors: Elements,
     lenses: Elements,
-    /// All vertices ask for them, not only those that light paths cannot help.
+    /// Whether all vertices sample links, not only those where light paths cannot help.
     pub everywhere: bool,
 }
 
 impl Links {
-    /// `None` if there is nothing, or no shape that shines.
+    /// `None` without specular shapes or without area emitters.
     pub fn of(shapes: &[Shape], materials: &[AnyMaterial], mode: ColorMode) -> Option<Self> {
         const FEW: usize = 8;
         let refracting = shapes.iter().filter(|shape| shape.refracts());
@@ -120,15 +121,15 @@ impl Links {
         (something && shining).then_some(Self { glass, mirrors, lenses, everywhere: false })
     }
 
-    /// The techniques for the light at a point, by a number in [0, 1): through glass alone, through a ball, and
-    /// by a mirror.
+    /// The techniques for emitter samples at a point: through glass alone, through a ball, and by a mirror,
+    /// the ball and the mirror chosen by a number in [0, 1).
     pub fn techniques(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Technique<'_>> {
         let through = (!self.glass.is_empty()).then_some(Technique::THROUGH);
         let one = [&self.lenses, &self.mirrors].map(|elements| elements.choose(p, choice));
         through.into_iter().chain(one.into_iter().flatten())
     }
 
-    /// Which technique makes ways to the light at a point by such surfaces, if one does.
+    /// The technique whose links from a point lead by such surfaces, if there is one.
     fn technique(&self, p: DVec3, passage: &Passage) -> Option<Technique<'_>> {
         for elements in [&self.lenses, &self.mirrors] {
             if let Some(index) = elements.of_passage(passage) {
@@ -138,9 +139,9 @@ impl Links {
         (passage.reflections == 0).then_some(Technique::THROUGH)
     }
 
-    /// Whether glass may lie on the way from a point to `distance` in unit direction `w`.
+    /// Whether glass may lie between a point and the one at `distance` from it in unit direction `w`.
     pub fn may_be_between(&self, p: DVec3, w: DVec3, distance: f64) -> bool {
-        // Of a direction along a side 0 · ∞ must not arise.
+        // For a direction along a side, 0 · ∞ must not arise.
         let inverse = w.map(|w| 1.0 / if w == 0.0 { f64::MIN_POSITIVE } else { w });
         self.glass.iter().any(|(lo, hi)| {
             let (a, b) = ((*lo - p) * inverse, (*hi - p) * inverse);
@@ -151,7 +152,7 @@ impl Links {
 }
 
 /// The density with which one emitter sample at a vertex makes a direction that leads by specular surfaces to
-/// a point of an emitter; `None` if there is another way that it would take, or none.
+/// a point of an emitter; `None` if the sampler would find a different path there, or no path.
 pub fn density_of(
     scene: &Scene,
     from: Origin,
@@ -180,15 +181,15 @@ pub fn density_of(
     Some(chosen * density(pdf, (straight.direction, distance), &link, point.ng))
 }
 
-/// p(ω) from p′, the straight way, the bent one, and the emitter's normal.
+/// p(ω) from p′, the straight line (direction and distance), the link, and the emitter's normal.
 fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n: DVec3) -> f64 {
     straight_pdf * (n.dot(straight) / (n.dot(link.last.direction) * distance * distance)).abs() * link.spread
 }
 
-/// One emitter sample out of `count`, if what is between the vertex and the emitter is specular: estimates,
-/// for `found`, of the light that this technique has to contribute by each way, up to visibility behind the
-/// last surface. `light_paths` says of a link, of the density of its direction when scattering, and of a
-/// point of the emitter, how much likelier light paths make the whole path than scattering does.
+/// One emitter sample out of `count`, by specular chains of at most `most` surfaces: passes the contribution
+/// of each link, with its MIS weight, to `found`, up to visibility behind the last surface. `light_paths`
+/// gives, for a link, the density of its direction when scattering, and a point of the emitter, the density
+/// of light paths over that of scattering, for the whole path.
 pub fn sample_emitter<B: Bsdf>(
     (scene, λ): (&Scene, &Wavelengths),
     vertex: &Vertex<B>,
@@ -217,7 +218,7 @@ pub fn sample_emitter<B: Bsdf>(
         if cos <= 0.0 {
             continue;
         }
-        // Beside the point the emitter's surface may come earlier by this.
+        // The ray misses the sampled point a little, and may meet the emitter's surface earlier by this.
         let error = shape.map_or(0.0, Geometry::point_error) + position_error(link.last.origin);
         let early = 2.0 * link.miss / cos + 4.0 * error;
         let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));

@@ -1,4 +1,4 @@
-//! What paths do between two rough surfaces that a link might do too.
+//! Specular chains of paths between two rough surfaces, as far as links might follow them too.
 
 use super::density_of;
 use crate::bsdf::Sample;
@@ -9,14 +9,14 @@ use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::Wavelengths;
 
-/// How a lobe without density turns light, all wavelengths alike.
+/// What a lobe without density does with light, all wavelengths alike: it transmits or reflects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     Through,
     Back,
 }
 
-/// How a side has turned ωo, if a link can.
+/// What a side did to light when it was sampled for ωo, if a link can do that.
 pub fn turn(side: Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
     let turn = if wo.z * sample.wi.z < 0.0 { Turn::Through } else { Turn::Back };
     let can = match turn {
@@ -26,7 +26,7 @@ pub fn turn(side: Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
     (can && !side.traits.one_way && sample.delta && !sample.dispersed).then_some(turn)
 }
 
-/// The surfaces between two vertices that scatter with a density.
+/// A specular chain between two vertices that scatter with a density.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passage {
     pub surfaces: u32,
@@ -34,12 +34,12 @@ pub struct Passage {
     pub reflections: u32,
     /// The primitive that has reflected last.
     pub mirror: Option<u32>,
-    /// The primitive that all of them are, if they are one.
+    /// The primitive, if all surfaces are one and the same.
     alone: Option<u32>,
 }
 
 impl Passage {
-    /// What it is after another surface; `None` if no link is like that.
+    /// The chain with another surface; `None` if no link has such a chain.
     pub fn on(self, side: Side, primitive: u32, wo: DVec3, sample: &Sample) -> Option<Self> {
         Some(self.with(turn(side, wo, sample)?, primitive))
             .filter(|with| with.reflections < 2 || with.alone.is_some())
@@ -55,23 +55,24 @@ impl Passage {
         Self { surfaces: self.surfaces + 1, reflections, mirror, alone }
     }
 
-    /// Whether it leads through a primitive alone, which reflects it so often within.
+    /// Whether it enters this primitive, is reflected `inner` times within it, leaves it, and meets nothing
+    /// else.
     pub fn is_through(&self, primitive: u32, inner: u32) -> bool {
         self.alone == Some(primitive) && self.reflections == inner && self.surfaces == inner + 2
     }
 }
 
-/// What a path has been through since it left a vertex that asked for links.
+/// The specular chain of a path since it left a vertex that takes emitter samples by links or a guide.
 #[derive(Clone, Copy, Debug)]
 pub struct Way {
     from: Origin,
     direction: DVec3,
-    /// The density of the direction, times the chance of the turns since.
+    /// The density of the direction, times the probabilities of the lobes chosen since.
     pdf: f64,
-    /// `None` if there is no such vertex, or the path has done what no link does.
+    /// `None` if there is no such vertex, or if no link has such a chain.
     passage: Option<Passage>,
-    /// How much likelier a guided emitter sample takes the same way, and how many surfaces it may still lead
-    /// by.
+    /// Density of a guided emitter sample by the same chain over that of scattering, and how many surfaces it
+    /// may still lead by.
     guided: (f64, u32),
 }
 
@@ -103,8 +104,8 @@ impl Way {
         };
     }
 
-    /// How much likelier emitter samples, `count` where they are not guided, make the path that has met a
-    /// point of an emitter.
+    /// Density of emitter samples over that of scattering, for the path that has met a point of an emitter;
+    /// there are `count` samples, or one if it is guided.
     pub fn rival(
         &self,
         scene: &Scene,

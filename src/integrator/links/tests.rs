@@ -48,6 +48,17 @@ fn bowl(height: f64, bend: f64) -> MeshData {
     }
 }
 
+/// The lamp above the floor, meshes with what they wear, and other shapes.
+fn with_meshes(meshes: &[(MeshData, String)], others: &str) -> Scene {
+    let folder = tempfile::tempdir().expect("a folder of its own");
+    let shape = |(i, (mesh, wears)): (usize, &(MeshData, String))| {
+        let file = folder.path().join(format!("{i}.ply"));
+        write_ply(mesh, &file).expect("a file of its own");
+        format!(r#"<shape type="ply"><string name="filename" value="{}"/>{wears}</shape>"#, file.display())
+    };
+    scene(&(meshes.iter().enumerate().map(shape).collect::<String>() + others))
+}
+
 fn curved() -> Vec<(&'static str, Scene)> {
     let ball = format!(
         r#"<shape type="sphere"><point name="center" z="2"/><float name="radius" value="0.8"/>{GLASS}</shape>"#
@@ -59,21 +70,8 @@ fn curved() -> Vec<(&'static str, Scene)> {
     let tube = format!(
         r#"<shape type="cylinder"><point name="p0" x="-3" z="2"/><point name="p1" x="3" z="2"/><float name="radius" value="0.7"/>{GLASS}</shape>"#
     );
-    let sheets = [("below", 1.6, 0.15), ("above", 2.4, -0.1)].map(|(name, height, bend)| {
-        let owner = format!("{}-{:?}", std::process::id(), std::thread::current().id());
-        let file = std::env::temp_dir().join(format!("etalon-lens-{name}-{owner}.ply"));
-        write_ply(&bowl(height, bend), &file).expect("a file of its own");
-        let wears = if bend > 0.0 { GLASS.replace("1.5", "0.6666666667") } else { GLASS.into() };
-        let text = format!(
-            r#"<shape type="ply"><string name="filename" value="{}"/>{wears}</shape>"#,
-            file.display()
-        );
-        (file, text)
-    });
-    let lens = scene(&sheets.each_ref().map(|sheet| sheet.1.as_str()).concat());
-    for (file, _) in sheets {
-        std::fs::remove_file(file).expect("it is still there");
-    }
+    let below = (bowl(1.6, 0.15), GLASS.replace("1.5", "0.6666666667"));
+    let lens = with_meshes(&[below, (bowl(2.4, -0.1), GLASS.into())], "");
     vec![
         ("ball", scene(&ball)),
         ("low ball", scene(&low)),
@@ -242,6 +240,46 @@ fn a_mirror_shows_its_image() {
             }
         }
         assert!(tried > 100, "{name}: {tried}");
+    }
+}
+
+/// The corners of a sheet lie in one plane but for their rounding, and either half may lie before the other.
+#[test]
+fn both_halves_of_a_sheet_are_mirrors() {
+    const METAL: &str = r#"<bsdf type="twosided"><bsdf type="conductor"/></bsdf>"#;
+    // Before the lamp; where there is no glass, what is between is not searched.
+    const PANE: &str = r#"<shape type="rectangle"><bsdf type="thindielectric"/>
+        <transform name="to_world"><scale value="9"/><translate z="4.6"/></transform></shape>"#;
+    let frame = Frame::about(unit(DVec3::new(-0.9, 0.13, 0.31)));
+    // About as many reflections lie on either half.
+    let middle = DVec3::new(2.0, 0.1, 2.4) - frame.s * 1.5;
+    for bent in [-1e-6, 1e-6] {
+        let corner = |(s, t, n): (f64, f64, f64)| {
+            let p = middle + frame.s * s + frame.t * t + frame.n * n;
+            p.as_vec3().to_array()
+        };
+        let corners = [(-2.0, -2.0, 0.0), (2.0, -2.0, 0.0), (2.0, 2.0, 0.0), (-2.0, 2.0, bent)];
+        let sheet = MeshData {
+            positions: corners.map(corner).to_vec(),
+            normals: None,
+            uvs: None,
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        };
+        let scene = with_meshes(&[(sheet, METAL.into())], PANE);
+        let mirror = metal(&scene);
+        assert_eq!(mirror.primitives.len(), 2);
+        let mut met = [0; 2];
+        for (x, y) in pairs() {
+            let place = mirror.reflection(x, y).expect("both are before it") - middle;
+            let (s, t) = (place.dot(frame.s), place.dot(frame.t));
+            if s.abs().max(t.abs()) < 2.0 {
+                met[usize::from(t > s)] += 1;
+                let links = by(&scene, x, y, Some(mirror));
+                let surfaces: Vec<u32> = links.iter().map(|link| link.surfaces).collect();
+                assert_eq!(surfaces, [2], "{x} {y} by {s} {t}, bent by {bent}");
+            }
+        }
+        assert!(met.iter().all(|count| *count > 20), "{met:?}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Light that a vertex asks for: of the emitters, and of those that only mirrors and glass lead to.
+//! Emitter samples at a vertex: in a straight line, and by mirrors and through glass.
 
 use super::Path;
 use super::reuse::Shared;
@@ -15,7 +15,7 @@ use crate::sampler::{Numbers, PAIRS, Sampler};
 use crate::scene::{Features, Scene};
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// A vertex that asks for light, and what the path has brought there.
+/// A vertex that takes emitter samples, and the state of the path there.
 pub struct Gather<'s, 'a, B, const F: u32> {
     pub settings: &'a Path,
     pub scene: &'s Scene,
@@ -25,7 +25,7 @@ pub struct Gather<'s, 'a, B, const F: u32> {
     pub λ: &'a Wavelengths,
     pub sampler: &'a Sampler,
     pub u: Numbers,
-    /// World, towards where the path came from.
+    /// Direction (world) to where the path came from.
     pub wo: DVec3,
     /// The camera's ray, at the first vertex.
     pub first: Option<Ray>,
@@ -46,7 +46,7 @@ impl Ways<'_> {
 }
 
 impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
-    /// Takes `count` emitter samples; `n` is what the vertex gathers light about.
+    /// Takes `count` emitter samples; `n` is the normal of [`Vertex::gathers_about`], or zero.
     #[inline(always)]
     pub fn by_emitters(&self, count: u32, n: DVec3, shared: &Shared, shadows: &mut Shadows) {
         let Self { scene, vertex, state, λ, .. } = *self;
@@ -88,7 +88,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     pub fn ways(&self) -> Ways<'s> {
         let Self { scene, vertex, state, .. } = *self;
         let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
-        let asks = F & Features::CAUSTICS != 0 && vertex.side.traits.smooth;
+        let asks = F & Features::CAUSTICS != 0 && vertex.side.traits.has_density;
         Ways {
             links: scene.links.as_ref().filter(|links| asks && (links.everywhere || unaided)),
             seen: scene.guide.as_ref().filter(|_| asks && unaided).map(|guide| guide.at(vertex.point.p)),

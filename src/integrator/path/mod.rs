@@ -29,7 +29,8 @@ pub const EXAMPLES: &[&str] = &[
 /// absorbed; such paths are counted and reported.
 pub const MAX_VERTICES: u32 = MOST_VERTICES;
 
-/// The choice between so many emitters takes four bits of 32 from the place on the chosen one.
+/// Up to this many emitters, one number both chooses the emitter and places the sample on it: the choice
+/// takes four of its 32 bits.
 const FEW_EMITTERS: usize = 16;
 
 /// The settings, with Mitsuba's meaning of each.
@@ -43,22 +44,23 @@ pub struct Path {
     pub hide_emitters: bool,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
-    /// The same at vertices that the camera sees, straight or by mirrors, smooth glass and smooth coats.
+    /// Emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth
+    /// coats.
     pub first_emitter_samples: u32,
-    /// Light paths to a camera path, where there are caustics; see [`caustics`](super::caustics). By default
-    /// a pilot decides.
+    /// Light paths per camera path, where there are caustics; see [`caustics`](super::caustics). If `None`, a
+    /// pilot decides.
     pub light_paths: Option<f64>,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
     /// Light paths of each group of pixels that share; see [`reuse`].
     pub shared_light_paths: u32,
-    /// What a pilot is to decide; see [`crate::render::plan::reuse`].
+    /// Settings that a pilot is to choose; see [`crate::render::plan::reuse`].
     pub free: Free,
     /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
     pub links: Where,
 }
 
-/// What is left to a pilot.
+/// Which settings are left to a pilot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Free {
     pub reuse: bool,
@@ -68,7 +70,7 @@ pub struct Free {
     pub first_emitter_samples: bool,
 }
 
-/// How many light paths to a camera path there can be.
+/// Valid numbers of light paths per camera path.
 pub const LIGHT_PATHS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
 
 impl Default for Path {

@@ -1,18 +1,19 @@
 //! Russian roulette.
 
-/// From this many edges on no path is sure to go on from a mirror or from glass. Total reflection keeps a
-/// quarter of all light in a cube of glass, and such a path finds nothing on its way.
+/// From this many edges on, no path is sure to survive at a mirror or at glass. Total reflection keeps a
+/// quarter of all light in a cube of glass, and such a path never finds anything.
 const LONG: u32 = 64;
 
-/// From this many on no path is sure to go on at all, or it would not end before
+/// From this many edges on, no path is sure to survive at all, or it would not end before
 /// [`MAX_VERTICES`](super::MAX_VERTICES) where nothing is absorbed and nothing leads out.
 pub const ENDLESS: u32 = 1 << 16;
 
-/// With which chance a path of so many edges goes on that has lost nothing.
+/// The survival probability of a path with so many edges that has lost no throughput.
 ///
-/// By 1 − 2/n for the nth edge it comes through n of them with (`LONG`/n)²: what nothing leads out of has
-/// 2·`LONG` edges on average, and what comes through a light guide by 200 reflections weighs ten times as much,
-/// not thousands of times, as by a fixed chance. Who has long light guides asks for a larger `rr_depth`.
+/// With 1 − 2/n at the nth edge a path survives n edges with probability (`LONG`/n)²: where nothing leads
+/// out, paths have 2·`LONG` edges on average, and a path that comes through a light guide by 200 reflections
+/// weighs ten times as much, not thousands of times, as it would with a constant probability. Scenes with
+/// long light guides need a larger `rr_depth`.
 fn most(edges: u32, specular: bool) -> f64 {
     match edges {
         ENDLESS.. => 0.95,
@@ -21,12 +22,12 @@ fn most(edges: u32, specular: bool) -> f64 {
     }
 }
 
-/// Ends a path after so many edges, by a number in [0, 1), with what it has lost as the chance: `carried` is
-/// the part left of what it might carry. Otherwise what its throughput is to be multiplied with, for those that
-/// have ended. `specular` is whether the next direction has no density.
+/// Russian roulette after so many edges, by a number `u` in [0, 1): `None` ends the path; `Some(w)` continues
+/// it with throughput × w = 1/survival. The survival probability is `carried` (what is left of the
+/// throughput), capped by `most`. `specular` is whether the next direction has no density.
 ///
-/// What a lossless path has lost to rounding is no loss: in a thousand reflections it would end one path in
-/// thousands.
+/// Throughputs that differ from 1 by rounding alone count as 1: in a thousand reflections it would end one
+/// path in thousands.
 #[inline(always)]
 pub fn roulette(carried: f64, edges: u32, specular: bool, u: f64) -> Option<f32> {
     let rounding = 4.0 * f64::from(edges) * f64::from(f32::EPSILON);

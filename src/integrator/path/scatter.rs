@@ -1,4 +1,4 @@
-//! Scattering at a vertex: it asks for light, and the path goes on.
+//! Scattering at a vertex: emitters are sampled, then the next direction.
 
 use super::gather::Gather;
 use super::shadows::Shadows;
@@ -14,12 +14,12 @@ use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Side};
 use crate::shape::SurfacePoint;
 
-/// Scattering at a vertex, for a material still to be named.
+/// Scattering at a vertex, for any type of material.
 pub struct Scatter<'a, const F: u32> {
     pub settings: &'a Path,
     pub scene: &'a Scene,
     pub flight: InFlight<'a>,
-    /// World, towards where the path came from.
+    /// Direction (world) to where the path came from.
     pub wo: DVec3,
     pub primitive: u32,
     pub point: &'a SurfacePoint,
@@ -32,7 +32,7 @@ pub struct Scatter<'a, const F: u32> {
 impl<const F: u32> Visitor for Scatter<'_, F> {
     type Output = Option<Ray>;
 
-    /// Asks for direct light and finds the ray with which the path goes on.
+    /// Takes emitter samples and samples the next ray.
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
         let Self { settings, scene, flight, wo, primitive, point, side, u, shadows, counters } = self;
@@ -59,7 +59,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let emitter_samples =
             if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
         let mut gathers_about = DVec3::ZERO;
-        if side.traits.smooth {
+        if side.traits.has_density {
             if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
                 gathers_about = vertex.gathers_about();
             }
@@ -67,8 +67,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         let ways = here.ways();
         here.by_ways(ways, shared, &mut path.radiance, shadows, counters);
-        // Where no direction has a density none is drawn.
-        let lobe = if side.traits.smooth { u.one(5) } else { u.one(2) };
+        // Where no lobe has a density, no direction is drawn: its first number chooses the lobe.
+        let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
         let sample = bsdf.sample(vertex.wo, lobe, u.pair(1));
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
@@ -79,7 +79,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             state.from_caster = state.depth > 0 && side.traits.focuses();
             if ways.any() {
                 *way = Way::begin(vertex.origin(), vertex.to_world(sample.wi), &sample, ways.seen);
-            } else if side.traits.smooth {
+            } else if side.traits.has_density {
                 *way = Way::NONE;
             } else {
                 way.follow(vertex.wo, side, primitive, &sample);
@@ -104,8 +104,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             path.λ.collapse();
         }
         if state.depth >= settings.rr_depth {
-            // By the largest lane: a red path between red walls must not be punished for its other lanes.
-            // What is shared must not end for want of colour in the path's own receiver: others see it too.
+            // By the largest lane: a red path between red walls must not end early because of its other
+            // lanes. What is shared must not end because the path's own receiver is dark: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;
             state.throughput *= roulette(carried, state.depth, sample.delta, u.one(6))?;
         }

@@ -1,16 +1,15 @@
-//! Light that waits to be tested for visibility.
+//! Contributions of emitter samples, collected until their shadow rays are traced.
 
 use super::FEW_EMITTERS;
 use super::reuse::{Contested, Rivals, Shared};
-use super::stream::STREAM;
-use crate::integrator::wavefront::occluded;
+use crate::integrator::wavefront::{STREAM, occluded};
 use crate::integrator::{CameraPath, Counters};
 use crate::math::{DVec2, Ray};
 use crate::sampler::{ManyNumbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
-/// Light that waits to be tested for visibility, the path it belongs to, and whether it is shared.
+/// Contributions with their shadow rays; of each, the path that it belongs to, and whether it is shared.
 #[derive(Default)]
 pub struct Shadows {
     pub rays: Vec<Ray>,
@@ -18,18 +17,18 @@ pub struct Shadows {
     /// What else finds some of what is shared, by its place.
     rivals: Vec<(usize, Rivals)>,
     occluded: Vec<bool>,
-    /// Of up to eight emitter samples at a vertex.
+    /// Numbers of up to eight emitter samples at a vertex.
     numbers: ManyNumbers<8>,
     /// What is shared of that and has arrived.
     pub contested: Vec<Contested>,
 }
 
 impl Shadows {
-    /// More than this need not wait.
+    /// With more rays than this, they are traced without waiting for the rest of the stream.
     pub const MANY: usize = 4 * STREAM;
 
     /// The place and the digits (see [`sample_emitter`](crate::integrator::light::sample_emitter)) of one of
-    /// `count` emitter samples at a vertex, which are asked for in turn.
+    /// `count` emitter samples at a vertex, which must be requested in order.
     #[inline(never)]
     pub fn numbers(
         &mut self,
@@ -58,7 +57,7 @@ impl Shadows {
         self.push((path, true), ray, light);
     }
 
-    /// Adds what arrives, in the order in which it was pushed.
+    /// Traces the shadow rays and adds what is unoccluded, in the order in which it was pushed.
     pub fn resolve(
         &mut self,
         scene: &Scene,

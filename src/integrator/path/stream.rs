@@ -1,21 +1,17 @@
-//! Paths that take each step together.
+//! Camera paths in streams that take each step together.
 
 use super::reuse::{Exchange, Shared, Tail};
 use super::shadows::Shadows;
 use super::vertex::Arrival;
 use super::{FEW_EMITTERS, Path};
 use crate::integrator::links::Way;
-use crate::integrator::wavefront::{Arrived, Wavefront};
+use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
 use crate::integrator::{CameraPath, Counters};
 use crate::sampler::{FIRST_VERTEX, ManyNumbers, PAIRS};
 use crate::scene::{Features, Scene};
 use crate::spectrum::Spectrum;
 
-/// How many camera paths are traced together: enough to fill vector registers most of the time, few enough
-/// for the nearest cache.
-pub const STREAM: usize = 64;
-
-/// A path on its way.
+/// The state of a camera path between two vertices.
 #[derive(Clone, Copy)]
 pub struct State {
     pub throughput: Spectrum,
@@ -23,11 +19,11 @@ pub struct State {
     /// must not take that for importance.
     pub eta2: f64,
     pub arrival: Arrival,
-    /// Vertices behind it: 0 at the first. Its ray is edge `depth` + 1.
+    /// Number of vertices so far: 0 before and at the first. The ray is edge `depth` + 1.
     pub depth: u32,
     /// Whether the ray still goes straight from the camera.
     pub direct_view: bool,
-    /// Whether it comes from the camera by mirrors and smooth glass alone.
+    /// Whether the path has only been through lobes without density, such as mirrors and smooth glass.
     pub mirrored: bool,
     /// The factors of how much likelier light paths make this path, and whether they would begin at the last
     /// vertex; see [`caustics`](crate::integrator::caustics).
@@ -78,7 +74,7 @@ pub struct InFlight<'a> {
     pub way: &'a mut Way,
 }
 
-/// What a stream of paths needs on its way, kept for the next.
+/// Buffers of a stream of paths, kept for the next.
 #[derive(Default)]
 struct Stream {
     states: Vec<State>,
@@ -94,8 +90,8 @@ impl Path {
     /// Estimates the radiance along camera rays.
     ///
     /// In streams of `STREAM`, all paths take a step together: their rays are traced, then their vertices are
-    /// looked at one after another, then the light that the vertices ask for is tested for visibility; no path
-    /// knows of the others.
+    /// processed one after another, then the shadow rays of the vertices are traced; no path depends on the
+    /// others.
     pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
         if self.max_depth == 0 {
             return;
@@ -125,9 +121,9 @@ impl Path {
         }
     }
 
-    /// How many pairs of numbers [`Scatter`](super::scatter::Scatter) needs at the end of so many edges: for a
-    /// place on an emitter and a direction; for more digits of a choice between many emitters and one between
-    /// lobes; for roulette and a choice between ways through glass.
+    /// How many pairs of numbers [`Scatter`](super::scatter::Scatter) needs at the end of edge number
+    /// `edges`: two for a place on an emitter and a direction; a third for more digits of a choice between
+    /// many emitters and for a choice between lobes; a fourth for roulette and for a choice between links.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
         if edges >= self.rr_depth || scene.links.is_some() {
             PAIRS

@@ -1,4 +1,4 @@
-//! What happens where a path has arrived: light that it meets, and what the surface there is.
+//! A vertex of a camera path: the emission that it meets, and the surface at which it scatters.
 
 use super::reuse::Contested;
 use super::scatter::Scatter;
@@ -14,17 +14,17 @@ use crate::scene::{Features, Scene, Shape, Side};
 use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// How the path came to where it is: what its next emitter is to be weighed with.
+/// How the path's last direction was sampled: what the MIS weight of an emitter at its end depends on.
 #[derive(Clone, Copy)]
 pub struct Arrival {
     /// The density of the direction, in sr⁻¹.
     pub pdf: f64,
     /// The direction could not have been found by sampling an emitter.
     pub delta: bool,
-    /// What the vertex before gathers light about; see
-    /// [`gathers_about`](crate::integrator::light::Vertex::gathers_about). Zero where nothing asks for it.
+    /// The normal of [`gathers_about`](crate::integrator::light::Vertex::gathers_about) at the previous
+    /// vertex; zero where no choice of an emitter depends on it.
     pub n: DVec3,
-    /// That the vertex before took.
+    /// Number of emitter samples taken at the previous vertex.
     pub emitter_samples: u32,
 }
 
@@ -33,7 +33,7 @@ impl Arrival {
 }
 
 impl Path {
-    /// What happens where a ray has arrived; the ray with which the path goes on.
+    /// Processes the vertex at the end of a ray; returns the next ray, or `None` if the path ends.
     #[inline(always)]
     pub fn step<const F: u32>(
         &self,
@@ -130,7 +130,7 @@ impl Path {
     }
 }
 
-/// What the side of a surface wears on which a direction with this cosine lies.
+/// The side of a shape that faces a direction, from the cosine between the direction and the normal.
 #[inline]
 pub fn side_towards(shape: &Shape, cos: f64) -> Side {
     shape.sides[usize::from(cos < 0.0)]

@@ -1,6 +1,6 @@
-//! Asking for memory before it is needed.
+//! Prefetching of memory.
 
-/// Begins to bring an element into the cache where the processor can; nothing but time depends on it.
+/// Prefetches an element into the cache where the processor can; nothing but time depends on it.
 #[inline(always)]
 pub fn prefetch<T>(items: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]

@@ -143,7 +143,7 @@ impl U32x8 {
     }
 }
 
-/// For each set of bits their numbers, the last first.
+/// For each set of bits, their indices, the last first.
 static ORDERS: [[u8; 8]; 256] = {
     let mut orders = [[0; 8]; 256];
     let mut which = 0;

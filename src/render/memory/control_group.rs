@@ -14,7 +14,7 @@ const MOUNT: &str = "/sys/fs/cgroup";
 struct Version {
     limit: &'static str,
     usage: &'static str,
-    /// Of files that were read: the system gives it up before anybody is refused memory.
+    /// Name of the line for cached files, whose memory the system frees before it refuses any.
     inactive_file: &'static str,
 }
 

@@ -1,11 +1,11 @@
-//! Whether emitters are sampled along ways that light paths have shown.
+//! Whether emitter samples are guided by photons.
 //!
-//! Where [`links`](crate::integrator::links) find the way they make less noise and cost as much; where they
-//! do not, a picture of a few samples hardly shows what it misses, for scattering finds that light in single
-//! pixels of fire. So variances of a pilot cannot tell, but photons can: they know how much light comes by
-//! which ways, and what part of it no link would make. A few camera paths say whether any surface is seen
-//! that would ask. Neither are samples of the image, so the choice cannot bias it; both are functions of the
-//! scene alone, so every part of a render makes the same.
+//! Where [`links`](crate::integrator::links) find a path they make less noise than guided samples and cost as
+//! much; where they do not, an image of a few samples hardly shows what it misses, for scattering finds that
+//! light in a few very bright pixels. So variances of a pilot cannot decide, but photons can: they know how
+//! much light comes by which specular chains, and what part of it no link would find. A few camera paths say
+//! whether guided samples would be taken at any surface in view. Neither are samples of the image, so the
+//! choice cannot bias it; both are functions of the scene alone, so every part of a render chooses alike.
 
 use super::{all_over, pilot_camera};
 use crate::integrator::Counters;
@@ -14,23 +14,25 @@ use crate::integrator::guide::{Guide, Photon, photons};
 use crate::integrator::links::Where;
 use crate::scene::Scene;
 
-/// Light paths for each pixel, and no more in all than these: a few tenths of a second. Nor more than leave so
-/// many photons, for four times as many would make a hundredth less noise.
+/// Light paths per pixel, with which photons are made.
 const LIGHT_PATHS: usize = 4;
+/// Most of these light paths in all: a few tenths of a second.
 const MOST_LIGHT_PATHS: usize = 1 << 18;
+/// Number of photons that is enough: four times as many would make a hundredth less noise.
 const MOST_PHOTONS: f64 = (1 << 16) as f64;
 
-/// Light paths and camera samples of the pilot, some milliseconds.
+/// Light paths of the pilot, some milliseconds.
 const PILOT: u32 = 1 << 13;
+/// Camera samples of the pilot, some milliseconds.
 const CAMERA_SAMPLES: u64 = 2048;
 
-/// Guided is what links would leave this part of to chance.
+/// Samples are guided if links would leave more than this share of the light to scattering.
 const LEFT: f64 = 0.3;
 
-/// Nor is it worth anything where fewer camera paths than one in so many would ask.
+/// No guide unless more than one guided sample is taken in this many camera paths.
 const ONE_IN: u64 = 256;
 
-/// Makes a scene's guide if its file or a pilot wants one.
+/// Makes a scene's guide if its file or a pilot asks for one.
 pub fn settle(scene: &mut Scene) {
     let Some(wanted) = scene.integrator.path().map(|path| path.links) else { return };
     let auto = wanted == Where::Auto && !scene.links.as_ref().is_some_and(|links| links.everywhere);
@@ -41,7 +43,7 @@ pub fn settle(scene: &mut Scene) {
     let light_paths = (LIGHT_PATHS * scene.sensor.film.crop.pixels()).min(MOST_LIGHT_PATHS) as u32;
     let few = PILOT.min(light_paths);
     let first = photons(scene, &emission, few);
-    // More than all are asked for where few leave any.
+    // This may exceed all light paths, where few of them leave a photon.
     let enough = MOST_PHOTONS * f64::from(few) / first.len() as f64;
     if auto && !pays(scene, first) {
         return;
@@ -52,7 +54,7 @@ pub fn settle(scene: &mut Scene) {
     scene.settle_caustics();
 }
 
-/// Whether guided samples find what links do not, and are asked for, by a few photons.
+/// Whether guided samples find enough that links do not, and are taken often enough, by a few photons.
 fn pays(scene: &mut Scene, photons: Vec<Photon>) -> bool {
     let all: f64 = photons.iter().map(|photon| photon.power).sum();
     let left: f64 = photons.iter().map(|photon| photon.power * photon.left).sum();

@@ -1,10 +1,11 @@
-//! How many light paths there are to a camera path.
+//! The number of light paths per camera path.
 //!
-//! First a pilot too short to know variances asks how much light they bring, for either kind of path finds its
-//! own part easily. Where light paths bring none they are left out; where they would bring most of it,
-//! sampling emitters through glass ([`links`](crate::integrator::links)) relieves them. The root of their part
-//! is a first guess at their number: a pixel of relative cost 1 + s and variance V + W/s, with s light paths
-//! to a camera path, is best at s² = W/V, and variances are about as energies.
+//! First a pilot, too short to measure variances, measures how much of the light they find, for either kind
+//! of path finds its own part easily. Where light paths find none they are left out; where they would find
+//! most of it, sampling emitters through glass ([`links`](crate::integrator::links)) takes over a part. The
+//! root of their share is a first guess at their number: a pixel of relative cost 1 + s and variance V + W/s,
+//! with s light paths per camera path, is best at s² = W/V, and variances are about in proportion to
+//! energies.
 //!
 //! Once all else is settled ([`balance`]), V and W and the costs are measured.
 
@@ -16,31 +17,35 @@ use crate::integrator::caustics::Caustics;
 use crate::integrator::links::Where;
 use crate::scene::Scene;
 
-/// Camera samples and light paths of the pilot: some milliseconds.
+/// Camera samples of the pilot: some milliseconds.
 const CAMERA_SAMPLES: u64 = 2048;
+/// Light paths of the pilot: some milliseconds.
 const LIGHT_PATHS: u64 = 8192;
 
-/// Tiles along each side of the image: of the light there may be few samples in each; of the noise more, for
-/// what is bright within a tile is what its own noise is to be compared with.
+/// Tiles along each side of the image where light is measured: few, for there may be few samples in each.
 const TILES: usize = 8;
+/// Tiles along each side where noise is measured: more, for noise is relative to the light of its own tile.
 const FINE_TILES: usize = 32;
 
-/// Where light paths would bring this part of the light, emitters are sampled through glass at all vertices.
+/// If light paths would find more than this share of the light, emitters are sampled through glass at all
+/// vertices.
 const MUCH: f64 = 0.5;
 
-/// Fewer light paths than these to a camera path cost next to nothing, more gain next to nothing.
+/// Fewest light paths per camera path, unless there are none: so few cost next to nothing.
 const FEWEST: f64 = 1.0 / 32.0;
+/// Most light paths per camera path: more gain next to nothing.
 const MOST: f64 = 1.0;
 
-/// No more light paths for a sample number than these, however large the film: a quarter of a gigabyte may
-/// have to be kept of the four of a block.
+/// Most light paths per sample number, however large the film: what those of the four samples of a block find
+/// may take a quarter of a gigabyte.
 const AT_ONCE: f64 = (1 << 19) as f64;
 
-/// The part of their noise that light paths really make, which fill the emitters and directions evenly: squares
-/// of what they bring know nothing of that. (Found by renders with other numbers of them; see the notebook.)
+/// Ratio of the actual variance of light paths, which are stratified over emitters and directions, to the
+/// variance of independent ones, which the sum of squares estimates. (Found by renders with other numbers of
+/// them; see the notebook.)
 const SPREAD: f64 = 0.4;
 
-/// What a ray of a light path costs, connections with the camera included, in rays of camera paths.
+/// Cost of a ray of a light path, connections with the camera included, in rays of camera paths.
 const RAY: f64 = 2.0;
 
 /// Settles the number of light paths of a scene whose file does not.
@@ -64,13 +69,14 @@ pub fn settle(scene: &mut Scene) {
     }
 }
 
-/// Settles it by the noise and the cost of the camera paths as they will be.
+/// Settles the number of light paths by the noise and the cost of camera paths, once all else is settled.
 pub fn balance(scene: &mut Scene, look: &Look) {
     let Some(caustics) = &scene.caustics else { return };
     let film = scene.sensor.film.crop;
     let (splats, rays) = splats(scene, caustics, FINE_TILES);
     let cost = RAY * rays;
-    // The relative variance that camera paths leave of each cell's light, and one light path to each of these.
+    // Variances of a cell relative to its light squared: that which camera paths leave, and that which one
+    // light path per camera path leaves.
     let of_cell = |cell: &Cell| {
         let Tile { light, squares } = splats[tile(film, FINE_TILES, cell.corner)];
         let all = cell.light + light;
@@ -103,11 +109,12 @@ pub fn is_free(scene: &Scene) -> bool {
     scene.integrator.path().is_some_and(|path| path.light_paths.is_none())
 }
 
-/// What light paths bring to each pixel of a tile, on average, and the variance of that where there is one of
-/// them to a camera sample.
+/// What light paths contribute to the pixels of a tile.
 #[derive(Clone, Copy, Default)]
 struct Tile {
+    /// Mean contribution to a pixel.
     light: f64,
+    /// Variance of that contribution with one light path per camera sample.
     squares: f64,
 }
 
@@ -116,19 +123,19 @@ fn tile(film: Window, tiles: usize, (x, y): (u32, u32)) -> usize {
     tile_along(y - film.y, film.height, tiles) * tiles + tile_along(x - film.x, film.width, tiles)
 }
 
-/// Along one side of the film.
+/// The tile of a pixel along one side of the film, at `offset` of `size` pixels.
 fn tile_along(offset: u32, size: u32, tiles: usize) -> usize {
     (u64::from(offset) * tiles as u64 / u64::from(size)) as usize
 }
 
-/// How many pixels each tile has along one side: of a small film one or none.
+/// How many pixels each tile has along one side; on a small film one or none.
 fn pixels_along(size: u32, tiles: usize) -> Vec<u32> {
     let mut pixels = vec![0; tiles];
     (0..size).for_each(|offset| pixels[tile_along(offset, size, tiles)] += 1);
     pixels
 }
 
-/// What light paths bring to so many tiles along each side, and how many rays each takes.
+/// What light paths contribute to so many tiles along each side, and the number of rays per light path.
 fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) {
     let film = scene.sensor.film.crop;
     let mut tiles = vec![Tile::default(); along * along];
@@ -136,7 +143,7 @@ fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) 
     let paths = f64::from(caustics.paths);
     // Green stands for all colours.
     pilot_camera(scene).trace_light(0..LIGHT_PATHS, &mut counters, |_, at, values| {
-        // Had it been the only one.
+        // As if it had been the only light path.
         let brought = paths * values[1];
         let tile = &mut tiles[tile(film, along, at)];
         tile.light += brought;
@@ -151,8 +158,8 @@ fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) 
     (tiles, counters.rays as f64 / LIGHT_PATHS as f64)
 }
 
-/// The part of the light that light paths bring, averaged over tiles of the image, for a lamp in view must
-/// not outshine everything else; zero where they were not seen to bring any.
+/// The share of the light that light paths find, averaged over tiles of the image, so that a lamp in view
+/// does not outweigh everything else; zero if they were not seen to find any.
 fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let camera = pilot_camera(scene);
     let film = scene.sensor.film.crop;
@@ -160,7 +167,7 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let channels = camera.channel_names().len();
     let mut values = vec![0.0; channels * which.len()];
     camera.samples(&which, &mut Counters::default(), &mut values);
-    // Of each tile: the sum of samples, and how many; a tile without any says nothing.
+    // Per tile: the sum of samples, and their number; tiles without samples are left out.
     let mut seen = vec![(0.0, 0.0); TILES * TILES];
     for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
         let (light, samples) = &mut seen[tile(film, TILES, *pixel)];

@@ -1,4 +1,4 @@
-//! A look at a few cells of an image, which tells what noise and what cost to expect.
+//! A look: a few cells of an image are rendered to measure their noise and their cost.
 
 use super::{pilot_camera, scattered};
 use crate::integrator::Counters;
@@ -6,37 +6,37 @@ use crate::integrator::path::reuse::{CELL, cell};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// What sharing costs, in rays a path: at all, and for each receiver; so does each source of a light path.
+/// Fixed cost of sharing per path, in path rays.
 const SHARING: f64 = 1.8;
+/// Cost of sharing a source per receiver, in path rays, be it of a camera path or of a light path.
 const HANDING_ON: f64 = 0.035;
 
-/// What a ray costs that only asks whether a pixel sees what it may share, in rays of paths, which end at
-/// vertices.
+/// Cost of a shadow ray between receiver and source, in path rays (which include shading).
 const VISIBILITY: f64 = 0.5;
 
-/// What a light path of a group costs besides its rays: scattering, weights, and connections.
+/// Cost of a light path of a group besides its rays, in path rays: scattering, weights, and connections.
 const LIGHT_PATH: f64 = 12.0;
 
-/// What it costs to ask how a receiver and a source scatter of which one is rough.
+/// Cost of evaluating the BSDFs of a receiver and a source, one of them rough, in path rays.
 const EVALUATION: f64 = 0.25;
 
 /// Samples of each pixel of a cell.
 const CAMERA_SAMPLES: u64 = 32;
 
-/// The fewest cells, unless the film has fewer, and the most. Between them a look takes as many paths as one
-/// sample of every pixel of the film.
+/// The fewest cells of a look, unless the film has fewer, and the most. Between these it takes as many paths
+/// as one sample of every pixel of the film.
 pub const CELLS: [u64; 2] = [24, 64];
 
-/// The same where a glance will do.
+/// The fewest and the most cells of a glance, a shorter look.
 pub const GLANCE: [u64; 2] = [8, 8];
 
-/// Samples that are summed before sums are compared: what stratification does away with is no gain.
+/// Samples of a block, of which the sums are compared: noise that stratification removes must not count.
 const BLOCK: u64 = 8;
 
-/// What was seen, of camera paths alone.
+/// Noise and cost of camera paths, without light paths for caustics.
 pub struct Look {
     pub cells: Vec<Cell>,
-    /// Of a path, in rays.
+    /// Cost of a path, in rays.
     pub cost: f64,
 }
 
@@ -44,10 +44,11 @@ pub struct Look {
 #[derive(Clone, Copy, Default)]
 pub struct Cell {
     pub corner: (u32, u32),
-    /// Of a pixel, on average.
+    /// Mean value of a pixel.
     pub light: f64,
-    /// Of a pixel with one sample, relative to the square of its own light, on average, as far as stratification
-    /// leaves it. Where the edge of a lamp is seen, light elsewhere in the cell is no measure.
+    /// Variance of a pixel with one sample, relative to the square of the pixel's own light, averaged over
+    /// the cell, as far as stratification leaves it. Where the edge of a lamp is seen, light elsewhere in the
+    /// cell is no measure.
     pub variance: f64,
 }
 
@@ -68,7 +69,7 @@ impl Look {
             let mut counters = Counters::default();
             let at = if all > looked_at { scattered(i, all) } else { i } as u32;
             let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
-            // Of every pixel: the sum, the sum of squares of blocks, the block at hand.
+            // Per pixel: the sum, the sum of squares of blocks, the current block.
             let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
             // The film may end within the cell.
             let mut on_film = 0;
@@ -97,7 +98,8 @@ impl Look {
             let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
                 + EVALUATION * counters.evaluations as f64
                 + HANDING_ON * pixels * counters.light_sources as f64;
-            // Of blocks, from what their sums differ by; and so many samples make a pixel's sum.
+            // The relative variance of a pixel's sum, from the scatter of its blocks, times its number of
+            // samples is that of one sample.
             let variance = relative / pixels_of_cell * BLOCKS / (BLOCKS - 1.0) * CAMERA_SAMPLES as f64;
             (Cell { corner, light: light / samples, variance }, cost / samples)
         };

@@ -1,10 +1,10 @@
 //! How a scene is to be rendered, where its file leaves that open.
 //!
-//! Pilots look at a scene, one after another, for what each settles changes what the next sees: how many light
-//! paths there are ([`light_paths`]), whether emitters are sampled along ways that light paths have shown
-//! ([`guide`]), and how many pixels share what their paths find ([`reuse`]), which is last, and may take back
-//! the first. All of it is a function of the scene alone, so every part of a render settles the same. Pilots
-//! have a seed of their own and their samples are thrown away, so no choice can bias an image.
+//! Pilots run one after another, for what each settles changes what the next sees: how many light paths there
+//! are ([`light_paths`]), whether emitter samples are guided by photons ([`guide`]), and how many pixels
+//! share what their paths find ([`reuse`]), which is last, and may undo the first. All of it is a function of
+//! the scene alone, so every part of a render settles the same. Pilots have a seed of their own and their
+//! samples are thrown away, so no choice can bias an image.
 
 pub mod guide;
 pub mod light_paths;
@@ -24,7 +24,7 @@ pub fn settle(scene: &mut Scene) {
     reuse::settle(scene);
 }
 
-/// The i-th of numbers below `count` that lie all over: multiples of the golden ratio leave no gaps.
+/// The i-th of numbers spread evenly below `count`: multiples of the golden ratio leave no gaps.
 fn scattered(i: u64, count: u64) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
@@ -37,7 +37,7 @@ fn pilot_camera(scene: &Scene) -> Camera<'_> {
     Camera::new(scene, SEED, kernel_for(scene.features))
 }
 
-/// So many samples of pixels that lie all over a window, for a pilot.
+/// So many samples of pixels spread evenly over a window, for a pilot.
 fn all_over(window: Window, samples: u64) -> Vec<((u32, u32), u64)> {
     let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);
     (0..samples).map(|i| (at(i), i)).collect()

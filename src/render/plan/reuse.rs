@@ -7,9 +7,9 @@
 //! same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells'
 //! relative deviations, over which a rare bright path has less sway than over variances.
 //!
-//! Since nobody shares direct light, its variance adds to that of the rest and falls as the number of its
-//! samples grows, whoever shares. So two looks at pixels that share nothing, with few emitter samples and with
-//! many, tell what any number of them leaves of any other look, and all is chosen together.
+//! Since direct light is never shared, its variance adds to that of the rest and falls as the number of its
+//! samples grows, whatever is shared. So two looks at pixels that share nothing, with few emitter samples and
+//! with many, predict any other look for any number of these, and all is chosen together.
 
 use super::light_paths;
 use super::look::{CELLS, Cell, GLANCE, Look};
@@ -17,45 +17,49 @@ use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
 
-/// What is to be settled.
+/// The settings that are chosen.
 #[derive(Clone, Copy)]
 struct Choice {
-    /// That share.
+    /// Number of pixels that share.
     pixels: u32,
-    /// Of each group of these.
+    /// Light paths per group of pixels.
     light_paths: u32,
     /// Emitter samples of the first vertex.
     samples: u32,
 }
 
-/// Numbers of pixels to choose from, and what the product of variance and cost is to be multiplied with to be
-/// compared: correlated errors are a price as well, which a small gain is not worth.
+/// Numbers of pixels to choose from, each with the factor by which its product of variance and cost is
+/// multiplied for comparison: correlated errors are a price as well, which a small gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
-/// Where some pixels make a product so many times the best, more have not been seen to pay.
+/// If one number of pixels has a product that exceeds this times the best, larger numbers have not been seen
+/// to pay.
 const FAR: f64 = 1.5;
 
-/// How many pixels there are to a shared light path, and the price of light paths. The pilot, which looks at
-/// one colour and few samples, promises more than they bring where little noise is left.
+/// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
+/// one colour and few samples, overestimates their gain where little noise is left.
 const LIGHT_PATHS: (u32, f64) = (8, 1.4);
 
-/// The same of emitter samples, as multiples of what other vertices take.
+/// Numbers of emitter samples, as multiples of what other vertices take, each with its factor (see
+/// [`PIXELS`]).
 const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
 
-/// What an emitter sample costs besides its ray.
+/// Cost of an emitter sample besides its ray, in rays.
 const EMITTER_SAMPLE: f64 = 0.75;
 
-/// A choice, what was seen or is foretold of it, and the product of variance, cost and price.
+/// A choice, the look that was measured or is predicted for it, and its product of variance, cost and factors
+/// such as those of [`PIXELS`].
 struct Judged {
     choice: Choice,
     look: Look,
     product: f64,
 }
 
-/// What one emitter sample of the first vertex leaves of the variance of each cell, n of them an nth, and what
-/// each costs.
+/// Noise and cost of the emitter samples of the first vertex.
 struct Direct {
+    /// Variance of each cell that one emitter sample leaves; n of them leave an nth.
     variances: Vec<f64>,
+    /// Cost of one emitter sample, in rays.
     cost: f64,
 }
 
@@ -70,7 +74,7 @@ impl Direct {
         }
     }
 
-    /// What a look with n samples would have been with m.
+    /// Predicts what a look with n samples would have been with m.
     fn foretell(&self, look: &Look, n: u32, m: u32) -> Look {
         let (n, m) = (f64::from(n), f64::from(m));
         let with = |(cell, direct): (&Cell, &f64)| Cell {
@@ -84,10 +88,10 @@ impl Direct {
     }
 }
 
-/// Settles them, by a pilot if the scene's file or a command line leaves them to that, once all else is
-/// settled but the number of light paths that look for caustics. These take what they make as well out of
-/// what pixels share; so where emitters are sampled through glass at all vertices, which relieves them, they
-/// may go.
+/// Settles sharing and emitter samples, by a pilot if the scene's file or a command line leaves them to that,
+/// once all else is settled but the number of light paths that look for caustics. What these find as well is
+/// not shared; so where emitters are sampled through glass at all vertices, which takes over their part, they
+/// may be dropped.
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
     let free = path.free;
@@ -120,8 +124,8 @@ pub fn settle(scene: &mut Scene) {
     }
 }
 
-/// The best choice for a scene as it is. A glance will do where sharing is far from worth its while, unless
-/// light paths are to be balanced with what is seen.
+/// The best choice for a scene as it is. A glance suffices where sharing is far from paying, unless the look
+/// is needed to balance light paths.
 fn choose(scene: &mut Scene, given: Choice) -> Judged {
     if scene.caustics.is_none()
         && let (glanced, true) = among(scene, given, true)
@@ -131,7 +135,7 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
     among(scene, given, false).0
 }
 
-/// The best choice, and whether sharing is far from worth its while; a glance is for the latter.
+/// The best choice, and whether sharing is far from paying; a glance is for the latter.
 fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
     let mut look = |choice: Choice| {
@@ -145,7 +149,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
         let looked = look(Choice { samples: many, ..given });
         Direct::between((given.samples, &alone), (many, &looked))
     });
-    // Of a look with so many samples: what number of them is best.
+    // The best number of emitter samples, from a look with `choice.samples` of them.
     let judge = |choice: Choice, look: Look, price: f64| {
         let Some(direct) = &direct else {
             let product = price * product(&look);
@@ -164,7 +168,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     for &(pixels, price) in if glance { &PIXELS[..1] } else { &PIXELS } {
         let choice = Choice { pixels, ..given };
         let judged = judge(choice, look(choice), price);
-        // Where some pixels are far from worth their while, more are not looked at.
+        // Where some pixels are far from paying, more are not tried.
         if judged.product > FAR * best.product {
             far = best.choice.pixels == given.pixels;
             break;
@@ -182,7 +186,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     (best, far)
 }
 
-/// The one that costs less; of two alike the first.
+/// The one with the smaller product; of equals the first.
 fn better(a: Judged, b: Judged) -> Judged {
     if b.product < a.product { b } else { a }
 }

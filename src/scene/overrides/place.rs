@@ -1,9 +1,9 @@
-//! Where objects of a document stand, `<ref>`s followed.
+//! Places of objects in a document, `<ref>`s followed.
 
 use crate::scene::loader::first_name;
 use crate::scene::xml::{Document, Element};
 
-/// The way from the root: at each level the number of a child.
+/// The path of an element from the root: at each level the index of a child.
 pub type Place = Vec<usize>;
 
 /// The element at a place.

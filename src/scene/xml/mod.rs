@@ -1,6 +1,7 @@
 //! From XML text to a tree of elements: parameters substituted, includes spliced in, old names upgraded,
 //! nothing interpreted yet. Every piece remembers where it stood.
 
+mod lenient;
 mod parameters;
 mod place;
 mod reader;
@@ -150,5 +151,35 @@ mod tests {
         }
         let comment = format!("<scene version=\"3.0.0\"><!-- {} --></scene>", "a <b ".repeat(1000));
         assert!(read_text("t", &comment).is_ok());
+    }
+
+    /// As Mitsuba's parser does, and places are those of the file.
+    #[test]
+    fn comments_hold_whatever_does_not_end_them() {
+        let scene = "\n<?xml version=\"1.0\"?>\n<!-- -- -->\n<scene version=\"3.0.0\"><!-- ---- é ---->\n  <float name=\"a--b\" value=\"1\"/></scene>";
+        let root = read_text("t", scene).unwrap().root;
+        let name = root.children[0].attribute("name").unwrap();
+        assert_eq!((name.value.as_str(), &scene[name.value_span.range.clone()]), ("a--b", "a--b"));
+        let unfinished = error("<scene version=\"3.0.0\">\n  <!-- -- </scene>");
+        assert_eq!(unfinished.line_column(), Some((2, 3)));
+        assert!(unfinished.message.contains("comment"), "{}", unfinished.message);
+    }
+
+    /// Beside the including file before the folders of its `<path>`s.
+    #[test]
+    fn included_files_are_looked_for_as_in_mitsuba() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("more")).unwrap();
+        let part = |id: &str| format!("<scene version=\"3.0.0\"><bsdf id=\"{id}\"/></scene>");
+        std::fs::write(at("part.xml"), part("beside")).unwrap();
+        for name in ["more/part.xml", "more/other.xml"] {
+            std::fs::write(at(name), part("more")).unwrap();
+        }
+        let scene = "<scene version=\"3.0.0\"><path value=\"more\"/><include filename=\"part.xml\"/><include filename=\"other.xml\"/></scene>";
+        std::fs::write(at("scene.xml"), scene).unwrap();
+        let root = read(&at("scene.xml"), &[]).unwrap().root;
+        let id = |element: &Element| element.attribute("id").unwrap().value.clone();
+        assert_eq!(root.children.iter().map(id).collect::<Vec<_>>(), ["beside", "more"]);
     }
 }

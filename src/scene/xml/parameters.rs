@@ -3,7 +3,7 @@
 use crate::scene::error::{SceneError, Span, known};
 use std::collections::BTreeMap;
 
-/// Attributes in which parameters stand are no longer all together, in bytes: a parameter of two others
+/// Most bytes of all attributes with parameters together, after substitution: a parameter made of two others
 /// doubles.
 const MOST_SUBSTITUTED: usize = 1 << 27;
 
@@ -16,12 +16,12 @@ struct Parameter {
 /// All parameters by name.
 pub struct Parameters {
     known: BTreeMap<String, Parameter>,
-    /// Bytes of attributes in which parameters stand.
+    /// Bytes of all attributes with parameters so far, after substitution.
     substituted: usize,
 }
 
 impl Parameters {
-    /// Those of the command line.
+    /// The parameters that the command line defines.
     pub fn new(definitions: &[(String, String)]) -> Self {
         let parameter = |(name, value): &(String, String)| {
             (name.clone(), Parameter { value: value.clone(), given: true, used: false })
@@ -29,7 +29,7 @@ impl Parameters {
         Self { known: definitions.iter().map(parameter).collect(), substituted: 0 }
     }
 
-    /// A `<default>`: the value where the command line gives none.
+    /// Adds a `<default>`: the value where the command line gives none.
     pub fn default(&mut self, name: &str, value: String) {
         let fresh = Parameter { value, given: false, used: false };
         // A definition on the command line is used even where no attribute reads it yet.

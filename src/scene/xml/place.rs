@@ -1,4 +1,4 @@
-//! Where text comes from, and where in it things stand.
+//! Reading of files, and places in their text.
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,6 @@
 //! Reads files and what they include into one tree.
 
+use super::lenient::forgive;
 use super::parameters::Parameters;
 use super::place::{find, offset, read_file, start_tag};
 use super::{Attribute, Document, Element};
@@ -9,15 +10,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Elements may be nested this deep, those around an `<include>` counted; no scene needs a tenth of it, and
+/// Greatest depth of nested elements, those around an `<include>` counted; no scene needs a tenth of it, and
 /// recursion over the tree must end.
 const MAX_ELEMENT_DEPTH: usize = 128;
-/// Includes may be nested this deep, as in Mitsuba.
+/// Greatest depth of nested includes, as in Mitsuba.
 const MAX_INCLUDE_DEPTH: usize = 15;
-/// So many files may be included, one often counted as often: files that include two each multiply.
+/// Most files that are included, each counted as often as it is: files that include two each multiply.
 const MOST_INCLUDES: usize = 1 << 12;
 
-/// What is known while files are read.
+/// State while files are read.
 pub struct Reader {
     parameters: Parameters,
     aliases: BTreeMap<String, Attribute>,
@@ -25,15 +26,15 @@ pub struct Reader {
     depth: usize,
     /// The files being read, innermost last.
     open: Vec<PathBuf>,
-    /// Those that were read, each as often as it was.
+    /// The files that were read, each as often as it was.
     files: Vec<PathBuf>,
     /// Folders of the files being read and of their `<path>`s so far, the nearest last.
     search: Vec<PathBuf>,
-    /// Those of the scene file, when it has been read, the nearest first.
+    /// The search folders of the scene file, once it has been read, the nearest first.
     of_scene: Vec<PathBuf>,
 }
 
-/// What the elements of one file share.
+/// State that the elements of one file share.
 struct File {
     source: Arc<Source>,
     version: u32,
@@ -87,7 +88,11 @@ impl Reader {
     /// The root element of a text, as if it stood in a file.
     pub fn text(&mut self, path: &Path, text: String) -> Result<Element, SceneError> {
         let source = Arc::new(Source { path: path.to_owned(), text });
-        let document = roxmltree::Document::parse(&source.text).map_err(|e| {
+        let text = forgive(&source.text).map_err(|range| {
+            let message = "not well-formed XML: a comment that does not end";
+            SceneError::at(&Span { source: source.clone(), range }, message, "expected --> behind it")
+        })?;
+        let document = roxmltree::Document::parse(&text).map_err(|e| {
             let range = offset(&source.text, e.pos());
             SceneError::at(&Span { source: source.clone(), range }, format!("not well-formed XML: {e}"), "")
         })?;
@@ -223,7 +228,10 @@ impl Reader {
         let element = self.element(node, file)?;
         element.only(&["filename", "name"])?;
         let name = element.require("filename")?;
-        let path = find(&element.search, &name.value).ok_or_else(|| {
+        // Unlike other files, and as in Mitsuba, beside the including file before the folders of `<path>`s.
+        let beside = [file.source.path.parent().unwrap_or(Path::new("")).to_owned()];
+        let path = find(&beside, &name.value).or_else(|| find(&element.search, &name.value));
+        let path = path.ok_or_else(|| {
             SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), "")
         })?;
         if self.files.len() > MOST_INCLUDES {
@@ -245,7 +253,7 @@ impl Reader {
     }
 }
 
-/// Whoever asks may want any number, but what is declared an integer must be one.
+/// Refuses an `<integer>` that is none, although a model might accept any number.
 fn check_integer(attributes: &[Attribute]) -> Result<(), SceneError> {
     match attributes.iter().find(|a| a.name == "value") {
         Some(a) if a.value.trim().parse::<i64>().is_err() => {

@@ -1,12 +1,12 @@
-//! Looking for anything at all.
+//! The order of a search for any hit.
 
 use super::node::NodeRef;
 use super::waiting::{Order, Waiting};
 use crate::math::simd::{F32x8, U32x8};
 
-/// Of a node's children the first comes first. Where a ray enters them does not matter, for it ends with the
-/// first hit. So all children are put down together, and how many there are is no branch for the processor to
-/// guess.
+/// A node's children are visited in their order. Where a ray enters them does not matter, for it ends with
+/// the first hit. So all children are pushed together, and their number is no branch for the processor to
+/// predict.
 pub struct AnyHit;
 
 impl Order for AnyHit {

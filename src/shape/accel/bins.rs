@@ -1,36 +1,36 @@
-//! Where boxes are best divided.
+//! Division of boxes into two groups.
 //!
 //! Their centres go into bins along each axis, and the plane between two bins is taken that costs rays least
 //! by the surface area heuristic (Wald 2007, "On Fast Construction of SAH-Based Bounding Volume Hierarchies",
-//! section 3). Size is an axis too: the walls of a room are kept from what stands in it, whose boxes they
-//! would blow up.
+//! section 3). Size is an axis too: so the walls of a room are separated from what stands in it, whose boxes
+//! they would enlarge.
 
 use super::fold::LEAF;
 use glam::Vec4;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
-/// The least and the largest of no coordinates.
+/// Minimum and maximum of no coordinates.
 const NOTHING: (Vec4, Vec4) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
 
-/// From so many boxes on, several threads look at them.
+/// Fewest boxes that are processed by several threads.
 const MANY: usize = 1 << 16;
 
-/// Boxes by what [`coordinates`] has of them.
+/// Boxes, binned by their [`coordinates`].
 #[derive(Clone)]
 struct Bins<const BINS: usize, const AXES: usize> {
     bounds: [[Aabb; BINS]; AXES],
     counts: [[u32; BINS]; AXES],
 }
 
-/// From coordinates to bins.
+/// The map from coordinates to bins.
 #[derive(Clone, Copy)]
 struct Scale<const BINS: usize> {
     origin: Vec4,
     factor: Vec4,
 }
 
-/// Between two bins.
+/// A plane between two bins.
 #[derive(Clone, Copy)]
 struct Plane {
     axis: usize,
@@ -40,8 +40,8 @@ struct Plane {
     bounds: [Aabb; 2],
 }
 
-/// Brings at least two boxes into two groups, and what belongs to them likewise. Answers with the size of the
-/// first and the boxes around both. Neither group is empty.
+/// Sorts at least two boxes into two groups, and their items likewise. Returns the size of the first and the
+/// boxes around both. Neither group is empty.
 pub fn divide(boxes: &mut [Aabb], items: &mut [u32]) -> (usize, [Aabb; 2]) {
     match boxes.len() {
         0..=16 => divide_by::<8, 3>(boxes, items),
@@ -61,7 +61,7 @@ fn divide_by<const BINS: usize, const AXES: usize>(
         let (one, other) = boxes.split_at(boxes.len() / 2);
         return (one.len(), [around(one), around(other)]);
     };
-    // Without a branch that could be guessed wrong: each in turn changes places with the first that is behind
+    // Without a branch that could be mispredicted: each box in turn is swapped with the first that is behind
     // the plane.
     let mut at = 0;
     for i in 0..boxes.len() {
@@ -166,7 +166,7 @@ impl<const BINS: usize, const AXES: usize> Bins<BINS, AXES> {
     }
 }
 
-/// What a group costs rays: its area for each block that it fills.
+/// Cost of a group for rays: its area, for each block that it fills.
 fn price((bounds, count): (Aabb, u32)) -> f32 {
     bounds.half_area() * count.div_ceil(u32::from(LEAF)) as f32
 }

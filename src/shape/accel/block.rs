@@ -1,5 +1,5 @@
-//! Four primitives of a kind side by side: what is alike for all kinds but triangles, of which a file each says
-//! how lines cross them.
+//! Blocks of four primitives of a kind, side by side: what all kinds but triangles have in common. A file for
+//! each kind says where lines cross it.
 
 use super::Search;
 use super::packet::Packet;
@@ -11,7 +11,7 @@ pub struct Rays {
     pub origin: [F64x4; 3],
     pub direction: [F64x4; 3],
     pub start: F64x4,
-    /// As far as it looks: to its end, or to the best hit that was known when this was made.
+    /// End of each search: the ray's end, or the best hit that was known when this was made.
     pub end: F64x4,
     /// The [`lane`](Packet::lane) of the primitive that it leaves.
     pub from: F64x4,
@@ -46,17 +46,18 @@ impl Rays {
 /// Where the ray of each lane may meet the primitive of that lane.
 pub struct Crossing {
     pub t: F64x4,
-    /// See [`Hit`](crate::shape::Hit).
+    /// First coordinate; see [`Hit`](crate::shape::Hit).
     pub u: F64x4,
+    /// Second coordinate; see [`Hit`](crate::shape::Hit).
     pub v: F64x4,
-    /// The [`lane`](Packet::lane) of what is met.
+    /// The [`lane`](Packet::lane) of the primitive that is crossed.
     pub primitive: F64x4,
-    /// Where this is a hit, if it lies between the ray's start and end.
+    /// Lanes in which this is a hit, if it lies between the ray's start and end.
     pub met: Mask,
 }
 
 impl Crossing {
-    /// Of shapes that find their points without coordinates.
+    /// A crossing of shapes that find their points without coordinates.
     #[inline(always)]
     pub fn plain(t: F64x4, primitive: F64x4, met: Mask) -> Self {
         let zero = F64x4::splat(0.0);
@@ -71,16 +72,17 @@ pub trait Block: Sized {
     /// From shapes, each with the number of its first primitive.
     fn new(items: &[(&Self::Shape, u32)]) -> Self;
 
-    /// The [`lane`](Packet::lane) of each one's first primitive, NaN of those that are missing.
+    /// The [`lane`](Packet::lane) of each shape's first primitive; NaN for missing ones.
     fn primitives(&self) -> &F64x4;
 
-    /// One of them in every lane.
+    /// A block with the shape of one lane in every lane.
     fn spread(&self, lane: usize) -> Self;
 
-    /// `None` if nothing is met in any lane, as far as each ray looks.
+    /// Where the ray of each lane crosses the shape of that lane; `None` if there is no hit before the end of
+    /// any.
     fn cross(&self, rays: &Rays) -> Option<Crossing>;
 
-    /// Tries one ray against all, which is in every lane of `rays`.
+    /// Tests one ray, which is in every lane of `rays`, against all shapes.
     #[inline(always)]
     fn intersect(&self, rays: &Rays, search: &mut Search) {
         let Some(Crossing { t, u, v, primitive, met }) = self.cross(rays) else { return };
@@ -93,7 +95,7 @@ pub trait Block: Sized {
         }
     }
 
-    /// Tries four rays against one after another.
+    /// Tests four rays against one shape after another.
     #[inline(always)]
     fn intersect_packet(&self, packet: &mut Packet) {
         for (lane, _) in self.there() {
@@ -112,22 +114,22 @@ pub trait Block: Sized {
     }
 }
 
-/// A number of each shape, and of missing ones `rest`.
+/// A number for each shape; `rest` for missing ones.
 pub fn lanes<S>(items: &[(&S, u32)], rest: f64, f: impl Fn(&S) -> f64) -> F64x4 {
     F64x4::new(std::array::from_fn(|i| items.get(i).map_or(rest, |(shape, _)| f(shape))))
 }
 
-/// A vector of each shape, and of missing ones one of which all are `rest`.
+/// A vector for each shape; for missing ones all its components are `rest`.
 pub fn vectors<S>(items: &[(&S, u32)], rest: f64, f: impl Fn(&S) -> DVec3) -> [F64x4; 3] {
     [0, 1, 2].map(|axis| lanes(items, rest, |shape| f(shape)[axis]))
 }
 
-/// What [`Block::primitives`] tells.
+/// The lanes of [`Block::primitives`].
 pub fn numbers<S>(items: &[(&S, u32)]) -> F64x4 {
     F64x4::new(std::array::from_fn(|i| items.get(i).map_or(f64::NAN, |(_, first)| Packet::lane(*first))))
 }
 
-/// The vector of one lane in all of them.
+/// The vector of one lane, in all lanes.
 #[inline(always)]
 pub fn spread(vector: &[F64x4; 3], lane: usize) -> [F64x4; 3] {
     [0, 1, 2].map(|axis| vector[axis].spread(lane))

@@ -16,7 +16,7 @@ use super::triangles::{NEAR, Triangles};
 use super::trying::{FEW, Kind, Limits, Trying};
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed, Tried};
-use crate::math::bounds::{NOTHING, union};
+use crate::math::bounds::{NOTHING, around, union};
 use crate::math::{Bounds, DVec3, length};
 use crate::shape::{Cube, Geometry, Patch};
 use glam::Vec3A;
@@ -25,18 +25,18 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// With more items leaves are filled while the tree grows: half the memory, and no ray notices. Fewer are
-/// left to the plan, which is better where kinds of shapes meet.
+/// With more items, leaves are filled while the tree grows: that takes half the memory, and rays are as fast.
+/// Fewer are left to the plan, which is better where kinds of shapes meet.
 const MANY: usize = 1000;
 
-/// The part of all nodes that is tried elsewhere in the tree. Without, any-hit rays in rooms take a third
-/// longer; more gains nothing.
+/// Share of all nodes whose reinsertion elsewhere in the tree is tried. Without, any-hit rays in rooms take a
+/// third longer; more gains nothing.
 const REINSERTED: f32 = 0.02;
 
 /// A primitive by shape and place in it, all faces of a cube, or an instance.
 #[derive(Clone, Copy)]
 struct Item {
-    /// Instances are counted after the shapes.
+    /// Index of the shape; instances are counted after the shapes.
     shape: u32,
     local: u32,
     primitive: u32,
@@ -133,7 +133,7 @@ impl Accel {
         accel
     }
 
-    /// Stores what is simply tried, by kind, so that blocks are full.
+    /// Stores the primitives outside the tree, by kind, so that blocks are full.
     fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; Kind::COUNT]) {
         for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Cube, Kind::Sphere, Kind::Cylinder] {
             for block in tried[kind as usize].chunks(4) {
@@ -156,7 +156,7 @@ impl Accel {
         };
     }
 
-    /// Boxes and planes of primitives that are simply tried.
+    /// Boxes and planes of the primitives outside the tree.
     fn few(&self, shapes: &[&Geometry], items: &[Item]) -> Few {
         let flat = |patch: &Patch| (Some(Plane::new(patch.centre, patch.n)), patch.bounds());
         let primitives: Vec<(u32, (Option<Plane>, Bounds))> = items
@@ -193,7 +193,7 @@ impl Accel {
         Aabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
     }
 
-    /// Puts smaller boxes around the pieces of thin triangles; answers with the item of each box.
+    /// Puts smaller boxes around the pieces of thin triangles; returns the item of each box.
     fn split(&self, shapes: &[&Geometry], items: &[Item], boxes: &mut Vec<Aabb>) -> Vec<u32> {
         let corners = |(i, item): (usize, &Item)| match shapes.get(item.shape as usize) {
             Some(Geometry::Mesh(mesh)) => Some((i as u32, mesh.corners(item.local))),
@@ -246,7 +246,7 @@ impl Accel {
         self.scattered = is_scattered(&self.nodes);
     }
 
-    /// Stores up to four items, but for triangles, and says where they are.
+    /// Stores up to four items, except triangles; returns where they are.
     fn store(&mut self, shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> Mixed {
         let (mut patches, mut cubes, mut spheres, mut cylinders) = (vec![], vec![], vec![], vec![]);
         let mut instances = vec![];
@@ -271,7 +271,7 @@ impl Accel {
     }
 }
 
-/// Stores a block, if there is something to be in it, and says where it is.
+/// Stores a block of these items, if there are any; returns its index.
 fn put<B: Block>(blocks: &mut Vec<B>, items: &[(&B::Shape, u32)]) -> Option<u32> {
     let place = blocks.len() as u32;
     (!items.is_empty()).then(|| {
@@ -299,9 +299,5 @@ fn triangles_of(shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> 
 
 fn primitive_bounds(geometry: &Geometry, local: u32) -> (DVec3, DVec3) {
     let Geometry::Mesh(mesh) = geometry else { return geometry.bounds() };
-    let [a, b, c] = mesh.triangles[local as usize].map(|i| {
-        let p = mesh.positions[i as usize];
-        DVec3::new(p[0] as f64, p[1] as f64, p[2] as f64)
-    });
-    (a.min(b).min(c), a.max(b).max(c))
+    around(mesh.corners(local))
 }

@@ -1,10 +1,10 @@
-//! Looking for the closest hit.
+//! The order of a search for the closest hit.
 
 use super::node::NodeRef;
 use super::waiting::{Order, Waiting};
 use crate::math::simd::F32x8;
 
-/// Of a node's children the nearest comes first: nodes wait with the distance (in unit coordinates, never
+/// A node's nearest child is visited first: nodes wait with the distance (in unit coordinates, never
 /// negative) where the ray enters them, and those beyond its end are dropped.
 pub struct ClosestHit;
 
@@ -34,7 +34,7 @@ impl Order for ClosestHit {
     type Kept = Entered;
     const NOTHING: Entered = Entered(0);
 
-    /// All children are likely to be looked at.
+    /// All children are likely to be visited.
     #[inline(always)]
     fn enter(
         waiting: &mut Waiting<Self>,

@@ -11,7 +11,7 @@ use crate::shape::cube::{ACROSS, dual_basis};
 #[derive(Clone, Debug)]
 pub struct Cubes {
     centre: [F64x4; 3],
-    /// Products with p − centre are the coordinates, from −1 to 1 within the cube.
+    /// Dual vectors, whose products with p − centre are the coordinates, from −1 to 1 within the cube.
     dual: [[F64x4; 3]; 3],
     /// The number of each one's first face.
     first: F64x4,

@@ -10,7 +10,7 @@ use crate::shape::cylinder::bounds;
 #[derive(Clone, Debug)]
 pub struct Cylinders {
     start: [F64x4; 3],
-    /// Unit vector.
+    /// Unit vectors along the axes.
     axis: [F64x4; 3],
     length: F64x4,
     radius: F64x4,

@@ -9,24 +9,24 @@ use super::node::{Node, NodeRef};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// What testing a block of four primitives of a kind costs, in tests of a node.
+/// Cost of testing a block of four primitives of a kind, in tests of a node.
 const BLOCK_COST: f32 = 0.6;
 
-/// A leaf that could be whole is divided only if that leaves no more than this part of its cost: full blocks
+/// What could be one leaf is divided only if that leaves no more than this fraction of its cost: full blocks
 /// save memory, which large scenes wait for.
 const THRIFT: f32 = 0.6;
 
-/// How many items fit a leaf.
+/// Most items of a leaf.
 pub const LEAF: u8 = 4;
 
 /// What a leaf of the binary tree holds.
 #[derive(Clone, Copy)]
 pub struct Content {
-    /// The area of the surface.
+    /// Area of the surface, in unit coordinates.
     pub surface: f32,
-    /// How much of a leaf it takes.
+    /// Number of items of a leaf that it takes up.
     pub size: u8,
-    /// One of these.
+    /// One of the bits of [`kind`].
     pub kind: u8,
 }
 
@@ -40,23 +40,23 @@ pub mod kind {
     pub const INSTANCE: u8 = 32;
 }
 
-/// What is known of a node of the binary tree and what is below it.
+/// How a node of the binary tree and what is below it are best folded.
 #[derive(Clone, Copy, Default)]
 struct Decision {
     /// The least cost of one tree.
     cost: f32,
-    /// How it comes about: `choices[i]` trees of at most i come from the left child, and 0 means as for
-    /// i − 1. `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight children come from
-    /// the left.
+    /// The choices that lead to the least costs: `choices[i]` trees of at most i come from the left child,
+    /// and 0 means as for i − 1. `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight
+    /// children come from the left.
     choices: [u8; 8],
     surface: f32,
-    /// More than [`LEAF`] is too large for a leaf.
+    /// Number of items below the node; more than [`LEAF`] are too many for a leaf.
     size: u8,
     kinds: u8,
 }
 
 impl Decision {
-    /// What testing all that is here costs, of which there is a leaf at most.
+    /// Cost of testing all items below the node, if they are one leaf.
     fn leaf_cost(&self) -> f32 {
         BLOCK_COST * self.kinds.count_ones() as f32
     }
@@ -65,27 +65,28 @@ impl Decision {
 /// The least costs of at most 1, 2, … 7 trees: known only while decisions are made.
 type Costs = [f32; 7];
 
-/// What the nodes of eight are made of.
+/// How a binary tree is folded into nodes of eight.
 pub struct Plan<'a> {
     binary: &'a Bvh2,
     decisions: Vec<Decision>,
 }
 
-/// A node to be.
+/// A node of eight that is planned.
 #[derive(Default)]
 pub struct Wide {
-    /// Binary nodes, the most promising for a shadow ray first.
+    /// Binary nodes that become its children, the most promising for a shadow ray first.
     children: [u32; 8],
     count: u8,
     /// A bit for each child that is a leaf.
     leaves: u8,
-    /// The number of the first child that is a node, and of the first that is a leaf.
+    /// The index of the first child that is a node.
     first_node: u32,
+    /// The index of the first child that is a leaf.
     first_leaf: u32,
 }
 
 impl<'a> Plan<'a> {
-    /// `content` tells what a primitive is.
+    /// Plans the tree; `content` tells what a primitive is.
     pub fn new(binary: &'a Bvh2, content: impl Fn(u32) -> Content) -> Self {
         let mut plan = Self { binary, decisions: vec![Decision::default(); binary.nodes.len()] };
         let mut costs = vec![Costs::default(); binary.nodes.len()];
@@ -154,7 +155,7 @@ impl<'a> Plan<'a> {
         self.decisions[index as usize].kinds == kind::TRIANGLE
     }
 
-    /// All nodes, children of one behind each other, and the binary nodes that leaves are made of.
+    /// All nodes, the children of each next to each other, and the binary nodes that become leaves.
     pub fn lay_out(&self) -> (Vec<Wide>, Vec<u32>) {
         let mut nodes = vec![Wide::default()];
         let mut leaves = vec![];
@@ -177,7 +178,7 @@ impl<'a> Plan<'a> {
         (nodes, leaves)
     }
 
-    /// The node, given what all leaves have become.
+    /// The finished node, given where all leaves are.
     pub fn node(&self, wide: &Wide, leaves: &[NodeRef]) -> Node {
         let mut node = Node::empty();
         let (mut next_node, mut next_leaf) = (wide.first_node as usize, wide.first_leaf as usize);
@@ -205,7 +206,7 @@ impl<'a> Plan<'a> {
             self.collect(node.first_index, from_left, wide);
             self.collect(node.first_index + 1, 8 - from_left, wide);
         }
-        // How much of a surface a child holds for what it costs to search.
+        // Surface of a child over the cost of searching it.
         let promise = |child: u32| {
             let decision = &self.decisions[child as usize];
             decision.surface / decision.cost

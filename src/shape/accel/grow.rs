@@ -8,22 +8,22 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// Up to so many boxes are divided by one thread.
+/// Most boxes that one thread divides.
 const LIMB: usize = 1 << 14;
 
 /// A part of the tree.
 enum Part {
     Fork(Aabb, Box<[Part; 2]>),
-    /// Nodes by themselves: first the root, then children in pairs.
+    /// A subtree as a list of nodes: first the root, then children in pairs.
     Limb(Vec<Bvh2Node>),
 }
 
 /// Boxes that are not divided yet.
 struct Seeds<'a> {
     boxes: &'a mut [Aabb],
-    /// What they are around.
+    /// The item of each box.
     items: &'a mut [u32],
-    /// How many lie before them.
+    /// How many boxes lie before these in the whole list.
     before: usize,
     /// The box around all of them.
     bounds: Aabb,
@@ -86,7 +86,7 @@ fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
     nodes
 }
 
-/// Puts the root of a part at `to`, and all below it at the end.
+/// Puts the root of a part at index `to`, and all nodes below it at the end.
 fn join(part: Part, to: usize, nodes: &mut Vec<Bvh2Node>) {
     let end = nodes.len() as u32;
     match part {

@@ -16,13 +16,13 @@ pub struct Hull {
     tangents: [(usize, usize, [[f32; 2]; 2]); 3],
 }
 
-/// What may be lost when a box is held against a tangent in unit coordinates: the point and the normal are
-/// rounded to `f32`, by 2⁻²⁵ each, with at most 2 between point and corner and |nₐ| + |n_b| = 1; two
-/// differences, two products and a sum lose 2⁻²⁴ of at most 2 each.
+/// A bound of the rounding error when a box is tested against a tangent in unit coordinates. The point and
+/// the normal are rounded to `f32`, by 2⁻²⁵ each, with |nₐ| + |n_b| = 1 and at most 2 between point and
+/// corner; two differences, two products and a sum lose 2⁻²⁴ of at most 2 each.
 const LOST: f32 = 1.0 / (1 << 20) as f32;
 
 impl Hull {
-    /// Of the box between two corners, and a point.
+    /// The hull of the box between two corners, and a point (world).
     pub fn new(space: &Space, bounds: Bounds, to: DVec3) -> Self {
         let (lo, hi) = space.enclose(bounds.0, bounds.1);
         let (near, far) = space.enclose(to, to);
@@ -53,7 +53,7 @@ impl Hull {
         }
     }
 
-    /// Whether a box in world space does.
+    /// Whether a box in world space reaches into the hull, or comes near it.
     pub fn meets_box(&self, space: &Space, (lo, hi): (DVec3, DVec3)) -> bool {
         let mut node = Node::empty();
         let (lo, hi) = space.enclose(lo, hi);

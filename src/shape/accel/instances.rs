@@ -1,29 +1,28 @@
-//! A tree that is held once and searched in many places.
+//! Instances: a tree that is stored once and searched in many places.
 //!
-//! A ray is taken into the coordinates of the group, where lengths differ from the world's by a factor of its
-//! own, and the group is searched as if it were the scene. Each instance offers its closest hit, so by
-//! (distance, primitive) nothing depends on the order in which instances are tried.
+//! A ray is transformed into the coordinates of the group, where lengths differ from the world's by a factor
+//! of its own, and the group is searched as if it were the scene. Each instance offers its closest hit, so by
+//! (distance, primitive) nothing depends on the order in which instances are searched.
 
 use super::waiting::Order;
 use super::{Accel, Search};
-use crate::math::bounds::around;
+use crate::math::bounds::{around, corners};
 use crate::math::ray::{Ends, position_error};
 use crate::math::{Bounds, DVec3, Ray, Transform, length};
 use crate::shape::Hit;
 use std::sync::Arc;
 
-/// A group in its place.
+/// A group, placed in the world.
 #[derive(Clone)]
 pub struct Instance {
     group: Arc<Accel>,
     to_world: Transform,
-    /// The number of the group's first primitive here.
+    /// The number of this instance's first primitive.
     first: u32,
 }
 
-/// Distances are multiplied once on the way into the group and divided once on the way out, each with an
-/// error of at most 2⁻⁵³: what lies at the best distance is not lost if the search goes farther by this
-/// factor.
+/// Factor by which a search in a group goes farther, so that what lies at the best distance is not lost:
+/// distances are multiplied once for the group and divided once after it, each with an error of at most 2⁻⁵³.
 const TWO_ROUNDINGS: f64 = 1.0 + 1.0 / (1u64 << 51) as f64;
 
 impl Instance {
@@ -32,7 +31,7 @@ impl Instance {
         Self { group, to_world, first: 0 }
     }
 
-    /// Gives the primitives their numbers; answers with the first number after them.
+    /// Numbers the primitives from `first` on; returns the first number after them.
     pub(super) fn number(&mut self, first: u32) -> u32 {
         self.first = first;
         first + self.group.primitives
@@ -45,12 +44,7 @@ impl Instance {
 
     /// The corners of a box around the placed box of the group.
     pub fn bounds(&self) -> Bounds {
-        let (lo, hi) = self.group.bounds;
-        let corners = (0..8u32).map(|i| {
-            let upper = glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
-            self.to_world.point(DVec3::select(upper, hi, lo))
-        });
-        around(corners)
+        around(corners(self.group.bounds).map(|corner| self.to_world.point(corner)))
     }
 
     /// The ray in the group's coordinates, and by how much distances are longer there.
@@ -72,9 +66,9 @@ impl Instance {
         (local, stretch)
     }
 
-    /// A bound of what rounding adds to a point that is taken into the group: Σ|mᵢⱼ||pⱼ| + |tᵢ| bounds the
-    /// terms of each coordinate, of which a few are rounded here and a few were when the point was taken out
-    /// of a group.
+    /// A bound of the rounding error of a point that is transformed into the group: Σ|mᵢⱼ||pⱼ| + |tᵢ| bounds
+    /// the terms of each coordinate, of which a few are rounded here and a few were when the point was
+    /// transformed out of a group.
     fn rounding(&self, p: DVec3) -> f64 {
         let m = &self.to_world.inverse;
         let terms = m.x_axis.abs() * p.x.abs() + m.y_axis.abs() * p.y.abs() + m.z_axis.abs() * p.z.abs();
@@ -91,7 +85,7 @@ impl Instance {
             }
             search.found()
         };
-        // What is met first may lie beyond the end by a rounding, and something before it may not.
+        // The hit found may lie beyond the end by a rounding error, while another one lies before it.
         if !(O::ANY && offer(self.group.any(&local))) {
             offer(self.group.closest(&local));
         }

@@ -1,4 +1,4 @@
-//! What a ray meets first.
+//! The acceleration structure: what a ray hits first.
 //!
 //! A hierarchy of axis-aligned boxes, eight to a node, leads to blocks of four primitives. Boxes are `f32` in
 //! coordinates that fill the unit cube whatever the scene's scale and place; primitives are tested in `f64`,
@@ -6,8 +6,8 @@
 //! number): neither the shape of the tree, nor who built it, nor the order of traversal can change what is
 //! found.
 //!
-//! A handful of primitives needs no tree at all, and a handful of other shapes beside many triangles stays out
-//! of theirs.
+//! A handful of primitives needs no tree at all, and a handful of other shapes beside many triangles stays
+//! out of theirs.
 
 mod any_hit;
 mod bins;
@@ -68,9 +68,9 @@ struct Mixed {
 /// All primitives of a scene, ready to be met by rays.
 pub struct Accel {
     space: Space,
-    /// Empty where all primitives are simply tried.
+    /// Nodes of the tree; empty if every ray tests all primitives.
     nodes: Pages<Node>,
-    /// Whether rays had better take turns.
+    /// Whether rays are faster in turns; see [`turns`].
     scattered: bool,
     triangles: Pages<Triangles>,
     patches: Vec<Patches>,
@@ -79,16 +79,16 @@ pub struct Accel {
     cylinders: Vec<Cylinders>,
     mixed: Vec<Mixed>,
     tried: Tried,
-    /// Where there are any, there is a tree.
+    /// Instances of groups; if there are any, there is a tree.
     instances: Vec<Instance>,
     primitives: u32,
-    /// The corners of a box around all.
+    /// The corners of a box around all primitives.
     bounds: Bounds,
-    /// How near a triangle is looked at again.
+    /// Distance from a ray's start within which a triangle's hit is computed again; see [`triangles::NEAR`].
     near: f64,
 }
 
-/// The best hit so far, and the primitive that cannot be met again.
+/// A ray, and its best hit so far.
 #[derive(Clone, Copy)]
 struct Search<'a> {
     ray: &'a Ray,
@@ -157,7 +157,7 @@ impl Accel {
     #[inline(always)]
     fn search_all<O: Order>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
         if self.nodes.is_empty() {
-            // Apart: a loop with a walk in it leaves no ray in registers.
+            // A loop of its own: one with a walk in it leaves no ray in registers.
             return self.try_together::<O>(rays, |i, search| report(i, search.hit()));
         }
         if self.take_turns(rays) {
@@ -171,7 +171,7 @@ impl Accel {
         });
     }
 
-    /// Whether much of what rays visit lies far away in memory.
+    /// Whether rays often visit nodes that lie in no near cache.
     pub fn is_scattered(&self) -> bool {
         self.scattered
     }
@@ -197,7 +197,7 @@ impl Accel {
             + size_of_val(&*self.mixed)
     }
 
-    /// Nodes of the tree; none where the primitives are simply tried.
+    /// Number of nodes of the tree; 0 if every ray tests all primitives.
     pub fn node_count(&self) -> usize {
         self.nodes.len()
     }
@@ -215,7 +215,7 @@ impl Accel {
         self.search_tree::<O>(search);
     }
 
-    /// Goes on where something has been found already, or nothing.
+    /// Searches the tree for a hit better than the one found already, if any.
     #[inline]
     fn search_tree<O: Order>(&self, search: &mut Search) {
         if self.nodes.is_empty() || O::ANY && search.found() {

@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 #[repr(transparent)]
 pub struct NodeRef(u32);
 
-/// What a [`NodeRef`] leads to that is no node.
+/// What a [`NodeRef`] leads to if that is no node.
 pub enum Leaf {
     Triangles(usize),
     Mixed(usize),
@@ -19,7 +19,7 @@ pub enum Leaf {
 impl NodeRef {
     const KIND: u32 = 3 << 30;
     pub const ROOT: Self = Self(0);
-    /// Children that are not there have empty boxes, so this is never followed.
+    /// A missing child; its box is empty, so this is never followed.
     pub const EMPTY: Self = Self(u32::MAX);
 
     pub fn node(index: usize) -> Self {
@@ -34,7 +34,7 @@ impl NodeRef {
         Self(index as u32 | 2 << 30)
     }
 
-    /// Begins to bring what this leads to into the cache.
+    /// Prefetches what this leads to.
     #[inline(always)]
     pub fn prefetch(self, view: &View) {
         if let Some(index) = self.as_node() {
@@ -54,13 +54,13 @@ impl NodeRef {
         Self(bits)
     }
 
-    /// The place of a node, if it leads to one.
+    /// The index of the node that it leads to, if it is one.
     #[inline(always)]
     pub fn as_node(self) -> Option<usize> {
         (self.0 < Self::triangles(0).0).then_some(self.0 as usize)
     }
 
-    /// What it leads to otherwise.
+    /// What it leads to, if that is no node.
     #[inline(always)]
     pub fn leaf(self) -> Leaf {
         let index = (self.0 & !Self::KIND) as usize;
@@ -92,7 +92,7 @@ impl Node {
         self.children[child] = to;
     }
 
-    /// Half the surfaces of the boxes that there are.
+    /// Half the surface areas of the boxes of children that are not missing.
     pub fn half_areas(&self) -> impl Iterator<Item = f32> {
         let area = |child: usize| {
             let [x, y, z] = [0, 1, 2].map(|axis| self.planes[1][axis][child] - self.planes[0][axis][child]);

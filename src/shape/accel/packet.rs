@@ -1,4 +1,4 @@
-//! Four rays that are tried together against one primitive after another, where there are few.
+//! Four rays that are tested together against one primitive after another, where there are few.
 
 use super::Search;
 use super::block::{Crossing, Rays};
@@ -8,7 +8,7 @@ use crate::shape::Hit;
 
 /// Four rays and the best hit of each so far.
 pub struct Packet {
-    /// That end where their best hits are.
+    /// The rays, which end at their best hits.
     pub rays: Rays,
     u: F64x4,
     v: F64x4,
@@ -16,10 +16,11 @@ pub struct Packet {
     primitive: F64x4,
 }
 
-/// Primitive n is lane 2⁵² + 1 + n: one more than its number is in the low bits.
+/// Offset of primitive numbers in lanes: primitive n is the lane 2⁵² + 1 + n, with n + 1 in the low bits.
 const NUMBERS: f64 = (1u64 << 52) as f64;
 
-/// Comes before every primitive: a hit at the very end of a ray does not win the tie against it.
+/// The lane of no primitive, before all others: a hit at the very end of a ray does not win the tie against
+/// it.
 const NOTHING: f64 = NUMBERS;
 
 impl Packet {
@@ -31,13 +32,13 @@ impl Packet {
         Self { rays: Rays::of(rays), u: zero, v: zero, primitive: F64x4::splat(NOTHING) }
     }
 
-    /// A primitive's number as something to be compared.
+    /// A primitive's number as a float that can be compared in registers.
     #[inline(always)]
     pub fn lane(primitive: u32) -> f64 {
         NUMBERS + 1.0 + f64::from(primitive)
     }
 
-    /// The primitive of a lane, and none of that of nothing.
+    /// The primitive of a lane; [`Search::NONE`] for that of nothing.
     #[inline(always)]
     pub fn primitive(lane: f64) -> u32 {
         const { assert!(Search::NONE == 0u32.wrapping_sub(1)) };

@@ -1,14 +1,14 @@
-//! Arrays that are read all over and all the time.
+//! Arrays in large pages, for random access.
 //!
 //! A ray of a large scene waits for memory, and half of the wait is for the page tables. Large arrays are put
-//! in pages of two megabytes where the system has them to give.
+//! in pages of two megabytes where the system provides them.
 
 use bytemuck::Pod;
 use memmap2::MmapMut;
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 
-/// Less than this does not fill a large page.
+/// Fewest bytes for which large pages are requested.
 const LARGE: usize = 4 << 20;
 
 /// A fixed number of elements, all bits zero at first.

@@ -13,9 +13,9 @@ pub struct Patches {
     centre: [F64x4; 3],
     /// Unit normal along e₁ × e₂.
     normal: [F64x4; 3],
-    /// Products with p − centre are the patch coordinates x and y.
+    /// Dual vectors, whose products with p − centre are the patch coordinates x and y.
     dual: [[F64x4; 3]; 2],
-    /// 1 where x² + y² must not exceed 1, 0 where it may: by how much the disk test counts.
+    /// Factor of the disk test: 1 where x² + y² must not exceed 1, 0 where it may.
     round: F64x4,
     primitives: F64x4,
 }

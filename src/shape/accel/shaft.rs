@@ -1,29 +1,29 @@
-//! Whether nothing stands between many points and one.
+//! Shafts: a test that nothing lies between many points and one.
 //!
-//! All ways from points near each other to a common one lie in the hull of the one and a box around the many.
-//! Where no primitive reaches into it, one question spares as many shadow rays (Haines and Wallace 1991,
-//! "Shaft Culling for Efficient Ray-Cast Radiosity"). "Not clear" is no answer: then rays have to tell.
+//! All segments from points near each other to a common one lie in the hull of the one and a box around the
+//! many. Where no primitive reaches into it, one test replaces as many shadow rays (Haines and Wallace 1991,
+//! "Shaft Culling for Efficient Ray-Cast Radiosity"). "Not clear" decides nothing: then rays are needed.
 
 use super::hull::Hull;
 use super::node::{Leaf, Node, NodeRef};
 use super::{Accel, Mixed};
 use crate::math::bounds::around;
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec3, frame};
+use crate::math::{Bounds, DVec3, bits, frame};
 
-/// So many nodes are looked at before rays are thought cheaper.
+/// Most nodes that are visited; beyond, rays are assumed to be cheaper.
 const PATIENCE: usize = 48;
 
-/// What a flat primitive lies in.
+/// The plane of a flat primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     at: DVec3,
-    /// Unit length; NaN where there is no area, which no comparison takes for one side.
+    /// Normal of unit length; NaN if the primitive has no area, which no comparison takes for one side.
     normal: DVec3,
 }
 
 impl Plane {
-    /// Through `at`, with any length of normal.
+    /// The plane through `at` with a normal of any length.
     pub fn new(at: DVec3, normal: DVec3) -> Self {
         Self { at, normal: frame::unit(normal) }
     }
@@ -32,25 +32,25 @@ impl Plane {
         Self::new(a, (b - a).cross(c - a))
     }
 
-    /// Of a point above the plane.
+    /// Height of a point above the plane.
     pub fn height(&self, p: DVec3) -> f64 {
         self.normal.dot(p - self.at)
     }
 }
 
-/// Many points, and what has been found out about them.
+/// The points of a shaft, and where they lie relative to planes.
 #[derive(Default)]
 pub struct Shaft {
     points: Vec<DVec3>,
     /// The corners of a box around them.
     bounds: Bounds,
-    /// How far they lie before the plane of a primitive: least and most.
+    /// For primitives tested so far, the least and the largest height of the points above the plane.
     heights: Vec<(u32, [f64; 2])>,
     waiting: Vec<NodeRef>,
 }
 
 impl Shaft {
-    /// Begins anew with other points.
+    /// Sets the points.
     pub fn begin(&mut self, points: impl Iterator<Item = DVec3>) {
         self.points.clear();
         self.points.extend(points);
@@ -84,16 +84,15 @@ impl Shaft {
     }
 }
 
-/// Primitives that are in no tree, for shafts.
+/// Primitives outside the tree, for shafts.
 #[derive(Default)]
 pub struct Few {
     pub boxes: Vec<Node>,
-    /// In the order of the boxes: the number, and the plane if it is flat.
+    /// Number of each primitive, in the order of the boxes, and its plane if it is flat.
     pub primitives: Vec<(u32, Option<Plane>)>,
 }
 
-/// What is asked: whether something comes between the points of a shaft and `to`, which lies on primitive
-/// `on`.
+/// A test whether something lies between the points of a shaft and `to`, which lies on primitive `on`.
 struct Question<'a> {
     shaft: &'a mut Shaft,
     hull: Hull,
@@ -102,15 +101,15 @@ struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// Whether a flat primitive cannot come between.
+    /// Whether a flat primitive cannot lie between them.
     fn is_beside(&mut self, (primitive, plane): (u32, Plane)) -> bool {
         primitive == self.on || self.shaft.is_beside(primitive, &plane, self.to)
     }
 }
 
 impl Accel {
-    /// Whether nothing can come between `to` and any of the points. `to` lies on primitive `on`, which cannot
-    /// do so if it is flat.
+    /// Whether nothing can lie between `to` and any of the points. `to` lies on primitive `on`, which cannot
+    /// if it is flat.
     pub fn is_clear(&self, shaft: &mut Shaft, to: DVec3, on: u32) -> bool {
         let hull = Hull::new(&self.space, shaft.bounds, to);
         let mut waiting = std::mem::take(&mut shaft.waiting);
@@ -128,7 +127,7 @@ impl Accel {
             let Some(next) = waiting.pop() else { return true };
             if let Some(index) = next.as_node() {
                 let node = &self.nodes[index];
-                let met = lanes(question.hull.meets(node));
+                let met = bits::numbers(question.hull.meets(node).into());
                 waiting.extend(met.map(|lane| node.children[lane]));
                 continue;
             }
@@ -172,21 +171,12 @@ impl Accel {
 impl Few {
     fn is_clear(&self, question: &mut Question) -> bool {
         self.boxes.iter().zip(self.primitives.chunks(8)).all(|(node, primitives)| {
-            lanes(question.hull.meets(node)).all(|lane| {
+            bits::numbers(question.hull.meets(node).into()).all(|lane| {
                 let (primitive, plane) = primitives[lane];
                 plane.is_some_and(|plane| question.is_beside((primitive, plane)))
             })
         })
     }
-}
-
-/// The places of the bits that are set.
-fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (lane < 32).then_some(lane)
-    })
 }
 
 #[cfg(test)]

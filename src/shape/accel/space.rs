@@ -2,7 +2,7 @@
 
 use crate::math::{DVec3, Ray};
 
-/// Boxes are widened by this part of the scene. It covers what a ray loses when it is rounded to `f32` in
+/// Boxes are widened by this fraction of the scene. It covers the error of a ray that is rounded to `f32` in
 /// unit coordinates: 2⁻²⁵ of its origin, and 2⁻²⁴ of its direction over a length of at most 2√3, together
 /// below 2⁻²².
 pub const PADDING: f32 = 1.0 / (1 << 21) as f32;
@@ -10,7 +10,7 @@ pub const PADDING: f32 = 1.0 / (1 << 21) as f32;
 /// The relative rounding error of a slab test, twice over (Ize 2013): (1 + 2γ₃) rounded up.
 const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 
-/// A scale and a place.
+/// The map from world to unit coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Space {
     centre: DVec3,
@@ -24,11 +24,11 @@ pub struct LocalRay {
     pub origin: [f32; 3],
     /// 1 / direction; never infinite.
     pub inverse: [f32; 3],
-    /// The same with the slack that the far side of a slab test is given.
+    /// 1 / direction, with the slack for the far side of a slab test.
     pub far_inverse: [f32; 3],
     /// For each axis 1 where the direction is negative: which of the two planes is met first.
     pub negative: [usize; 3],
-    /// Boxes beyond this are not looked at.
+    /// Boxes beyond this distance, in unit coordinates, are not visited.
     pub limit: f32,
     /// How far along the ray, in unit coordinates, the origin was moved.
     moved: f64,
@@ -43,7 +43,7 @@ impl Space {
         Self { centre, scale: libm::scalbn(1.0, -exponent.clamp(-1000, 1000)) }
     }
 
-    /// How long the unit of length is here.
+    /// Length of the world's unit in unit coordinates.
     pub fn scale(&self) -> f64 {
         self.scale
     }
@@ -89,7 +89,7 @@ impl Space {
 }
 
 impl LocalRay {
-    /// Looks no farther than distance `t` (world).
+    /// Ends the ray at the distance `t` (world).
     #[inline(always)]
     pub fn shorten(&mut self, space: &Space, t: f64) {
         self.limit = (t * space.scale - self.moved) as f32 * SLACK + PADDING;

@@ -56,7 +56,7 @@ impl Block for Spheres {
     ///
     /// With o relative to the centre and |d| = 1: t² + 2(o·d)t + (o² − r²) = 0. The discriminant is taken as
     /// r² − |o − (o·d)d|², which does not cancel for small distant spheres (Haines et al. 2019), and the root
-    /// of smaller size as c/q. A ray that starts on the sphere has c = 0 exactly, so its other root is −2 o·d.
+    /// of smaller size as c/q. A ray that starts on the sphere has c = 0 exactly; its other root is −2 o·d.
     #[inline(always)]
     fn cross(&self, Rays { origin, direction, start, from, .. }: &Rays) -> Option<Crossing> {
         let from = from.equals(self.primitives);

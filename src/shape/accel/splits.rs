@@ -1,27 +1,27 @@
 //! Thin triangles across the axes, in several boxes each.
 //!
-//! The box of such a triangle is nearly empty, and a ray would look into it in vain. Before the tree is built
-//! it is cut in halves again and again, the box first from which that takes most area, as long as there are
-//! pieces to spend (in the spirit of Karras & Aila 2013, "Fast Parallel Construction of High-Quality Bounding
-//! Volume Hierarchies", section 4). Every piece leads to the whole triangle, so what is found does not
-//! change.
+//! The box of such a triangle is nearly empty, so most rays that enter it miss the triangle. Before the tree
+//! is built it is cut in halves again and again, the box first from which that takes most area, as long as
+//! there are pieces to spend (in the spirit of Karras & Aila 2013, "Fast Parallel Construction of
+//! High-Quality Bounding Volume Hierarchies", section 4). Every piece leads to the whole triangle, so what is
+//! found does not change.
 
 use crate::math::bounds::around;
 use crate::math::{Bounds, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A box is cut if it has so many times the area of the least boxes around ever smaller pieces of its
-/// triangle.
+/// A box is cut if its area is more than so many times the total area of the boxes around ever smaller pieces
+/// of its triangle.
 const EMPTY: f64 = 16.0;
 
-/// Up to so many pieces more than triangles.
+/// Most additional pieces, as a fraction of the number of triangles.
 const MORE: f64 = 0.5;
 
 /// A part of a triangle.
 pub struct Piece {
     outline: Vec<DVec3>,
-    /// The triangle's number.
+    /// Number of the triangle that it is a part of.
     pub of: u32,
 }
 
@@ -65,7 +65,7 @@ impl Piece {
     }
 }
 
-/// What a triangle would have in box area if it were cut ever finer: its shadows along the axes.
+/// Half the total box area of a triangle that is cut ever finer: the area of its projections along the axes.
 fn least_area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).abs().element_sum()
 }

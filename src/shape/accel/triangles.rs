@@ -10,8 +10,8 @@ use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3Swizzles;
 
-/// A hit no farther from the ray's start than this part of what all triangles measure is looked at again: see
-/// [`Triangles::near`]. It leaves room for needles as long as that and as 2²⁶ widths.
+/// A hit no farther from the ray's start than this fraction of the extent of all triangles is computed again:
+/// see [`Triangles::near`]. It leaves room for needles as long as that extent and as 2²⁶ widths.
 pub const NEAR: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// A ray's origin and shear, with its axes permuted so that the direction is largest along the third.
@@ -19,9 +19,9 @@ pub struct Sheared {
     axes: [usize; 3],
     origin: [f64; 3],
     shear: [f64; 3],
-    /// What is nearer is before the ray's start.
+    /// A distance that is smaller than this is before the ray's start, whatever rounding does.
     least: f64,
-    /// What is nearer is looked at again.
+    /// A distance that is smaller than this is computed again.
     sure: f64,
 }
 
@@ -93,8 +93,8 @@ impl Triangles {
         self.primitives.contains(&primitive)
     }
 
-    /// The distance of a triangle that is met next to the ray's start, if rounding leaves no doubt that it
-    /// is beyond the ray's start.
+    /// The distance of a triangle that is hit next to the ray's start, if it is beyond the start whatever the
+    /// rounding errors are.
     ///
     /// [`Self::intersect`]'s distance is a mean of those of the corners. If it is small beside them, its
     /// terms cancel, and what is left is as wrong as the weights: by 2⁻⁵³ of the length over the width, which

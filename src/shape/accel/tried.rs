@@ -1,5 +1,5 @@
-//! What every ray tries, without a tree: all of a scene of few primitives, or the few others that stand
-//! beside triangles.
+//! Primitives that every ray tests, without a tree: all of a scene of few primitives, or the few others
+//! beside many triangles.
 
 use super::block::{Block, Rays};
 use super::packet::Packet;
@@ -9,16 +9,17 @@ use super::{Accel, Search, shaft};
 use crate::math::Ray;
 use crate::math::ray::Ends;
 
-/// The first so many blocks of each kind are tried; the others are leaves of the tree.
+/// Numbers of blocks of each kind, the first of each, that every ray tests; the others are leaves of the
+/// tree.
 #[derive(Default)]
 pub struct Tried {
-    /// Of these patches the first have the scene on both sides.
+    /// How many of the blocks of patches, the first ones, have the scene on both sides.
     pub inner_patches: usize,
     pub patches: usize,
     pub cubes: usize,
     pub spheres: usize,
     pub cylinders: usize,
-    /// All, or none.
+    /// Blocks of triangles: all, or none.
     pub triangles: usize,
     /// The same primitives, for shafts.
     pub few: shaft::Few,
@@ -30,13 +31,13 @@ impl Tried {
         self.few.primitives.is_empty()
     }
 
-    /// Whether there is something that several rays can try together.
+    /// Whether there are primitives that several rays can test together.
     #[inline(always)]
     pub fn in_packets(&self) -> bool {
         self.patches + self.cubes + self.spheres + self.cylinders > 0
     }
 
-    /// The blocks of patches that can come between the ends of a ray.
+    /// The number of blocks of patches that can lie between the ends of a ray.
     #[inline(always)]
     fn patches(&self, on_surfaces: bool) -> usize {
         if on_surfaces { self.inner_patches } else { self.patches }
@@ -44,7 +45,8 @@ impl Tried {
 }
 
 impl Accel {
-    /// Tries for one ray all that is tried. Out of line: a walk must not share its registers.
+    /// Tests one ray against all primitives outside the tree. Not inlined: a walk must not share its
+    /// registers.
     #[inline(never)]
     pub(super) fn try_all<O: Order>(&self, search: &mut Search) {
         let on_surfaces = O::ANY && search.ray.ends == Ends::OnSurfaces;
@@ -58,7 +60,8 @@ impl Accel {
         }
     }
 
-    /// The same for many rays, which are handed on in order with what they have found.
+    /// Tests many rays against all primitives outside the tree; passes each, in order, with what it has found
+    /// to `hand_on`.
     #[inline(always)]
     pub(super) fn try_together<'a, O: Order>(
         &self,
@@ -94,7 +97,7 @@ impl Accel {
         }
     }
 
-    /// Tries what is not tried in packets.
+    /// Tests the triangles, which are not tested in packets.
     #[inline(always)]
     fn try_triangles<O: Order>(&self, search: &mut Search) {
         if self.tried.triangles == 0 || O::ANY && search.found() {
@@ -110,7 +113,7 @@ impl Accel {
     }
 }
 
-/// Tries one ray against blocks of a kind; whether that is enough.
+/// Tests one ray against blocks of a kind; returns whether the search is over.
 #[inline(always)]
 fn try_blocks<O: Order, B: Block>(blocks: &[B], rays: &Rays, search: &mut Search) -> bool {
     for block in blocks {

@@ -1,4 +1,4 @@
-//! What is faster tried than searched.
+//! The choice of primitives that every ray tests, outside the tree, where that is faster.
 
 use super::Instance;
 use crate::math::bounds::corners;
@@ -6,24 +6,24 @@ use crate::math::ray::position_error;
 use crate::shape::{Geometry, Patch};
 use std::collections::BTreeSet;
 
-/// How much is tried at most.
+/// Most blocks that every ray tests.
 #[derive(Clone, Copy)]
 pub struct Limits {
-    /// Blocks in a scene that has no tree,
+    /// Most blocks in a scene without a tree.
     pub all: usize,
-    /// of which so many of triangles.
+    /// Most blocks of triangles among these.
     pub triangles: usize,
-    /// Blocks of all but triangles beside a tree.
+    /// Most blocks beside a tree, which are of all kinds but triangles.
     pub beside: usize,
 }
 
 pub const FEW: Limits = Limits { all: 10, triangles: 6, beside: 4 };
 
-/// What is tried together.
+/// Kinds of primitives that are tested together.
 #[derive(Clone, Copy)]
 pub enum Kind {
     InnerPatch,
-    /// Everything lies on one side of it.
+    /// A patch that the whole scene lies on one side of.
     OuterPatch,
     Cube,
     Sphere,
@@ -35,16 +35,16 @@ impl Kind {
     pub const COUNT: usize = Self::Triangle as usize + 1;
 }
 
-/// Which shapes are tried for every ray, and not searched: all that are no meshes.
+/// Which shapes every ray tests, outside the tree: all that are no meshes.
 pub struct Trying {
-    /// Of the patches these.
+    /// Indices of the patches that are of [`Kind::OuterPatch`].
     outer: BTreeSet<usize>,
-    /// And meshes.
+    /// Whether meshes are tested too.
     all: bool,
 }
 
 impl Trying {
-    /// `None` where nothing is.
+    /// `None` if nothing should be.
     pub fn decide(shapes: &[&Geometry], instances: &[Instance], limits: Limits) -> Option<Self> {
         let is_patch = |shape: &usize| matches!(shapes[*shape], Geometry::Patch(_));
         let patches: Vec<usize> = (0..shapes.len()).filter(is_patch).collect();
@@ -72,7 +72,7 @@ impl Trying {
         (all || beside <= limits.beside).then_some(Self { outer, all })
     }
 
-    /// With what a shape is tried, if it is.
+    /// The kind as which a shape is tested; `None` if it is in the tree.
     pub fn kind(&self, shapes: &[&Geometry], shape: usize) -> Option<Kind> {
         match shapes[shape] {
             Geometry::Patch(_) if self.outer.contains(&shape) => Some(Kind::OuterPatch),
@@ -87,7 +87,7 @@ impl Trying {
 
 /// Whether everything lies on one side of the plane of a patch, as all that is in a room does of its walls.
 fn is_outer(shapes: &[&Geometry], patch: usize) -> bool {
-    /// Of a mesh with more vertices only the box around it is looked at.
+    /// Most vertices of a mesh that are looked at; of a larger mesh only the box around it is.
     const MANY: usize = 1000;
     let Geometry::Patch(Patch { centre, n, .. }) = shapes[patch] else { return false };
     let (mut before, mut behind) = (false, false);

@@ -1,10 +1,10 @@
 //! Rays that take turns, so that none waits for memory.
 //!
 //! Where most of a tree lies in no near cache, half of a ray's time is waiting for the next node. Several
-//! rays that take one step each, asking for their next nodes in between, wait at the same time. Where the
-//! tree is at hand that costs a quarter of a ray, since what a ray knows can no longer stay in registers: so
-//! only [scattered](is_scattered) trees are walked in turns, and not by the rays of a camera, which lie side
-//! by side and find what their neighbours have fetched.
+//! rays that take one step each, prefetching their next nodes in between, wait at the same time. Where the
+//! tree is in a near cache that costs a quarter of a ray's time, since its state can no longer stay in
+//! registers: so only [scattered](is_scattered) trees are walked in turns, and not by the rays of a camera,
+//! which lie side by side and find what their neighbours have fetched.
 
 use super::node::Node;
 use super::waiting::{Order, Waiting};
@@ -13,14 +13,14 @@ use super::{Accel, Search};
 use crate::math::Ray;
 use crate::shape::Hit;
 
-/// Rays that take turns.
+/// Number of rays that take turns.
 const TURNS: usize = 6;
 
-/// So many nodes and leaves lie in a near cache: about two megabytes.
+/// Number of nodes and leaves that a near cache holds: about two megabytes.
 const NEAR: usize = 10_000;
 
-/// Of all visits to nodes and leaves, this part must be to others for turns to pay: scenes below 0.03 lost,
-/// above 0.1 gained.
+/// Share of all visits to nodes and leaves that must go beyond the near cache for turns to pay: scenes below
+/// 0.03 lost, above 0.1 gained.
 const SCATTERED: f64 = 0.06;
 
 /// Whether rays that come from everywhere would often visit what lies in no near cache, if that holds what
@@ -43,7 +43,8 @@ impl Accel {
         self.scattered && rays.first().is_some_and(|ray| ray.from != Search::NONE)
     }
 
-    /// What each ray meets that has looked elsewhere already, in any order; bit for bit what it meets alone.
+    /// Continues searches begun elsewhere, reporting in any order; results are bitwise those of single
+    /// traversal.
     pub(super) fn traverse_in_turns<O: Order>(
         &self,
         searches: &[Search],

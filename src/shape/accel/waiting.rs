@@ -1,24 +1,25 @@
-//! What waits while a ray looks at something else.
+//! The stack of nodes that a ray has yet to visit.
 
 use super::node::NodeRef;
 use crate::math::simd::F32x8;
 
-/// So many waiting nodes cost no memory from the heap: enough for all but pathological trees, few enough that
-/// making room for them costs a ray nothing worth noting.
+/// Most waiting nodes that take no memory from the heap: enough for all but pathological trees, few enough
+/// that making room for them costs a ray next to nothing.
 pub const FEW: usize = 64;
 
-/// What a ray looks for, and so in which order it looks at nodes.
+/// What a ray searches for, and so in which order it visits nodes.
 pub trait Order: Sized {
-    /// Any hit will do; else the closest is looked for.
+    /// Whether any hit will do; else the closest is searched for.
     const ANY: bool;
 
-    /// What is kept of a node that waits.
+    /// What the stack holds of a node.
     type Kept: Copy;
-    /// It stands where nothing waits.
+    /// The initial value of places in the stack.
     const NOTHING: Self::Kept;
 
-    /// Answers with the first of the children that a ray enters (a bit each, at least one, and where) and lets
-    /// the others wait. `coming` hears beforehand of those that are likely to be looked at.
+    /// Returns the first of the children that a ray enters (`hits` has a bit for each, at least one,
+    /// `entries` where) and pushes the others. `coming` is called beforehand with those that are likely to be
+    /// visited.
     fn enter(
         waiting: &mut Waiting<Self>,
         length: &mut usize,
@@ -28,15 +29,15 @@ pub trait Order: Sized {
         coming: impl Fn(NodeRef),
     ) -> NodeRef;
 
-    /// The node, if it is worth a look for a ray that ends at `limit`.
+    /// The node, if a ray that ends at `limit` must visit it.
     fn node(kept: Self::Kept, limit: f32) -> Option<NodeRef>;
 }
 
-/// Nodes that a ray has yet to look at, the last first. How many there are at hand is kept elsewhere, in a
+/// Nodes that a ray has yet to visit, the last first. The number of those in `few` is kept elsewhere, in a
 /// register.
 pub struct Waiting<O: Order> {
     pub few: [O::Kept; FEW],
-    /// What waits below the few.
+    /// The part of the stack below `few`.
     more: Vec<O::Kept>,
 }
 
@@ -46,7 +47,7 @@ impl<O: Order> Waiting<O> {
         Self { few: [O::NOTHING; FEW], more: vec![] }
     }
 
-    /// Forgets what a ray has left behind that ended early.
+    /// Drops what a ray that ended early has left.
     #[inline(always)]
     pub fn clear(&mut self) {
         self.more.clear();
@@ -61,7 +62,7 @@ impl<O: Order> Waiting<O> {
         }
     }
 
-    /// The last node that is worth a look for a ray that ends at `limit`; those after it are dropped.
+    /// Pops the last node that a ray that ends at `limit` must visit; those after it are dropped.
     #[inline(always)]
     pub fn pop(&mut self, length: &mut usize, limit: f32) -> Option<NodeRef> {
         loop {

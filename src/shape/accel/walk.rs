@@ -1,4 +1,4 @@
-//! A ray's way through the tree.
+//! The traversal of the tree by a ray.
 
 use super::node::{Leaf, Node, NodeRef};
 use super::space::LocalRay;
@@ -6,7 +6,7 @@ use super::triangles::{Sheared, Triangles};
 use super::waiting::{Order, Waiting};
 use super::{Accel, Search};
 
-/// What a walk looks at.
+/// The arrays that a walk visits.
 pub struct View<'a> {
     pub nodes: &'a [Node],
     pub triangles: &'a [Triangles],
@@ -20,19 +20,19 @@ impl<'a> View<'a> {
     }
 }
 
-/// A ray in the middle of the tree, without what waits: what is indexed cannot be held in registers, nor what
-/// is in one structure with it.
+/// The state of a traversal, without the stack: what is indexed cannot be held in registers, nor what is in
+/// one structure with it.
 pub struct Walk<'a> {
     pub search: Search<'a>,
     local: LocalRay,
     sheared: Sheared,
     next: NodeRef,
-    /// How many nodes wait at hand.
+    /// Number of nodes in [`Waiting::few`].
     waiting: usize,
 }
 
 impl<'a> Walk<'a> {
-    /// `None` where the ray passes by everything.
+    /// `None` if the ray misses the unit cube.
     #[inline(always)]
     pub fn new(accel: &Accel, search: Search<'a>) -> Option<Self> {
         let mut local = accel.space.enter(search.ray)?;
@@ -41,13 +41,13 @@ impl<'a> Walk<'a> {
         Some(Self { search, local, sheared, next: NodeRef::ROOT, waiting: 0 })
     }
 
-    /// Begins to bring what comes next into the cache.
+    /// Prefetches the next node or leaf.
     #[inline(always)]
     pub fn prefetch(&self, view: &View) {
         self.next.prefetch(view);
     }
 
-    /// Looks at one node or leaf; false where there is no more to see.
+    /// Visits one node or leaf; returns false when the traversal is over.
     #[inline(always)]
     pub fn step<O: Order>(&mut self, view: &View, waiting: &mut Waiting<O>) -> bool {
         let best = self.search.best.t;

@@ -1,8 +1,9 @@
 //! Triangle meshes as their files hold them.
 //!
-//! Each reader is one file: it takes a path, reads the whole mesh into plain arrays, and answers with a
-//! [`MeshError`] that names the line or byte at fault. What a file claims about its own size is held against
-//! the bytes that are there before anything is allocated, so a broken file costs an error and nothing else.
+//! Each reader is one file: it takes a path, and reads the whole mesh into plain arrays or returns a
+//! [`MeshError`] that names the line or byte at fault. What a file claims about its own size is checked
+//! against the bytes that are there before anything is allocated, so a broken file costs an error and nothing
+//! else.
 //!
 //! The conventions are those of Mitsuba 3's `ply`, `obj` and `serialized` plugins, so a scene gives the same
 //! surface in both. To add a format, write `format.rs` with a `read_format` and re-export it here.

@@ -8,11 +8,12 @@ use std::{collections::HashMap, path::Path};
 /// Reads an OBJ mesh, with polygons cut into fans of triangles (right for convex ones).
 ///
 /// `flip_tex_coords`, by default true in Mitsuba, replaces v by 1 − v. Negative indices count back from the
-/// last value read. A corner without a normal or texture coordinate in a file that has some gets zeros.
+/// last value read. A corner without a normal or texture coordinate in a file that has some gets zeros; 0 is
+/// the index of none. Normals and texture coordinates may come after the faces that ask for them.
 ///
 /// # Errors
 /// A file that cannot be read, a line that cannot be understood, numbers that are not finite, an index of
-/// nothing that came before, and a file without triangles.
+/// nothing or of a position that comes later, and a file without triangles.
 pub fn read_obj(path: &Path, flip_tex_coords: bool) -> Result<MeshData, MeshError> {
     parse(&read_bytes(path)?, flip_tex_coords)
 }
@@ -28,7 +29,15 @@ struct Reader {
     normals: Vec<[f32; 3]>,
     vertices: Vertices,
     triangles: Vec<[u32; 3]>,
+    /// Where the line begins that is being read.
+    at: usize,
+    /// Of texture coordinates and normals that had not come when a face asked for them, the last in their
+    /// table, and where that face is.
+    awaited: [Option<(u32, usize)>; 2],
 }
+
+/// The attributes that a corner has indices of.
+const ATTRIBUTES: [&str; 3] = ["position", "texture coordinate", "normal"];
 
 fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<MeshData, MeshError> {
     let mut reader = Reader::default();
@@ -37,12 +46,13 @@ fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<MeshData, MeshError> {
     while at < bytes.len() {
         let length = bytes[at..].iter().position(|&byte| byte == b'\n').unwrap_or(bytes.len() - at);
         let mut words = Words(&bytes[at..at + length]);
+        reader.at = at;
         reader
             .line(&mut words, flip_tex_coords, &mut face)
             .map_err(|fault| MeshError::line(bytes, at, fault))?;
         at += length + 1;
     }
-    reader.finish()
+    reader.finish(bytes)
 }
 
 impl Reader {
@@ -69,20 +79,31 @@ impl Reader {
     }
 
     /// One corner of a face: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, word: &[u8]) -> Result<[u32; 3], String> {
+    fn corner(&mut self, word: &[u8]) -> Result<[u32; 3], String> {
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         let mut corner = [MISSING; 3];
         let mut parts = word.split(|&byte| byte == b'/');
-        for ((slot, count), what) in
-            corner.iter_mut().zip(counts).zip(["position", "texture coordinate", "normal"])
-        {
+        for (attribute, (slot, count)) in corner.iter_mut().zip(counts).enumerate() {
             let Some(part) = parts.next().filter(|part| !part.is_empty()) else { continue };
             let index = integer(part).ok_or_else(|| format!("`{}` is no corner of a face", quoted(word)))?;
+            if index == 0 && attribute > 0 {
+                continue;
+            }
             // Counted from 1, or back from the end.
             let resolved = if index > 0 { index - 1 } else { index + count as i64 };
             *slot = match u32::try_from(resolved) {
                 Ok(value) if index != 0 && (value as usize) < count => value,
-                _ => return Err(format!("a face asks for {what} {index}; {count} came before it")),
+                Ok(value) if index > 0 && attribute > 0 && value != MISSING => {
+                    let awaited = &mut self.awaited[attribute - 1];
+                    if awaited.is_none_or(|(last, _)| last < value) {
+                        *awaited = Some((value, self.at));
+                    }
+                    value
+                }
+                _ => {
+                    let what = ATTRIBUTES[attribute];
+                    return Err(format!("a face asks for {what} {index}; {count} came before it"));
+                }
             };
         }
         if corner[0] == MISSING || parts.next().is_some() {
@@ -103,7 +124,15 @@ impl Reader {
         Ok(())
     }
 
-    fn finish(self) -> Result<MeshData, MeshError> {
+    fn finish(self, bytes: &[u8]) -> Result<MeshData, MeshError> {
+        let found = [self.uvs.len(), self.normals.len()];
+        for (attribute, (awaited, count)) in self.awaited.into_iter().zip(found).enumerate() {
+            if let Some((last, at)) = awaited.filter(|(last, _)| *last as usize >= count) {
+                let (what, index) = (ATTRIBUTES[attribute + 1], u64::from(last) + 1);
+                let message = format!("a face asks for {what} {index}; the file has {count}");
+                return Err(MeshError::line(bytes, at, message));
+            }
+        }
         if self.triangles.is_empty() {
             return Err(MeshError::file("the mesh has no triangles"));
         }
@@ -220,6 +249,17 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_position_may_come_after_the_faces_and_0_is_none() {
+        let mesh = parse(
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2/2/0 3/0/2\nvt 0 1\nvt 1 1\nvn 0 0 1\nvn 0 1 0",
+            false,
+        )
+        .unwrap();
+        assert_eq!(mesh.uvs.unwrap(), [[0., 1.], [1., 1.], [0.; 2]]);
+        assert_eq!(mesh.normals.unwrap(), [[0., 0., 1.], [0.; 3], [0., 1., 0.]]);
+    }
+
+    #[test]
     fn faults_are_told_with_their_line() {
         for (text, place, message) in [
             ("v 0 0 0\nv 1 inf 0", Place::Line(2), "`inf` is not a finite number"),
@@ -228,9 +268,15 @@ mod tests {
             ("v 0 0 0\nf 1 1 2", Place::Line(2), "a face asks for position 2; 1 came before it"),
             ("v 0 0 0\nf 1 1 0", Place::Line(2), "a face asks for position 0; 1 came before it"),
             ("v 0 0 0\nf 1 1 -2", Place::Line(2), "a face asks for position -2; 1 came before it"),
-            ("v 0 0 0\nf 1 1/1 1", Place::Line(2), "a face asks for texture coordinate 1; 0 came before it"),
+            ("v 0 0 0\nf 1 1/1 1", Place::Line(2), "a face asks for texture coordinate 1; the file has 0"),
+            (
+                "v 0 0 0\nf 1 1 1\nf 1//2 1//3 1\nvn 0 0 1",
+                Place::Line(3),
+                "a face asks for normal 3; the file has 1",
+            ),
+            ("v 0 0 0\nf 1 1 1//-1", Place::Line(2), "a face asks for normal -1; 0 came before it"),
             ("v 0 0 0\nf 1 1 1/////1", Place::Line(2), "`1/////1` is no corner of a face"),
-            ("v 0 0 0\nf 1 1 /1", Place::Line(2), "a face asks for texture coordinate 1; 0 came before it"),
+            ("v 0 0 0\nf 1 1 /1", Place::Line(2), "`/1` is no corner of a face"),
             (
                 "v 0 0 0\nf 1 1 99999999999999999999",
                 Place::Line(2),

@@ -62,7 +62,7 @@ fn read_body(header: &Header, mut values: impl Values) -> Result<MeshData, MeshE
 
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// As Mitsuba prefers them where a file has several.
+/// Names of texture coordinates, in the order in which Mitsuba prefers them where a file has several.
 const UV: [[&str; 2]; 3] = [["u", "v"], ["texture_u", "texture_v"], ["s", "t"]];
 
 /// Where a vertex's numbers are gathered: x y z, nx ny nz, u v.

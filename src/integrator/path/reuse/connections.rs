@@ -7,7 +7,7 @@ use crate::integrator::Counters;
 use crate::math::{INV_PI, Ray};
 use crate::scene::Scene;
 
-/// What connecting needs, kept for the next time.
+/// Buffers for connections, kept for the next stream.
 #[derive(Default)]
 pub struct Connections {
     rays: Vec<Ray>,
@@ -16,8 +16,8 @@ pub struct Connections {
 }
 
 impl Connections {
-    /// Proposes to connect the matte source of each path of a group, the first of which has this number, with
-    /// the sources of one of the group's light paths.
+    /// Queues connections between the matte source of each path of a group and the sources of one of the
+    /// group's light paths. `first` is the number of the group's first path.
     pub fn propose(
         &mut self,
         (light_sources, max_depth): (&LightSources, u32),
@@ -34,7 +34,8 @@ impl Connections {
             let longest = MOST_EDGES.min(max_depth.saturating_sub(receiver.edges + 2));
             for lit in lit.iter().filter(|lit| lit.owner.1 == of && lit.edges < longest) {
                 if let Some(rivals) = rivals(source, lit, light_sources.paths) {
-                    // Times r: what a camera path would have found.
+                    // Times r, because MIS weights are applied later by `Rivals::camera`, as to what a camera
+                    // path would have found.
                     let scale = lit.scale * lit.rivals.by_light;
                     let light = source.albedo * lit.radiance * scale as f32;
                     self.rays.push(source.ray_to(&lit.source));
@@ -44,7 +45,8 @@ impl Connections {
         }
     }
 
-    /// Adds the light of those that are free, and forgets.
+    /// Traces the rays of all queued connections, adds the light of those that are unoccluded to `contested`,
+    /// and empties the queue.
     pub fn settle(&mut self, scene: &Scene, contested: &mut Vec<Contested>, counters: &mut Counters) {
         let Self { rays, proposed, occluded } = self;
         ask(scene, rays, occluded, counters);
@@ -53,7 +55,8 @@ impl Connections {
     }
 }
 
-/// Of the way from a source of a camera path by one of a light path. `None` where neither sees the other.
+/// The competing densities of a path from the source of a camera path by that of a light path. `None` unless
+/// both face each other.
 fn rivals(source: &Source, lit: &Lit, light_paths: u32) -> Option<Rivals> {
     let way = lit.source.p - source.p;
     let squared = way.length_squared();

@@ -1,4 +1,4 @@
-//! How a group's sources are handed on to its receivers.
+//! Distribution of the light of a group's sources among its receivers.
 
 use super::connections::Connections;
 use super::light_sources::Lit;
@@ -9,9 +9,10 @@ use super::receivers::Receivers;
 use super::rivals::Contested;
 use super::shared::{Shared, Source};
 use crate::integrator::{CameraPath, Counters};
+use crate::math::bits;
 use crate::scene::Scene;
 
-/// What handing on needs, kept for the next group.
+/// Buffers for the distribution, kept for the next stream.
 #[derive(Default)]
 pub struct Exchange {
     receivers: Receivers,
@@ -23,27 +24,28 @@ pub struct Exchange {
 
 /// A group of paths.
 #[derive(Clone, Copy)]
-pub struct Group<'a> {
+pub struct PathGroup<'a> {
     /// The number of its first path.
     pub first: usize,
     pub shared: &'a [Shared],
-    /// Of all groups.
+    /// Contested light of all groups.
     pub contested: &'a [Contested],
     lobed: &'a Lobed<'a>,
 }
 
-/// A source, for those of a group's receivers that have a bit.
+/// A source's light, and which of a group's receivers it is for: a bit for each.
 pub struct Offer<'a> {
     pub source: &'a Source,
     pub light: Light,
-    /// Of the path that found it, if a camera path did.
+    /// Number in the group of the path that found it; `None` for a light path.
     own: Option<usize>,
     receivers: u64,
 }
 
 impl Exchange {
-    /// Hands on what every path found to all whose receivers see its source, and to these the sources of
-    /// light paths. Contested light comes in the order in which each path found it.
+    /// Distributes what every path found to all receivers that see its source, and the light of the sources
+    /// of light paths likewise. Contested light must be in the order of the paths, each path's in the order
+    /// in which it found it.
     pub fn share(
         &mut self,
         (scene, max_depth): (&Scene, u32),
@@ -57,9 +59,9 @@ impl Exchange {
         for (number, receiving) in paths.chunk_by_mut(|a, b| a.group == b.group).enumerate() {
             let shared = &shared[first..first + receiving.len()];
             self.receivers.begin(shared);
-            // Path 0 may have lost lanes since, but nothing rough asks which are alive.
+            // Path 0 may have lost lanes since, but rough BSDFs do not depend on which are alive.
             let λ = receiving[0].λ;
-            let group = Group { first, shared, contested, lobed: &Lobed::new(scene, shared, &λ) };
+            let group = PathGroup { first, shared, contested, lobed: &Lobed::new(scene, shared, &λ) };
             for (j, path) in shared.iter().enumerate() {
                 let own = contested[contested_before..].iter().take_while(|of| of.path == first + j).count();
                 let range = contested_before..contested_before + own;
@@ -88,7 +90,7 @@ impl Exchange {
         contested.clear();
     }
 
-    /// Finds what light paths know.
+    /// Traces the light paths of all groups, and connects their sources with those of camera paths.
     fn find(
         &mut self,
         scene: &Scene,
@@ -112,13 +114,13 @@ impl Exchange {
         contested.sort_by_key(|of| of.path);
     }
 
-    /// A share of a source for each receiver that faces it: at once if all of them are in sight, else once
-    /// the rays have been traced that ask.
+    /// Gives each receiver that faces a source its share: at once if all of them are known to see it, else
+    /// once the shadow rays have been traced.
     fn propose(
         &mut self,
         scene: &Scene,
         receiving: &mut [CameraPath],
-        group: Group,
+        group: PathGroup,
         offer: Offer,
         counters: &mut Counters,
     ) {
@@ -136,7 +138,8 @@ impl Exchange {
                 weights[j] = f64::MIN_POSITIVE;
             }
             let weight = |i: usize| Some(group.shared[i].receiver.as_ref()?.weight);
-            let parts = bits(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
+            let parts =
+                bits::numbers(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
             questions.offer(receiving, group, offer, (in_sight, true), parts);
         } else {
             rough_parts(scene, group, &offer, (facing, &weights), parts, counters);
@@ -148,7 +151,7 @@ impl Exchange {
 /// The parts of a source, where it or a receiver is rough.
 fn rough_parts(
     scene: &Scene,
-    Group { shared, lobed, .. }: Group,
+    PathGroup { shared, lobed, .. }: PathGroup,
     Offer { source, own, .. }: &Offer,
     (facing, weights): (u64, &[f64; 64]),
     parts: &mut Vec<(usize, Part)>,
@@ -167,7 +170,7 @@ fn rough_parts(
         (part.density > 0.0 && part.density.is_finite()).then_some((i, part))
     };
     parts.clear();
-    parts.extend(bits(facing).filter_map(part));
+    parts.extend(bits::numbers(facing).filter_map(part));
     counters.evaluations += u64::from(facing.count_ones());
     if let Some(j) = own.filter(|j| parts.iter().all(|(i, _)| i != j)) {
         parts.push((j, Part::matte(shared[j].own, f64::MIN_POSITIVE)));
@@ -179,13 +182,4 @@ fn of_group(lit: &[Lit], number: usize) -> &[Lit] {
     let begin = lit.partition_point(|lit| lit.owner.0 < number);
     let end = lit.partition_point(|lit| lit.owner.0 <= number);
     &lit[begin..end]
-}
-
-/// The places of the ones.
-fn bits(mut left: u64) -> impl Iterator<Item = usize> + Clone {
-    std::iter::from_fn(move || {
-        let first = left.trailing_zeros();
-        left &= left.wrapping_sub(1);
-        (first < 64).then_some(first as usize)
-    })
 }

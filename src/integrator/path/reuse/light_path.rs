@@ -1,4 +1,4 @@
-//! What happens along a light path that finds sources.
+//! A light path that finds sources: its state and its scattering.
 
 use super::light_sources::{LightSources, Lit};
 use super::rivals::Rivals;
@@ -17,27 +17,28 @@ use crate::spectrum::{Spectrum, Wavelengths};
 /// Edges before roulette begins.
 const SURE_EDGES: u32 = 2;
 
-/// A light path on its way.
+/// The state of a light path between two vertices.
 pub struct LightPath {
     owner: (usize, u32),
     sampler: Sampler,
-    /// Of its numbers.
+    /// First sampler block of this path.
     first_block: u32,
     λ: Wavelengths,
     end: EmitterPoint,
     emitted: Spectrum,
-    /// What has become of the light since it left.
+    /// Product of the factors of the estimate at all vertices beyond the emitter so far.
     throughput: Spectrum,
-    /// cos / density at the emitter, over the number of light paths: a lane might not hold it.
+    /// cos / density at the emitter, over the number of light paths, apart from the throughput: a lane might
+    /// not hold it.
     scale: f64,
-    /// c, as far as it is known.
+    /// Product of the factors of c so far; see [`super::rivals`].
     ratio: f64,
-    /// The density of the ray's direction, if it comes from something matte; else zero.
+    /// Density of the ray's direction if the last vertex is matte, else zero.
     from_matte: f64,
 }
 
 impl LightPath {
-    /// The path and its first ray; `None` where no light leaves. The sampler is that of the group.
+    /// The path and its first ray; `None` if no light leaves there. The sampler is that of the group.
     pub fn begin(
         sources: &LightSources,
         scene: &Scene,
@@ -65,13 +66,13 @@ impl LightPath {
         Some((path, start.ray))
     }
 
-    /// Where the numbers of the vertex after so many edges come from.
+    /// Sampler and block of the numbers for the vertex after so many edges.
     pub fn numbers(&self, edges: u32) -> (&Sampler, u32) {
         (&self.sampler, self.first_block + edges)
     }
 
-    /// Notes a source where the ray has arrived after so many edges, and scatters: the ray with which the path
-    /// goes on.
+    /// Notes a source at the hit, the vertex after so many edges, if that is matte, and samples the next ray;
+    /// `None` ends the path.
     pub fn step(
         &mut self,
         sources: &LightSources,
@@ -84,7 +85,7 @@ impl LightPath {
         let to_light = -ray.direction;
         let side = side_towards(shape, point.ns.dot(to_light));
         let left_to_others = edges == 1 && side.traits.focuses() && scene.caustics.is_some();
-        if side.traits.one_way || !side.traits.smooth || left_to_others {
+        if side.traits.one_way || !side.traits.has_density || left_to_others {
             return None;
         }
         let frame = point.frame(side.traits.anisotropic);

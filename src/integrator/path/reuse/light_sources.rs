@@ -11,20 +11,17 @@ use super::shared::Source;
 use crate::emitter::{EmitterPoint, Emitters};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
-use crate::integrator::wavefront::{Arrived, Wavefront};
+use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{ManyNumbers, PAIRS, Sampler};
 use crate::scene::{Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// How many light paths are traced together.
-const STREAM: usize = 64;
-
-/// What light paths for groups of pixels need to know of a scene.
+/// The light paths for groups of pixels: how they start, and how many there are.
 #[derive(Debug)]
 pub struct LightSources {
     pub emission: Emission,
-    /// For each sample of a group.
+    /// M, the number of light paths per group and sample.
     pub paths: u32,
 }
 
@@ -34,21 +31,21 @@ pub struct Lit {
     /// The group that it is for, and the light path's number there.
     pub owner: (usize, u32),
     pub source: Source,
-    /// From the emitter.
+    /// Edges of the light path from the emitter to the source.
     pub edges: u32,
-    /// That leaves the source, one light path's part, but for the scale.
+    /// Radiance that leaves the source, as one of M light paths estimates it, without the factor `scale`.
     pub radiance: Spectrum,
     pub scale: f64,
     pub rivals: Rivals,
 }
 
 impl LightSources {
-    /// `None` where no surface shines.
+    /// `None` without area emitters.
     pub fn new(paths: u32, shapes: &[Shape], emitters: &Emitters) -> Option<Self> {
         Some(Self { emission: Emission::everywhere(emitters, shapes)?, paths })
     }
 
-    /// The factor of c from vₙ, where w is the direction back to vₙ₋₁.
+    /// The factor of c at vₙ, where w is the direction back to vₙ₋₁.
     pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
         f64::from(self.paths) * self.emission.over_cos(scene, end, w)
     }

@@ -1,4 +1,4 @@
-//! Receivers and sources that are rough.
+//! Rough receivers and sources.
 
 use super::part::Part;
 use super::shared::{Lobes, Receiver, Shared, Source};
@@ -11,11 +11,11 @@ use crate::spectrum::Wavelengths;
 /// The rough receivers of a group.
 pub struct Lobed<'a> {
     pub λ: &'a Wavelengths,
-    /// As many as the group has; none if all are matte.
+    /// One entry per path of the group; empty if all receivers are matte.
     of: Vec<Option<At<'a>>>,
 }
 
-/// How a receiver or a source scatters.
+/// The BSDF of a rough receiver or source.
 pub struct At<'a> {
     lobes: &'a Lobes,
     frame: Frame,
@@ -23,7 +23,7 @@ pub struct At<'a> {
 }
 
 impl<'a> Lobed<'a> {
-    /// Of a group whose paths have these wavelengths.
+    /// The rough receivers of a group whose paths have these wavelengths.
     pub fn new(scene: &'a Scene, group: &'a [Shared], λ: &'a Wavelengths) -> Self {
         let lobes = |shared: &'a Shared| shared.receiver.as_ref()?.lobes.as_ref();
         let some = group.iter().any(|shared| lobes(shared).is_some());
@@ -54,7 +54,7 @@ impl<'a> At<'a> {
         self.lobes.side.turn(self.frame.to_local(w))
     }
 
-    /// What this receiver has of a source, if that is matte.
+    /// This receiver's part of a source, as if that were matte.
     pub fn receives(&self, receiver: &Receiver, source: &Source) -> Part {
         let way = source.p - receiver.p;
         let distance = length(way);
@@ -64,7 +64,7 @@ impl<'a> At<'a> {
         Part { weight: receiver.weight * scattered.value, geometry, density: scattered.pdf * geometry }
     }
 
-    /// What of that this source, since it is not, sends a receiver.
+    /// Completes the part of a receiver with the scattering at this rough source.
     pub fn sends(&self, receiver: &Receiver, source: &Source, part: &mut Part) {
         let towards = self.to_local(unit(receiver.p - source.p));
         let scattered = self.bsdf.evaluate(towards, self.lobes.fixed);

@@ -1,10 +1,10 @@
 //! Path re-use: pixels that see surfaces side by side share what their paths find beyond the next surface.
 //!
 //! Paths i = 1…N of neighbouring pixels, made of the same wavelengths, leave points xᵢ, the *receivers*, and
-//! arrive at points yᵢ, the *sources*. What path j finds from yⱼ on also tells every other pixel that sees yⱼ
-//! from its own xᵢ. Each of the N points y is a sample of N techniques: that of xₖ has the density, in area
-//! about y, pₖ(y) = Vₖ(y) p(ωₖ) |cos ϑₖ| / dₖ²: visibility, the density with which xₖ scatters towards y, the
-//! cosine at y, the distance.
+//! arrive at points yᵢ, the *sources*. What path j finds from yⱼ on is an estimate for every other pixel,
+//! too, whose xᵢ sees yⱼ. Each of the N points y is a sample of N techniques: that of xₖ has the density, in
+//! area about y, pₖ(y) = Vₖ(y) p(ωₖ) |cos ϑₖ| / dₖ²: visibility, the density with which xₖ scatters towards
+//! y, the cosine at y, the distance.
 //!
 //! **Matte sources.** An estimate Lⱼ of the radiance that leaves yⱼ is one for all directions alike. With the
 //! balance heuristic (Veach 1997, §9.2.2) pixel i gathers
@@ -14,24 +14,24 @@
 //! If all receivers are matte, pₖ = Gₖ/π with Gₖ = Vₖ cos θₖ |cos ϑₖ| / dₖ², and this is ρᵢ Σⱼ Lⱼ Gᵢ(yⱼ) / Σₖ
 //! Gₖ(yⱼ): no weight is above one, and those of a source sum to one, so nothing is gained or lost.
 //!
-//! **Rough sources** send each receiver something else, so what is shared begins one edge further: path j
-//! goes on from yⱼ in direction ωⱼ, and Lⱼ is what comes back along it from the next surface, without what
-//! that surface emits (by how much emitter sampling shares in that depends on xⱼ) and only if that surface
-//! scatters with a density, as ways by mirrors and glass have rivals too. Then Lⱼ has the factor f(yⱼ: ωⱼ →
-//! xᵢ) |cos ωⱼ|, and pₖ the factor p(yⱼ: xₖ → ωⱼ).
+//! **Rough sources** scatter differently towards each receiver, so what is shared begins one edge further:
+//! path j goes on from yⱼ in direction ωⱼ, and Lⱼ is what comes back along it from the next surface,
+//! excluding what that surface emits (its MIS weight against emitter sampling depends on xⱼ), and only if
+//! that surface has a density: specular chains compete with other techniques too. Then Lⱼ has the factor
+//! f(yⱼ: ωⱼ → xᵢ) |cos ωⱼ|, and pₖ the factor p(yⱼ: xₖ → ωⱼ).
 //!
 //! One shadow ray buys a pixel the rest of a whole path (Bekaert, Sbert and Halton 2002, "Accelerating Path
 //! Tracing by Re-Using Paths"). The price: errors of neighbouring pixels are no longer independent.
 //!
-//! Mirrors and smooth glass before xᵢ only change with what its light is multiplied, but then only points
-//! that are as many edges from the camera share.
+//! Specular vertices before xᵢ only scale its light; only receivers the same number of edges from the camera
+//! share.
 //!
 //! **Light paths** may find more sources for a group, and light that matte ones send: `light_sources.rs` says
 //! why, `rivals.rs` derives the weights.
 //!
-//! What stays with its own path: all light up to yᵢ, and to a rough yᵢ; paths by surfaces of any other kind;
-//! and beyond yᵢ the light that light paths bring as well ([`caustics`](crate::integrator::caustics)), whose
-//! weights depend on the pixel. They bring none to pixels that see xᵢ by mirrors or glass, which share all.
+//! What is not shared: all light up to yᵢ, and to a rough yᵢ; paths by surfaces of any other kind; and beyond
+//! yᵢ the light that light paths find as well ([`caustics`](crate::integrator::caustics)), whose MIS weights
+//! depend on the pixel. These find none for pixels that see xᵢ by mirrors or glass, which share all of it.
 
 mod connections;
 mod exchange;
@@ -81,28 +81,28 @@ pub fn cell(
     (0..CELL * CELL).map(pixel).filter(move |p| p.0 < width && p.1 < height).map(move |pixel| (pixel, sample))
 }
 
-/// What tells apart the group of a pixel's sample from all others.
+/// The identity of the group that a pixel's sample belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Group {
+pub struct GroupId {
     pub cell: (u32, u32),
     pub sample: u64,
-    /// Within the cell.
+    /// Number of the group within the cell.
     pub number: u32,
 }
 
-impl Group {
+impl GroupId {
     /// The first pixel of the cell.
     pub fn corner(&self) -> (u32, u32) {
         (self.cell.0 * CELL, self.cell.1 * CELL)
     }
 }
 
-/// The group of a sample, if there are so many pixels to each.
-pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> Group {
+/// The group of a pixel's sample, if groups have so many pixels.
+pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> GroupId {
     let inside = (x % CELL, y % CELL);
     let (i, j) = if sample.is_multiple_of(2) { inside } else { (inside.1, inside.0) };
     let place = (0..3).map(|bit| (i >> bit & 1) << (2 * bit) | (j >> bit & 1) << (2 * bit + 1)).sum::<u32>();
-    Group { cell: (x / CELL, y / CELL), sample, number: place / pixels }
+    GroupId { cell: (x / CELL, y / CELL), sample, number: place / pixels }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What receivers have of a source.
+//! The parts that receivers get of a source's light.
 
 use super::rivals::{Contested, Rivals};
 use crate::integrator::CameraPath;
@@ -6,37 +6,38 @@ use crate::spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
-/// The part that a receiver has of the light of a source, not yet divided by the sum of densities. As if π
-/// were 1: it cancels.
+/// The part that a receiver gets of the light of a source, not yet divided by the sum of densities. Geometry
+/// and density are multiplied with π, which cancels.
 #[derive(Clone, Copy)]
 pub struct Part {
-    /// What scatters it on its way to the camera.
+    /// Throughput from the source to the camera, without the geometry term.
     pub weight: Spectrum,
-    /// The rest, of which a number of the weight's might not hold the range.
+    /// Geometry term, apart from `weight`, whose numbers might not hold its range.
     pub geometry: f64,
-    /// With which the receiver's own path would have come to the source, in area, and gone on.
+    /// Density, by area, with which the receiver's own path would have come to the source, times that of its
+    /// next direction if the source is rough.
     pub density: f64,
 }
 
 impl Part {
-    /// Of a matte source for a matte receiver.
+    /// The part of a matte receiver in a matte source.
     pub fn matte(weight: Spectrum, geometry: f64) -> Self {
         Self { weight, geometry, density: geometry }
     }
 }
 
-/// What leaves a source.
+/// Light that leaves a source.
 #[derive(Clone, Debug)]
 pub enum Light {
-    /// Of a camera path: what nothing else finds, and which of all [`Contested`] light.
+    /// From a camera path: the light that nothing else finds, and its range of the [`Contested`] light.
     ByCamera(Spectrum, Range<usize>),
-    /// Of a light path, but for a scale of which a lane might not hold the range.
+    /// From a light path: the light, and a scale of which a lane might not hold the range.
     ByLight(Spectrum, f64, Rivals),
 }
 
 impl Light {
-    /// The share of it that its own path has to hand on, and what the geometry of each part is to be
-    /// multiplied with, if the densities of all parts sum to this.
+    /// The light to distribute and the scale of each part's geometry term, given the sum of all parts'
+    /// densities.
     fn shared(&self, density: f64, contested: &[Contested]) -> (Spectrum, f64) {
         match self {
             Self::ByCamera(alone, range) => {
@@ -48,7 +49,7 @@ impl Light {
     }
 }
 
-/// Parts light among receivers.
+/// Distributes light among receivers.
 pub fn hand_on(
     paths: &mut [CameraPath],
     (light, contested): (&Light, &[Contested]),

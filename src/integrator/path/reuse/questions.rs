@@ -1,39 +1,39 @@
-//! Which receivers see a source.
+//! Shadow rays between receivers and sources.
 
-use super::super::stream::STREAM;
-use super::exchange::{Group, Offer};
+use super::exchange::{Offer, PathGroup};
 use super::part::{Light, Part, hand_on};
 use super::rivals::{Contested, MOST_EDGES};
 use super::shared::{Shared, ask};
+use crate::integrator::wavefront::STREAM;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
-/// Rays between receivers and sources.
+/// Shadow rays between receivers and sources, and the shares that depend on them.
 #[derive(Default)]
 pub struct Questions {
     rays: Vec<Ray>,
     shares: Vec<Share>,
-    /// What sources send, as far as receivers have been asked about.
+    /// Light of the sources that have shares.
     lights: Vec<Light>,
-    /// [`Part::weight`] of the shares that have another than their receivers.
+    /// [`Part::weight`] of the shares for which it is not the receiver's own.
     weights: Vec<Spectrum>,
     occluded: Vec<bool>,
 }
 
-/// What a receiver may have of a source; there are thousands at a time, so their numbers are small.
+/// What a receiver gets of a source that it sees; there are thousands at a time, so indices are small.
 struct Share {
     light: u16,
     receiver: u8,
     is_seen: bool,
-    /// Its place among the weights, if it is not that of the receiver.
+    /// Index of its weight among [`Questions::weights`]; `None` if that is the receiver's own.
     weight: Option<u16>,
     geometry: f64,
     density: f64,
 }
 
-// A group has no more light paths than pixels at most, each of which finds no more sources than it has edges.
+// A group has no more light paths than pixels, and each finds no more sources than it has edges.
 const _: () =
     assert!(STREAM <= 1 << u8::BITS && STREAM * STREAM * (1 + MOST_EDGES as usize) <= 1 << u16::BITS);
 
@@ -47,12 +47,12 @@ impl Share {
 }
 
 impl Questions {
-    /// Hands parts on at once if all receivers are known to see the source, else asks about the others first.
-    /// All parts are matte or not.
+    /// Distributes the light at once if all receivers are known to see the source, else queues shadow rays to
+    /// the others. `matte` is whether all parts are those of [`Part::matte`].
     pub fn offer(
         &mut self,
         receiving: &mut [CameraPath],
-        Group { first, shared, contested, .. }: Group,
+        PathGroup { first, shared, contested, .. }: PathGroup,
         Offer { source, light, .. }: Offer,
         (in_sight, matte): (u64, bool),
         parts: impl Iterator<Item = (usize, Part)> + Clone,
@@ -76,7 +76,7 @@ impl Questions {
         }
     }
 
-    /// Hands on what is seen, and forgets.
+    /// Traces the shadow rays, distributes the light to receivers that see it, and empties the queue.
     pub fn settle(
         &mut self,
         scene: &Scene,

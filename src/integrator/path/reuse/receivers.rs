@@ -6,10 +6,11 @@ use crate::math::simd::{F64x4, dot};
 use crate::scene::Scene;
 use crate::shape::accel::Shaft;
 
-/// Receivers that follow one another and lie side by side, if not all are in sight.
+/// Number of consecutive receivers, side by side on the film, that are tested together if not all of the
+/// group see the source.
 const RUN: usize = 16;
 
-/// From so many receivers on a [`Shaft`] is worth trying: it costs about as much as five rays.
+/// Fewest receivers for which a [`Shaft`] is worth trying: it costs about as much as five rays.
 const MANY: usize = 8;
 
 /// The points that the pixels of a group see; at most 64.
@@ -18,7 +19,7 @@ pub struct Receivers {
     blocks: Vec<Block>,
     whole: Shaft,
     runs: [Shaft; 4],
-    /// A bit for each receiver with as many edges before it, by their number.
+    /// For each number of edges before a receiver, a bit for each receiver with that many.
     alike: Vec<(u32, u64)>,
 }
 
@@ -29,7 +30,7 @@ struct Block {
 }
 
 impl Receivers {
-    /// Takes those of a group.
+    /// Sets the receivers to those of a group.
     pub fn begin(&mut self, group: &[Shared]) {
         let vectors = |four: &[Shared], f: &dyn Fn(&Receiver) -> DVec3| {
             let lane =
@@ -55,8 +56,8 @@ impl Receivers {
         }
     }
 
-    /// The geometry term between a source and each receiver, without visibility; a bit for each that faces it
-    /// and is one of these.
+    /// The geometry term between a source and each receiver, without visibility; returns a bit for each that
+    /// faces the source and has a bit in `of`.
     pub fn weights(&self, of: u64, source: &Source, weights: &mut [f64; 64]) -> u64 {
         let spread = |v: DVec3| v.to_array().map(F64x4::splat);
         let (p, n, ng) = (spread(source.p), spread(source.n), spread(source.ng));
@@ -79,17 +80,17 @@ impl Receivers {
         self.alike.iter().find(|alike| alike.1 >> path & 1 == 1).map_or(0, |alike| alike.1)
     }
 
-    /// How many numbers of edges there are before receivers.
+    /// How many different numbers of edges receivers have before them.
     pub fn kinds(&self) -> usize {
         self.alike.len()
     }
 
-    /// One of them, and a bit for each receiver that has as many.
+    /// One of these numbers of edges, and a bit for each receiver that has as many.
     pub fn of_kind(&self, kind: usize) -> (u32, u64) {
         self.alike[kind]
     }
 
-    /// A bit for each receiver that sees the source for sure.
+    /// A bit for each receiver that is known to see the source; the others may see it or not.
     pub fn in_sight(&mut self, scene: &Scene, source: &Source) -> u64 {
         let clear = |shaft: &mut Shaft| {
             shaft.count() >= MANY && scene.accel.is_clear(shaft, source.p, source.primitive)

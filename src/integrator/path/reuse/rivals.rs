@@ -1,8 +1,8 @@
-//! How likely light paths make what camera paths find beyond a source.
+//! MIS weights of camera paths, light paths and their connections, for what is found beyond a source.
 //!
-//! Let v₀ be a matte source, v₁ … vₙ the rest of the way to a point vₙ of an emitter, and S = Σₖ pₖ(v₀) the
+//! Let v₀ be a matte source, v₁ … vₙ the rest of the path to a point vₙ of an emitter, and S = Σₖ pₖ(v₀) the
 //! density of the source; see [`super`]. With the density P of v₁ … vₙ given v₀, three techniques make the
-//! way:
+//! path:
 //!
 //! - a camera path, with S P;
 //! - a camera path up to v₀ and a light path up to v₁, connected: each source is with one light path, S p(vₙ
@@ -14,12 +14,12 @@
 //!   c = M pₐ(vₙ) p(vₙ→vₙ₋₁) / cosₙ · ∏ ρᵢ (i = n−1 … 1) · cos₀ / p(v₀→v₁),   r = c / (M p(v₁→v₀))
 //!
 //! with the ρᵢ of [`caustics`](crate::integrator::caustics), and p(v₁→v₀) in area. The edge to the emitter
-//! has two techniques itself, emitter samples and those of the BSDF. How they part what is left to camera
-//! paths is as without light paths, and their sum takes the place of the density in c.
+//! has two techniques itself, emitter samples and those of the BSDF. These divide the share of camera paths
+//! as they do without light paths, and the sum of their densities takes the place of the density in c.
 //!
-//! c = 0 where a lobe without density is on the way, where vₙ₋₁ focuses light that other light paths look
-//! for, and beyond [`MOST_EDGES`]; r = 0 also where v₁ is not matte, and of n = 1, which is what emitter
-//! samples are for.
+//! c = 0 where a lobe without density is on the path, where vₙ₋₁ is a caster, whose light other light paths
+//! find, and beyond [`MOST_EDGES`]; r = 0 also where v₁ is not matte, and for n = 1, which is left to emitter
+//! samples.
 
 use super::shared::Source;
 use crate::bsdf::{Bsdf, Sample};
@@ -31,10 +31,10 @@ use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use std::f64::consts::PI;
 
-/// Of a light path that finds sources, from the emitter to the last of them.
+/// Most edges of a light path that finds sources, from the emitter to the last of them.
 pub const MOST_EDGES: u32 = 15;
 
-/// c and r of some light.
+/// The terms c (`by_light`) and r (`connected`) of the MIS weights of some light; see the top of this file.
 #[derive(Clone, Copy, Debug)]
 pub struct Rivals {
     pub by_light: f64,
@@ -48,12 +48,12 @@ impl Rivals {
         Self { by_light, connected }
     }
 
-    /// The share of camera paths whose densities sum to this, as if π were 1.
+    /// The MIS weight of camera paths whose densities sum to π⁻¹ `density`.
     pub fn camera(&self, density: f64) -> f64 {
         density / (density * (1.0 + self.connected) + PI * self.by_light)
     }
 
-    /// The share of light paths.
+    /// The MIS weight of light paths, if the densities of camera paths sum to π⁻¹ `density`.
     pub fn light(&self, density: f64) -> f64 {
         1.0 / (1.0 + density * (1.0 + self.connected) / (PI * self.by_light))
     }
@@ -68,12 +68,12 @@ pub struct Contested {
     pub light: Spectrum,
 }
 
-/// A camera path from its source on.
+/// The state of a camera path from its source on.
 #[derive(Clone, Copy)]
 pub struct Tail {
-    /// c as far as it is known; zero if there is nothing to know.
+    /// Product of the factors of c so far; zero if light paths cannot make the path.
     ratio: f64,
-    /// p(v₁→v₀).
+    /// p(v₁→v₀) by area; zero if there is no connection.
     to_source: f64,
     edges: u32,
 }
@@ -82,7 +82,7 @@ impl Tail {
     pub const NONE: Self = Self { ratio: 0.0, to_source: 0.0, edges: 0 };
     pub const BEGINS: Self = Self { ratio: 1.0, ..Self::NONE };
 
-    /// Takes note of the vertex where the path has arrived.
+    /// Updates the state at the vertex where the path has arrived.
     pub fn arrive<B: Bsdf>(&mut self, source: Option<&Source>, vertex: &Vertex<B>) {
         if self.edges == MOST_EDGES || vertex.side.traits.one_way {
             // All that is found from here on is longer than what light paths make, or they do not come here.
@@ -100,8 +100,8 @@ impl Tail {
         }
     }
 
-    /// The factor of c that a vertex brings with a direction towards the light (local) that was sampled with
-    /// this density.
+    /// The factor of c at a vertex, for a direction towards the light (local) that was sampled with this
+    /// density.
     pub fn factor<B: Bsdf>(&self, vertex: &Vertex<B>, to_light: DVec3, pdf: f64) -> f64 {
         let ng = vertex.point.ng;
         let cos_light = ng.dot(vertex.to_world(to_light)).abs();
@@ -112,7 +112,7 @@ impl Tail {
         further(to_camera, pdf, ng.dot(vertex.to_world(vertex.wo)).abs(), cos_light)
     }
 
-    /// Goes on from a vertex.
+    /// Updates the state for the direction that was sampled at a vertex.
     pub fn leave<B: Bsdf>(&mut self, vertex: &Vertex<B>, sample: &Sample) {
         if self.ratio > 0.0 {
             self.ratio *= if sample.delta { 0.0 } else { self.factor(vertex, sample.wi, sample.pdf) };
@@ -120,8 +120,8 @@ impl Tail {
         }
     }
 
-    /// What else finds the light of a point of an emitter, w being the direction from there, if the last
-    /// factor of c is this.
+    /// The competing densities for light from a point of an emitter, w being the direction from there and
+    /// `factor` the last factor of c. `None` if light paths cannot find it.
     pub fn rivals(
         &self,
         scene: &Scene,

@@ -1,4 +1,4 @@
-//! What a path has to share, and from where on.
+//! What a path shares, and from which vertex on.
 
 use super::super::Path;
 use super::super::stream::State;
@@ -17,20 +17,20 @@ use crate::spectrum::{Spectrum, Wavelengths};
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
     pub p: DVec3,
-    /// World, unit length, on the side that is seen.
+    /// Shading normal (world, unit length), on the side that is seen.
     pub n: DVec3,
     pub primitive: u32,
-    /// What becomes of light on its way from here to the camera, and of a matte point what it does itself.
+    /// Throughput from here to the camera; for a matte point, times its albedo.
     pub weight: Spectrum,
-    /// `None` of a matte point.
+    /// `None` for a matte point.
     pub lobes: Option<Lobes>,
-    /// Of the path from the camera, besides the one that ends here. Only receivers with as many share, for
-    /// what a source is known to send depends on how many are left.
+    /// Edges from the camera, without the one that ends here. Only receivers with as many share, for what a
+    /// source is known to send depends on how many are left.
     pub edges: u32,
 }
 
 impl Receiver {
-    /// Asks whether anything is between.
+    /// The shadow ray to a source.
     pub fn ray_to(&self, source: &Source) -> Ray {
         between(Origin { p: self.p, primitive: self.primitive }, source.p)
     }
@@ -40,19 +40,19 @@ impl Receiver {
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
     pub p: DVec3,
-    /// World, on the side where the path came from: its shading normal, on whose side it scatters.
+    /// Shading normal (world), on the side where the path came from, which is the side that scatters.
     pub n: DVec3,
-    /// World, of the surface itself, on either side: areas are its.
+    /// Geometric normal (world), on either side; densities by area are about it.
     pub ng: DVec3,
     pub primitive: u32,
-    /// Of a matte point; else one.
+    /// Albedo of a matte point; for a rough one, 1.
     pub albedo: Spectrum,
-    /// `None` of a matte point.
+    /// `None` for a matte point.
     pub lobes: Option<Lobes>,
 }
 
 impl Source {
-    /// Asks whether anything is between.
+    /// The shadow ray to another source.
     pub fn ray_to(&self, other: &Source) -> Ray {
         between(Origin { p: self.p, primitive: self.primitive }, other.p)
     }
@@ -65,31 +65,31 @@ fn between(Origin { p, primitive }: Origin, end: DVec3) -> Ray {
     Ray { ends: Ends::OnSurfaces, ..ray }
 }
 
-/// Which of the rays between what pixels share are blocked.
+/// Traces shadow rays between receivers and sources, and counts them as such.
 pub fn ask(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut Counters) {
     counters.shared += rays.len() as u64;
     wavefront::occluded(scene, rays, occluded, counters);
 }
 
-/// How a receiver or a source scatters that is rough.
+/// Everything that the BSDF of a rough receiver or source is evaluated from.
 #[derive(Clone, Copy, Debug)]
 pub struct Lobes {
     pub point: SurfacePoint,
     pub side: Side,
-    /// Local, the direction that is the same whoever shares: from a receiver to where its path came from,
-    /// from a source to where its path goes on.
+    /// The direction (local) that is the same for all that share: from a receiver to where its path came
+    /// from, from a source to where its path goes on.
     pub fixed: DVec3,
 }
 
-/// What a path has to share.
+/// What a path shares with its group.
 #[derive(Clone, Copy, Debug)]
 pub struct Shared {
     pub receiver: Option<Receiver>,
     pub source: Option<Source>,
-    /// What becomes of what is shared on its way to the path's own pixel.
+    /// Throughput from where sharing begins to the path's own pixel.
     pub own: Spectrum,
-    /// Besides what is [contested](super::rivals::Contested): the radiance that leaves a matte source or
-    /// comes to a rough one, as far as it is known.
+    /// Radiance found so far that leaves a matte source or comes to a rough one, without what is
+    /// [contested](super::rivals::Contested).
     pub radiance: Spectrum,
 }
 
@@ -97,14 +97,14 @@ impl Shared {
     pub const NOTHING: Self =
         Self { receiver: None, source: None, own: Spectrum::ZERO, radiance: Spectrum::ZERO };
 
-    /// Whether what casters throw is shared as well. What light paths make too is weighed for the pixel alone,
-    /// but they do not reach the camera by mirrors or glass.
+    /// Whether light cast by casters is shared as well. Where light paths find it too, its MIS weight is one
+    /// pixel's alone; but light paths do not reach the camera by mirrors or glass.
     #[inline(always)]
     pub fn receives_casters(&self, scene: &Scene) -> bool {
         scene.caustics.is_none() || self.receiver.as_ref().is_some_and(|receiver| receiver.edges > 0)
     }
 
-    /// Notes a receiver or a source where the path has arrived, and whether what it finds from here on is
+    /// Notes the vertex as receiver or source if it is one, and whether what the path finds from here on is
     /// shared.
     pub fn arrive<B: Bsdf>(
         &mut self,
@@ -138,7 +138,7 @@ impl Shared {
                 albedo.is_some() && faces
             }
             (Some(receiver), Some(Source { lobes: Some(_), .. })) => {
-                state.depth == receiver.edges + 2 && side.traits.smooth
+                state.depth == receiver.edges + 2 && side.traits.has_density
             }
             _ => false,
         };

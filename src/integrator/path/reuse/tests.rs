@@ -21,7 +21,7 @@ fn groups_are_runs_of_a_cell_and_part_the_film() {
             let mut seen = BTreeMap::new();
             for corner in (0..3).flat_map(|x| (0..2).map(move |y| (x * CELL, y * CELL))) {
                 let cell: Vec<_> = cell(corner, sample, film).collect();
-                let groups: Vec<Group> = cell.iter().map(|of| super::group(of.0, of.1, pixels)).collect();
+                let groups: Vec<GroupId> = cell.iter().map(|of| super::group(of.0, of.1, pixels)).collect();
                 let mut distinct = groups.clone();
                 distinct.dedup();
                 let runs = distinct.len();

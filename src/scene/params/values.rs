@@ -1,141 +1,13 @@
-//! Typed access to the parameters of one object.
-//!
-//! A model asks for each parameter by name, with a default and a sentence about it. What was asked for is the
-//! model's parameter table: `etalon plugins` prints it, and a parameter in the file that nobody asked for is
-//! an error.
+//! Parameters that are values: numbers, words, places, textures, files.
 
-use super::error::{SceneError, Span, known};
-use super::loader::Loader;
-use super::xml::{Attribute, Element};
+use super::{MOST, Params, Usage};
 use crate::math::{DVec3, Transform};
+use crate::scene::error::{SceneError, known};
+use crate::scene::xml::{Attribute, Element};
 use crate::texture::AnyTexture;
 use std::path::PathBuf;
 
-/// No amount of light, or of anything else that becomes `f32`, is larger: `f32` holds twice as much.
-pub const MOST: f64 = 1.7e38;
-
-/// What a colour is for, which decides how Mitsuba turns it into a spectrum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Usage {
-    /// Between 0 and 1.
-    Reflectance,
-    /// Radiance and its like: RGB colours are relative to D65.
-    Emission,
-    /// A spectrum that is neither, such as an index of refraction.
-    Unbounded,
-    /// Three numbers that are no colour, such as a direction: no mode makes a spectrum of them.
-    Vector,
-}
-
-/// One row of a model's parameter table.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct Parameter {
-    pub name: &'static str,
-    pub kind: &'static str,
-    pub default: String,
-    pub about: &'static str,
-}
-
-struct Child<'d> {
-    name: Option<&'d str>,
-    /// The element itself, or what a `<ref>` stands for.
-    element: &'d Element,
-    /// Where it stands in the parent.
-    site: &'d Element,
-    taken: bool,
-}
-
-/// The parameters of one object.
-pub struct Params<'a, 'd> {
-    pub element: &'d Element,
-    pub loader: &'a Loader<'d>,
-    /// What the object is used for by its parent; decides what colours inside a texture mean.
-    pub usage: Usage,
-    children: Vec<Child<'d>>,
-    asked: Vec<Parameter>,
-}
-
-impl Drop for Params<'_, '_> {
-    fn drop(&mut self) {
-        self.loader.leave();
-    }
-}
-
-impl<'a, 'd> Params<'a, 'd> {
-    pub fn new(element: &'d Element, loader: &'a Loader<'d>, usage: Usage) -> Result<Self, SceneError> {
-        element.only(&["type", "id", "name", "version"])?;
-        loader.enter(element)?;
-        let mut params = Self { element, loader, usage, children: vec![], asked: vec![] };
-        for site in &element.children {
-            let element = loader.resolve(site)?;
-            let name = if site.tag == "ref" { site.name() } else { element.name() };
-            params.children.push(Child { name, element, site, taken: false });
-        }
-        Ok(params)
-    }
-
-    /// The parameters asked for so far.
-    pub fn asked(&self) -> &[Parameter] {
-        &self.asked
-    }
-
-    /// Refuses what nobody asked for.
-    pub fn finish(&self) -> Result<(), SceneError> {
-        let Some(child) = self.children.iter().find(|c| !c.taken) else {
-            return Ok(());
-        };
-        let kind = self.element.attribute("type").map_or(self.element.tag.as_str(), |a| a.value.as_str());
-        let names: Vec<&str> = self.asked.iter().map(|p| p.name).collect();
-        Err(match child.site.attribute("name") {
-            Some(name) => SceneError::at(
-                &name.value_span,
-                format!("{} `{kind}` has no parameter `{}`", self.element.tag, name.value),
-                known(&name.value, &names),
-            ),
-            None => SceneError::at(
-                &child.site.span,
-                format!("{} `{kind}` cannot contain this <{}>", self.element.tag, child.element.tag),
-                format!("known: {}", names.join(", ")),
-            ),
-        })
-    }
-
-    fn ask(&mut self, name: &'static str, kind: &'static str, default: String, about: &'static str) {
-        if !self.asked.iter().any(|p| p.name == name) {
-            self.asked.push(Parameter { name, kind, default, about });
-        }
-    }
-
-    fn take(&mut self, name: &str) -> Result<Option<&'d Element>, SceneError> {
-        let mut found: Option<&'d Element> = None;
-        for child in self.children.iter_mut().filter(|c| c.name == Some(name)) {
-            if found.is_some() {
-                return Err(SceneError::at(&child.site.span, format!("`{name}` is given twice"), ""));
-            }
-            child.taken = true;
-            found = Some(child.element);
-        }
-        Ok(found)
-    }
-
-    /// Whether the file gives the parameter.
-    pub fn has(&self, name: &str) -> bool {
-        self.children.iter().any(|c| c.name == Some(name))
-    }
-
-    /// The place of a parameter, or of the object when the file does not give it.
-    pub fn span_of(&self, name: &str) -> &Span {
-        let child = self.children.iter().find(|c| c.name == Some(name));
-        child.map_or(&self.element.span, |c| {
-            c.element.attribute("value").map_or(&c.site.span, |a| &a.value_span)
-        })
-    }
-
-    /// An error at a parameter.
-    pub fn error(&self, name: &str, message: impl Into<String>, expected: impl Into<String>) -> SceneError {
-        SceneError::at(self.span_of(name), message, expected)
-    }
-
+impl<'d> Params<'_, 'd> {
     fn value(&mut self, name: &'static str, tags: &[&str]) -> Result<Option<&'d Attribute>, SceneError> {
         let Some(element) = self.take(name)? else { return Ok(None) };
         if !tags.contains(&element.tag.as_str()) {
@@ -174,7 +46,7 @@ impl<'a, 'd> Params<'a, 'd> {
         number(&value.value).filter(|v| holds(*v)).ok_or_else(|| bad_value(name, value, expected))
     }
 
-    /// No less than nothing, and no more than [`MOST`].
+    /// A number from 0 to [`MOST`].
     pub fn amount(
         &mut self,
         name: &'static str,
@@ -191,9 +63,21 @@ impl<'a, 'd> Params<'a, 'd> {
         name: &'static str,
         about: &'static str,
     ) -> Result<Option<f64>, SceneError> {
+        self.optional_float_where(name, about, "a finite number", |_| true)
+    }
+
+    /// The same with a further condition, which `expected` words.
+    pub fn optional_float_where(
+        &mut self,
+        name: &'static str,
+        about: &'static str,
+        expected: &str,
+        holds: impl Fn(f64) -> bool,
+    ) -> Result<Option<f64>, SceneError> {
         self.ask(name, "float", "none".into(), about);
         let Some(value) = self.value(name, &["float", "integer"])? else { return Ok(None) };
-        number(&value.value).map(Some).ok_or_else(|| bad_value(name, value, "a finite number"))
+        let found = number(&value.value).filter(|v| holds(*v));
+        found.map(Some).ok_or_else(|| bad_value(name, value, expected))
     }
 
     /// An integer within a range. A default outside stands for none that is given, and is listed as such.
@@ -252,7 +136,7 @@ impl<'a, 'd> Params<'a, 'd> {
         self.one_of(name, options, about, |option, value| option == value)
     }
 
-    /// The same of words that may be written in capitals.
+    /// One of a few words, by default the first, that may be written in capitals.
     pub fn word(
         &mut self,
         name: &'static str,
@@ -302,14 +186,14 @@ impl<'a, 'd> Params<'a, 'd> {
                 "expected <point> or <vector>",
             ));
         }
-        super::transform::coordinates(element, &["name"], 0.0).map(Some)
+        crate::scene::transform::coordinates(element, &["name"], 0.0).map(Some)
     }
 
     pub fn transform(&mut self, name: &'static str, about: &'static str) -> Result<Transform, SceneError> {
         self.ask(name, "transform", "identity".into(), about);
         match self.take(name)? {
             None => Ok(Transform::IDENTITY),
-            Some(element) => super::transform::parse(element),
+            Some(element) => crate::scene::transform::parse(element),
         }
     }
 
@@ -362,34 +246,6 @@ impl<'a, 'd> Params<'a, 'd> {
     ) -> Result<Option<&'d Element>, SceneError> {
         self.ask(name, kind, default.into(), about);
         self.take(name)
-    }
-
-    /// All nested objects of a kind, whatever their name, in order.
-    pub fn objects(&mut self, tag: &'static str, about: &'static str) -> Vec<&'d Element> {
-        self.ask(tag, "object", "none".into(), about);
-        let matching = self.children.iter_mut().filter(|c| !c.taken && c.element.tag == tag);
-        matching
-            .map(|c| {
-                c.taken = true;
-                c.element
-            })
-            .collect()
-    }
-
-    /// At most one nested object of a kind.
-    pub fn object(
-        &mut self,
-        tag: &'static str,
-        about: &'static str,
-    ) -> Result<Option<&'d Element>, SceneError> {
-        let found = self.objects(tag, about);
-        match found[..] {
-            [] => Ok(None),
-            [one] => Ok(Some(one)),
-            [_, second, ..] => {
-                Err(SceneError::at(&second.span, format!("a second <{tag}>"), "expected only one"))
-            }
-        }
     }
 }
 

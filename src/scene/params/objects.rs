@@ -1,0 +1,58 @@
+//! Objects within an object, which are told apart by their kind instead of their name.
+
+use super::Params;
+use crate::scene::error::SceneError;
+use crate::scene::xml::Element;
+
+impl<'d> Params<'_, 'd> {
+    /// All nested objects that are `meant`, whatever their name, in order. With each comes what names it
+    /// here: itself, or the `<ref>` to it.
+    pub fn nested(
+        &mut self,
+        kind: &'static str,
+        about: &'static str,
+        meant: impl Fn(&Element) -> bool,
+    ) -> Vec<(&'d Element, &'d Element)> {
+        self.ask(kind, "object", "none".into(), about);
+        let matching = self.children.iter_mut().filter(|c| !c.taken && meant(c.element));
+        matching
+            .map(|c| {
+                c.taken = true;
+                (c.element, c.site)
+            })
+            .collect()
+    }
+
+    /// At most one nested object that is `meant`.
+    pub fn one_nested(
+        &mut self,
+        kind: &'static str,
+        about: &'static str,
+        meant: impl Fn(&Element) -> bool,
+    ) -> Result<Option<(&'d Element, &'d Element)>, SceneError> {
+        let found = self.nested(kind, about, meant);
+        match found[..] {
+            [] => Ok(None),
+            [one] => Ok(Some(one)),
+            [_, (second, _), ..] => {
+                Err(SceneError::at(&second.span, format!("a second <{kind}>"), "expected only one"))
+            }
+        }
+    }
+
+    /// All nested objects of a kind, whatever their name, in order.
+    pub fn objects(&mut self, tag: &'static str, about: &'static str) -> Vec<&'d Element> {
+        let found = self.nested(tag, about, |element| element.tag == tag);
+        found.into_iter().map(|(element, _)| element).collect()
+    }
+
+    /// At most one nested object of a kind.
+    pub fn object(
+        &mut self,
+        tag: &'static str,
+        about: &'static str,
+    ) -> Result<Option<&'d Element>, SceneError> {
+        let found = self.one_nested(tag, about, |element| element.tag == tag)?;
+        Ok(found.map(|(element, _)| element))
+    }
+}
