@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What --checkpoint costs: user time of renders with and without it, in interleaved pairs.
+"""The cost of --checkpoint: user time of renders with and without it, in interleaved pairs.
 
     python3 benches/checkpoint.py [--pairs N] [--spp N] [--size WxH] [SCENE]
 
-Prints the ratio of each pair, and their median with its 95 % interval from order statistics (Conover 1999, section 3.2). The last line
-is JSON.
+Prints the ratio of each pair, and their median with its 95 % interval from order statistics (Conover 1999,
+section 3.2). The last line is JSON.
 """
 import argparse
 import json
@@ -25,7 +25,7 @@ def user_time(command):
 
 
 def interval(count):
-    """Index of the order statistic that is below the median of 97.5 %."""
+    """Index of the order statistic that is below the median with probability 97.5 % at least."""
     below, k = 0.0, 0
     while below + math.comb(count, k) / 2**count <= 0.025:
         below += math.comb(count, k) / 2**count
@@ -46,7 +46,7 @@ def main():
                 "--size", arguments.size, "-o", f"{folder}/out.exr"]
         kept = base + ["--checkpoint", f"{folder}/checkpoint"]
         for pair in range(arguments.pairs):
-            # The order alternates, so that what drifts falls upon both.
+            # The order alternates, so that drifts affect both alike.
             order = [kept, base] if pair % 2 else [base, kept]
             times = {len(command): user_time(command) for command in order}
             ratios.append(times[len(kept)] / times[len(base)])

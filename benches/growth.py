@@ -1,10 +1,14 @@
-"""How time and memory grow with triangles, lights, resolution, samples, depth, channels of the spectrum and threads, one at a time.
+"""How time and memory grow with triangles, lights, resolution, samples, depth, channels of the spectrum and
+threads, one at a time.
 
     python3 benches/growth.py [PLOT …] [--json F] [--svg FOLDER] [--largest TRIANGLES] [--runs N]
 
-Needs `cargo build --release`. Every point is the median of three runs of `etalon render`. All seconds are of the processor, so that others may use the machine meanwhile.
-The slope is the exponent of growth of tracing since the point before. *Start-up* is a render of one sample of one pixel: all that is read and built. Memory is the peak that the program itself reports: what the kernel
-tells of a child counts what its parent had before. Draws one SVG plot for each, prints a Markdown table, and draws again from `--from F`.
+Needs `cargo build --release`. Every point is the median of three runs of `etalon render`. All seconds are
+processor time, so that other work on the machine does not count. The slope is the exponent of growth of
+tracing since the previous point. *Start-up* is a render of one sample of one pixel: everything that is read
+and built. Memory is the peak that the program itself reports: the kernel's figure for a child includes memory
+of its parent. Draws one SVG plot for each parameter, prints a Markdown table, and draws the results of an
+earlier run with `--from F`.
 """
 
 import argparse
@@ -34,11 +38,11 @@ SCENE = """<scene version="3.0.0">
   <shape type="sphere"><point name="center" x="0" y="0.6" z="0"/><float name="radius" value="0.5"/>
     <bsdf type="diffuse"/></shape>
 </scene>"""
-# Walls that absorb a tenth, so that paths go on.
+# Walls that absorb a tenth of the light, so that paths are long.
 ROOM = """<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="8"/></transform>
     <bsdf type="diffuse"><rgb name="reflectance" value="0.9"/></bsdf></shape>"""
 USUAL = {"triangles": 20000, "lights": 1, "light": "point", "width": 128, "spp": 16, "depth": 8, "roulette": 5, "threads": 1, "bands": 0, "room": ""}
-# What lies along the axis, its name, and the curves with what else is theirs.
+# The values on the axis, its name, and the curves with their further settings.
 PLOTS = {
     "triangles": ([1e3, 1e4, 1e5, 1e6, 1e7], "triangles", {"": {"spp": 256}}),
     "lights": ([1, 10, 100, 1000, 10000, 100000], "lights", {"points": {}, "spheres": {"light": "sphere"}}),
@@ -52,7 +56,7 @@ PLOTS = {
 
 
 def write_hills(path, triangles):
-    """A square of hills with about so many triangles."""
+    """Writes a PLY file of a square of hills with about this number of triangles."""
     side = max(1, round(math.sqrt(triangles / 2)))
     x, z = numpy.meshgrid(numpy.linspace(-3, 3, side + 1), numpy.linspace(-3, 3, side + 1))
     y = 0.2 * numpy.sin(3 * x) * numpy.sin(3 * z) + 0.02 * numpy.sin(31 * x + 2) * numpy.sin(29 * z) - 0.2
@@ -70,7 +74,7 @@ def write_hills(path, triangles):
 
 
 def lights(count, kind):
-    """The same light in all, however many there are: points, or small spheres that shine."""
+    """This number of lights with a constant total power: points, or small luminous spheres."""
     def light(i):
         angle, height = 2.399963 * i, 2 + (i % 7) / 7
         x, z = 2.5 * math.cos(angle) * math.sqrt((i + 1) / count), 2.5 * math.sin(angle) * math.sqrt((i + 1) / count)
@@ -85,7 +89,7 @@ def lights(count, kind):
 
 
 def responses(count):
-    """So many triangles side by side over the visible range."""
+    """This number of triangular sensitivities side by side over the visible range."""
     step = 300 / count if count else 0
     def response(i):
         middle = 400 + (i + 0.5) * step
@@ -129,7 +133,7 @@ def measure(folder, settings, runs):
 
 
 def slope(points, key):
-    """The exponent of growth over the last step."""
+    """The exponent of growth between the last two points."""
     (x0, a), (x1, b) = [(p["x"], key(p)) for p in points[-2:]]
     return math.log(b / a) / math.log(x1 / x0) if a > 0 and b > 0 else float("nan")
 

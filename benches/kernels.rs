@@ -1,8 +1,8 @@
-//! What the parts of a render cost: rays, trees, every material of the registry, random numbers, pixels, and
-//! whole small frames.
+//! Run times of the parts of a render: rays, trees, every material of the registry, random numbers, pixels,
+//! and whole small frames.
 //!
 //! `cargo bench` prints the time of each, `cargo bench -- roughconductor` of those whose name contains the
-//! word; ratios between two runs on the same machine are what counts.
+//! word; only ratios between two runs on the same machine are meaningful.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS};
@@ -19,7 +19,7 @@ use etalon::spectrum::{ColorMode, Wavelengths};
 use std::hint::black_box;
 use std::path::Path;
 
-/// Rays from a sphere around the mesh towards points in it: incoherent, and about half of them hit.
+/// Incoherent rays from a sphere around the mesh towards points in it, about half of which hit it.
 fn rays() -> Vec<Ray> {
     let ray = |i: u32| {
         let u = Sampler::new(Kind::Independent, 0, (i, 0), 0).block(0);
@@ -54,7 +54,7 @@ fn trees(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The first example of every material, seen and lit at an angle.
+/// Evaluates the first example of every material, for an oblique pair of directions.
 fn materials(criterion: &mut Criterion) {
     let point = SurfacePoint::flat();
     let λ = Wavelengths::sample_visible(0.3);

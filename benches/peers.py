@@ -2,12 +2,12 @@
 
     python3 benches/peers.py [SCENE.xml]... [--spp N] [--pairs K] [--size WxH]
 
-Needs `pip install mitsuba` and, for the llvm variants, a libLLVM; a variant that cannot run is reported as missing.
-Those compile for the processor at hand, so the width of its registers decides much: where it has AVX-512 they are
-measured once more compiled for AVX2, which is what Etalon is built for.
-Start-up and scene loading are left out on both sides. Writes a Markdown table to standard output. Without scenes: mirror
-and glass, a textured interior, glass, rough metals, and, once `cargo run --release --example convergence_scenes` has made
-them, two million triangles.
+Needs `pip install mitsuba` and, for the llvm variants, a libLLVM; a variant that cannot run is reported as
+missing. Those compile for the processor at hand, so the width of its registers decides much: where it has
+AVX-512 they are measured once more compiled for AVX2, which is what Etalon is built for. Start-up and scene
+loading are left out on both sides. Writes a Markdown table to standard output. Without scenes: mirror and
+glass, a textured interior, glass, rough metals, and, once `cargo run --release --example convergence_scenes`
+has made them, two million triangles.
 """
 
 import argparse
@@ -28,14 +28,15 @@ ETALON = os.path.join(HERE, "..", "target", "release", "etalon")
 def etalon(scene, spp, color, size):
     with tempfile.TemporaryDirectory() as folder:
         command = [ETALON, "render", scene, "-o", os.path.join(folder, "o.exr"), "--spp", str(spp), "--json"]
-        # The same work on both sides: Mitsuba's path tracer has no light paths.
+        # Both do the same work: Mitsuba's path tracer has no light paths.
         command += ["--light-paths", "0", "--links", "never"]
         command += ["--color", color, "--size", f"{size[0]}x{size[1]}"]
         return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["seconds"]
 
 
 class Target:
-    """What Dr.Jit compiles for. Its C++ interface says so; its Python interface has no word for it."""
+    """The processor that Dr.Jit compiles for, by its C++ interface; its Python interface does not offer
+    it."""
 
     AVX2 = (b"x86-64-v3", None, 8)
 
@@ -62,7 +63,7 @@ class Target:
 
 
 class Mitsuba:
-    """One variant; the scene is loaded and rendered once before anything is timed."""
+    """A variant of Mitsuba; the scene is loaded and rendered once before anything is timed."""
 
     def __init__(self, variant, avx2, scene, spp, size):
         import mitsuba
@@ -90,7 +91,7 @@ class Mitsuba:
         return time.perf_counter() - start
 
 
-# The variants, and whether they are to do with AVX2.
+# The variants, and whether they are compiled for AVX2.
 VARIANTS = [
     ("scalar_spectral", False),
     ("llvm_ad_spectral", False),
@@ -103,7 +104,7 @@ SCENES = ["cornell-spheres", "convergence/interior", "convergence/inside-glass",
 
 
 def measure(scene, variant, avx2, spp, size, pairs):
-    """Million paths a second of both, and the median of their ratios; or what is missing."""
+    """Million paths per second of both, and the median of their ratios; or what is missing."""
     color = "spectral" if variant.endswith("spectral") else "rgb"
     try:
         peer = Mitsuba(variant, avx2, scene, spp, size)

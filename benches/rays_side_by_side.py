@@ -1,11 +1,12 @@
-"""Etalon's rays a second beside Embree's, on the very same rays, single rays on one thread: A B C A B C …, medians of pairs.
+"""Etalon's rays a second beside Embree's, on the very same rays, single rays on one thread: A B C A B C …,
+medians of pairs.
 
     python3 benches/rays_side_by_side.py [--folder F] [--rounds N] [--json F] [--markdown F] [--tables F] [--library NAME]... [MESH...]
 
-Needs `cargo build --release --example rays`, a C++ compiler, and for Embree Debian's `libembree-dev` or PyPI's `embreex`;
-what is missing is said in the table. Records the rays if the folder has none. Times are the processor time of the tracing
-thread, so that other work on the machine disturbs little. Every ray that the programs disagree on is judged in exact
-rational arithmetic.
+Needs `cargo build --release --example rays`, a C++ compiler, and for Embree Debian's `libembree-dev` or
+PyPI's `embreex`; what is missing is said in the table. Records the rays if the folder has none. Times are the
+processor time of the tracing thread, so that other work on the machine disturbs little. Every ray that the
+programs disagree on is judged in exact rational arithmetic.
 """
 
 import argparse
@@ -38,7 +39,7 @@ def embree_libraries():
 
 
 class Tracer:
-    """A program that holds a mesh and answers questions."""
+    """A program that has built the tree of a mesh and traces sets of rays on request."""
 
     def __init__(self, command, library_folder=None):
         environment = dict(os.environ)
@@ -59,7 +60,7 @@ class Tracer:
         self.process.stdin.write(" ".join(words) + "\n")
         self.process.stdin.flush()
         answer = json.loads(self.process.stdout.readline())
-        # A running thread's time is brought up to date when it waits for the next question.
+        # A running thread's time is up to date only when it waits for the next request.
         while open(f"/proc/{self.process.pid}/stat").read().rsplit(")", 1)[1].split()[0] != "S":
             pass
         answer["cpu"] = self.cpu() - before
@@ -82,7 +83,7 @@ def read_mesh(path):
 
 
 def exact_distance(ray, corners):
-    """Where the ray meets the triangle, edges included, without any rounding; None where it passes by."""
+    """The exact distance at which the ray meets the triangle, edges included; None where it misses."""
     number = [Fraction(float(x)) for x in ray[:7]]
     origin, start, direction = number[0:3], number[3], number[4:7]
     a, b, c = [[Fraction(float(x)) - o for x, o in zip(p, origin)] for p in corners]
@@ -101,7 +102,7 @@ def exact_distance(ray, corners):
 
 
 def disagreements(corners, rays, etalon, embree):
-    """Counts of rays on which the two differ, by who is right."""
+    """Counts of rays by whether the two programs agree, and if not, which of them is right."""
     counts = {"same": 0, "the same point of a shared edge": 0, "Embree misses": 0, "Embree farther": 0,
               "Etalon misses": 0, "Etalon farther": 0, "neither meets it exactly": 0}
     differ = etalon["primitive"] != embree["primitive"]

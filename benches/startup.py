@@ -1,10 +1,11 @@
-"""From the command line to the first picture of a large PLY mesh, beside Mitsuba: seconds of the processor and of the
-clock, and peak memory, each run a process of its own, A B C A B C …, medians.
+"""From the command line to the first picture of a large PLY mesh, beside Mitsuba: seconds of the processor
+and of the clock, and peak memory, each run a process of its own, A B C A B C …, medians.
 
     python3 benches/startup.py [--folder F] [--rounds N] [--json F] [--variants LIST]
 
-Needs `cargo build --release` with `--example rays`, and `pip install mitsuba`; a variant that cannot run is reported as
-missing. The picture has 16x16 pixels and one sample each, so that nearly all is reading and building.
+Needs `cargo build --release` with `--example rays`, and `pip install mitsuba`; a variant that cannot run is
+reported as missing. The picture has 16x16 pixels and one sample each, so that nearly all is reading and
+building.
 """
 
 import argparse
@@ -51,7 +52,7 @@ def write_ply(source, target):
 
 
 def measure(command):
-    """Runs a command in a process of its own; None if it fails."""
+    """Times and memory of a command run in a process of its own; None if it fails."""
     start = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)

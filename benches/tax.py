@@ -1,13 +1,16 @@
-"""What a feature costs a scene that does not use it, in instructions.
+"""The cost of a feature for a scene that does not use it, in instructions.
 
     python3 benches/tax.py [FEATURE …] [--json F] [--csv] [--check] [--keep]
 
-Needs valgrind, and the Python package OpenEXR. Each `benches/tax/*.json` removes a feature from a copy of the sources (in `target/tax`), by edits whose `find` occurs
-exactly `count` times (once if not said). Both programs, with and without it, render the same paths of two scenes under callgrind; the images must be equal to
-the bit. What a render of few samples takes is subtracted, so that reading, building and writing do not count. A tax of 1 % means that
-the program with the feature takes 1 % more instructions for each sample.
+Needs valgrind, and the Python package OpenEXR. Each `benches/tax/*.json` removes a feature from a copy of the
+sources (in `target/tax`), by edits whose `find` occurs exactly `count` times (once by default). Both
+programs, with and without it, render the same paths of two scenes under callgrind; the images must be
+bit-identical. The instructions of a render of few samples are subtracted, so that reading, building and
+writing do not count. A tax of 1 % means that the program with the feature takes 1 % more instructions per
+sample.
 
-`--check` only asks whether the edits still apply; `--csv` writes what `etalon explain` tells, `src/cli/tax.csv`, and wants all features.
+`--check` only tests whether the edits still apply; `--csv` writes the table that `etalon explain` shows,
+`src/cli/tax.csv`, and needs all features.
 """
 
 import argparse
@@ -39,7 +42,7 @@ def removals():
 
 
 def with_one_kernel(files):
-    """Leaves only the least kernel, which compiles several times faster."""
+    """The files with only the smallest kernel, which compile several times faster."""
     name = "src/integrator/mod.rs"
     text, count = re.subn(rb"\nkernels! \{\n.*?\n\}\n", b'\nkernels! {\n    "plain": 0,\n}\n', files[name], flags=re.DOTALL)
     assert count == 1
@@ -47,7 +50,7 @@ def with_one_kernel(files):
 
 
 def sources():
-    """What cargo needs, as it is now: whatever is edited meanwhile, all programs are made of the same."""
+    """The files that cargo needs, read once, so that all programs are built from the same sources."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
     files = {}
     for name in listed:
@@ -59,7 +62,7 @@ def sources():
 
 
 def removed(removal, files):
-    """The files that a removal changes, as they are then."""
+    """The files that a removal changes, with their new content."""
     changed = {}
     for edit in removal["edits"]:
         name, expected = edit["file"], edit.get("count", 1)
@@ -72,7 +75,7 @@ def removed(removal, files):
 
 
 def write_if_new(path, data):
-    """Leaves alone what is the same, so that cargo compiles only what differs."""
+    """Writes a file unless it has this content already, so that cargo compiles only what differs."""
     if os.path.exists(path):
         with open(path, "rb") as file:
             if file.read() == data:
@@ -83,7 +86,9 @@ def write_if_new(path, data):
 
 
 def cargo(what, files, removal, whole=False):
-    """Builds or checks what is left. What is only checked lies apart, so that both can go on at once."""
+    """Builds or checks the sources without a feature. Checks have a separate folder, so that both can run at
+    the same time.
+    """
     tree = os.path.join(FOLDER, what, "tree")
     files = {**files, **(removed(removal, files) if removal else {})}
     for name, data in (files if whole else with_one_kernel(files)).items():
@@ -103,14 +108,14 @@ def build(files, removal, whole=False):
 
 
 def scenes():
-    """Names of scenes, and what to render of each."""
+    """Names of scenes, with the arguments to render each."""
     hills = growth.scene_file(FOLDER, {**growth.USUAL, "width": 64})
     box = os.path.join(ROOT, "scenes", "cornell-spheres.xml")
     return {"cornell-spheres": [box, "--size", "64x48"], "hills": [hills]}
 
 
 def image(program, scene):
-    """The colours that a program makes, and its kernel."""
+    """The colour channels that a program renders, its kernel, and its number of rays."""
     import OpenEXR
 
     path = os.path.join(FOLDER, "o.exr")

@@ -1,5 +1,6 @@
-//! How often `--target-error` attains what it says, and how often the intervals of the standard errors hold
-//! the truth, over many seeds and several scenes. The truth is the mean over all seeds.
+//! How often `--target-error` reaches its target, and how often the confidence intervals from the standard
+//! errors contain the true value, over many seeds and several scenes. The true value is the mean over all
+//! seeds.
 //!
 //! ```sh
 //! cargo run --release --example attainment
@@ -75,11 +76,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// One seed: the pilot, and the image that its number of samples makes.
+/// The result of one seed: the pilot, and the image with the number of samples that it chose.
 struct Run {
     pilot: Pilot,
     quality: Quality,
-    /// Value and variance of the pixels' green.
+    /// Mean and variance of the green channel of each pixel.
     green: Vec<(f64, f64)>,
 }
 
@@ -120,10 +121,10 @@ fn row(runs: &[Run], target: f64) -> String {
     )
 }
 
-/// Another way to see heavy tails. In a pixel whose light came in k equal blocks, the variance of the mean is
-/// about mean²/k: a pixel of few events is one whose standard error is as large as its value. Only such
-/// variances can be far off, and they are taken for heavy where fewer than [`FEW`] of them would make as
-/// uncertain a sum.
+/// Another indicator of heavy tails. In a pixel whose light came in k equal blocks, the variance of the mean
+/// is about mean²/k: a pixel of few events is one whose standard error is as large as its value. Only such
+/// variances can be far off, and they count as heavy-tailed where fewer than [`FEW`] of them would make an
+/// equally uncertain sum.
 fn few_events(pixels: &[(f64, f64)]) -> bool {
     let sum: f64 = pixels.iter().map(|p| p.1).sum();
     let uncertain =
@@ -131,26 +132,26 @@ fn few_events(pixels: &[(f64, f64)]) -> bool {
     pixels.iter().map(uncertain).sum::<f64>() * FEW > sum * sum
 }
 
-/// As many as `etalon::render::pilot` asks for.
+/// The threshold of `etalon::render::pilot`.
 const FEW: f64 = 20.0;
 
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// Mean over the image's green, and the variance of it.
+/// Mean of the image's green channel, and the variance of that mean.
 fn image_mean(run: &Run) -> (f64, f64) {
     let n = run.green.len() as f64;
     let (sum, variance) = run.green.iter().fold((0.0, 0.0), |(s, v), green| (s + green.0, v + green.1));
     (sum / n, variance / (n * n))
 }
 
-/// The share of values whose 95 % interval holds the mean of all.
+/// The share of values whose 95 % interval contains the mean of all.
 fn coverage(values: &[(f64, f64)]) -> f64 {
     let truth = values.iter().map(|v| v.0).sum::<f64>() / values.len() as f64;
     let held = |v: &&(f64, f64)| (v.0 - truth).abs() <= NORMAL_95 * v.1.sqrt();
     values.iter().filter(held).count() as f64 / values.len() as f64
 }
 
-/// The same pixel by pixel, over those that are not always the same.
+/// The same share for each pixel, averaged over those that are not constant.
 fn pixel_coverage(runs: &[Run]) -> f64 {
     let pixels = (0..runs[0].green.len()).map(|i| runs.iter().map(|r| r.green[i]).collect::<Vec<_>>());
     let noisy: Vec<_> = pixels.filter(|values| values.iter().any(|v| v.1 > 0.0)).collect();

@@ -1,6 +1,6 @@
-//! Makes what the scenes of `scenes/convergence` need and what is too large to keep, or is easier to state
-//! than to draw: two meshes with 1 966 080 triangles in three bodies, a sky with a sun, and the interior's
-//! textures.
+//! Makes the files of the scenes of `scenes/convergence` that are too large for the repository, or easier to
+//! compute than to draw: two meshes with 1 966 080 triangles in three bodies, a sky with a sun, and the
+//! interior's textures.
 //!
 //! ```sh
 //! cargo run --release --example convergence_scenes
@@ -12,13 +12,13 @@ use std::error::Error;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Width of the sky's image; its height is half of it.
+/// Width in pixels of the sky's image; its height is half of it.
 const SKY: u32 = 512;
-/// Where the sun stands: +y is up.
+/// Direction to the sun, with +y up.
 const SUN: [f64; 3] = [0.45, 0.62, 0.64];
-/// Half the angle that the sun is wide, in radians: a haze makes it four times as wide as the true one.
+/// Angular radius of the sun in radians: a haze makes it four times as large as the true one.
 const SUN_RADIUS: f64 = 0.019;
-/// Width and height of a texture.
+/// Width and height of a texture in pixels.
 const TEXTURE: u32 = 96;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -36,8 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A latitude–longitude image: direction (sin θ sin φ, cos θ, −sin θ cos φ) at the place (φ/2π, θ/π), where φ
-/// = 0 is the centre.
+/// A latitude–longitude image: the direction (sin θ sin φ, cos θ, −sin θ cos φ) is at (φ/2π, θ/π), where φ =
+/// 0 is the centre.
 fn sky() -> Image {
     let (width, height) = (SKY, SKY / 2);
     let length = SUN.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -64,7 +64,7 @@ fn sky() -> Image {
 }
 
 /// Radiance from a height above the horizon and the cosine of the angle to the sun: blue above, pale at the
-/// horizon, earth below.
+/// horizon, brown below.
 fn radiance(height: f64, toward: f64) -> [f64; 3] {
     if toward > libm::cos(SUN_RADIUS) {
         return [1600.0, 1450.0, 1200.0];
@@ -89,7 +89,7 @@ fn texture(color: fn(f64, f64) -> [f64; 3]) -> Rgb8 {
     picture
 }
 
-/// Dots within lozenges, which go on over the edges.
+/// Dots within lozenges, periodic over the edges.
 fn wallpaper(x: f64, y: f64) -> [f64; 3] {
     let [across, along] = [x, y].map(|t| libm::cos(2.0 * PI * 2.0 * t));
     if (across + along).abs() < 0.18 {

@@ -1,10 +1,10 @@
-//! How often the 95 % intervals of the standard errors hold the truth, and what another way of estimating
-//! them would do: blocks of other lengths, Student's quantile instead of the normal one. The truth is the
-//! mean over all replicates.
+//! How often the 95 % intervals from the standard errors contain the true value, and what other estimators
+//! would achieve: blocks of other lengths, Student's quantile instead of the normal one. The true value is
+//! the mean over all replicates.
 //!
-//! Every replicate is rendered in ranges of four samples, from whose means each estimator makes its variance,
-//! so that all of them judge the same pictures. A line of JSON for every scene, sampler, integrator and
-//! estimator:
+//! Every replicate is rendered in ranges of four samples, from whose means each estimator computes its
+//! variance, so that all of them use the same pictures. Prints a line of JSON for every scene, sampler,
+//! integrator and estimator:
 //!
 //! ```sh
 //! cargo run --release --example coverage -- --replicates 2000 --spp 64 > coverage.jsonl
@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Green of every pixel of one replicate: the means of its ranges of four samples, pixel after pixel.
+/// Renders one replicate: for each pixel, the means of the green channel over its ranges of four samples.
 fn replicate(scene: &Scene, seed: u32, spp: u64) -> Result<Vec<Vec<f64>>, String> {
     let window = scene.sensor.film.crop;
     let mut pixels = vec![vec![]; window.pixels()];
@@ -99,12 +99,13 @@ fn replicate(scene: &Scene, seed: u32, spp: u64) -> Result<Vec<Vec<f64>>, String
     Ok(pixels)
 }
 
-/// A way to an interval of a pixel.
+/// An estimator of a pixel's confidence interval.
 struct Estimator {
+    /// Number of blocks from whose means the variance is estimated.
     blocks: usize,
-    /// The quantile is Student's, not the normal one.
+    /// Whether the quantile is Student's instead of the normal one.
     student: bool,
-    /// A variance is at least the mean of those within two pixels.
+    /// Whether a variance is at least the mean of those within two pixels.
     smoothed: bool,
 }
 
@@ -117,7 +118,7 @@ fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String
     let truths: Vec<f64> =
         (0..count).map(|p| all.iter().map(|r| mean(&r[p])).sum::<f64>() / all.len() as f64).collect();
     let truth = mean(&truths);
-    // Values of f32 that differ by rounding only have no variance to speak of.
+    // Values that differ by the rounding of f32 only have no variance.
     let noisy: Vec<bool> =
         (0..count).map(|p| all.iter().any(|r| (mean(&r[p]) - truths[p]).abs() > 1e-6 * truths[p])).collect();
     for Estimator { blocks, student, smoothed } in estimators((arguments.spp / BLOCK) as usize) {
@@ -153,7 +154,7 @@ fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String
     Ok(())
 }
 
-/// What the file holds (every piece is a block, normal quantile), and one change after the other.
+/// The estimator of the file format (every range is a block, normal quantile), and variants of it.
 fn estimators(pieces: usize) -> Vec<Estimator> {
     let mut lengths = vec![pieces, pieces / 4, 8, 4];
     lengths.retain(|blocks| (2..=pieces).contains(blocks));
@@ -167,9 +168,10 @@ fn estimators(pieces: usize) -> Vec<Estimator> {
     std::iter::once(plain).chain(others).collect()
 }
 
-/// The variance of the image's mean, from its estimate `v` of `blocks` blocks and that of a quarter as many.
-/// With samples whose mean has a variance ∝ n^−θ, B blocks find B^(θ−1) times the variance; the ratio r of
-/// both estimates is 4^(1−θ), and v r^log₄B is what one block would find. For independent samples r = 1.
+/// The variance of the image's mean, extrapolated from its estimate `v` with `blocks` blocks and that with a
+/// quarter as many. With samples whose mean has a variance ∝ n^−θ, B blocks yield B^(θ−1) times the variance;
+/// the ratio r of both estimates is 4^(1−θ), and v r^log₄B is what one block would yield. For independent
+/// samples r = 1.
 fn extrapolated(replicate: &[Vec<f64>], v: f64, blocks: usize) -> f64 {
     if blocks < 8 {
         return v;
@@ -187,7 +189,7 @@ fn neighbours(found: &[(f64, f64)], width: usize, p: usize) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean, and the variance of it from the scatter of blocks.
+/// Mean of the values, and the variance of that mean from the differences between blocks.
 fn estimate(values: &[f64], blocks: usize) -> (f64, f64) {
     let length = values.len() / blocks;
     let means: Vec<f64> =
@@ -200,8 +202,8 @@ fn estimate(values: &[f64], blocks: usize) -> (f64, f64) {
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// The two-sided 95 % quantile of Student's distribution, by Cornish and Fisher's expansion with four terms
-/// (Abramowitz and Stegun 26.7.5); below three degrees of freedom it is not good enough, and the exact values
-/// stand.
+/// (Abramowitz and Stegun 26.7.5); below five degrees of freedom it is too inaccurate, and the exact values
+/// are used.
 fn quantile(degrees: usize) -> f64 {
     let (z, n) = (NORMAL_95, degrees as f64);
     let z2 = z * z;

@@ -1,21 +1,21 @@
-//! The files that pass between the programs: little-endian numbers of four bytes, so that a reader is three
-//! lines in any language.
+//! The file formats that the programs exchange: little-endian numbers of four bytes, so that a reader takes
+//! three lines in any language.
 //!
-//! `.mesh`: the numbers of vertices and triangles, then x y z of each vertex (`f32`) and three indices a
-//! triangle (`u32`). `.rays`: per ray its origin, the distance where it starts, its direction and the
+//! `.mesh`: the numbers of vertices and triangles, then x y z of each vertex (`f32`) and three indices per
+//! triangle (`u32`). `.rays`: for each ray its origin, the distance where it starts, its direction and the
 //! distance where it ends (`f32`).
 
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Vertices and triangles, without anything that rays do not meet.
+/// Vertices and triangles, without attributes that do not matter for intersection.
 #[derive(Default)]
 pub struct Soup {
     pub positions: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Origin, start, direction, end.
+/// A ray: origin, start, direction, end.
 pub type RayRecord = [f32; 8];
 
 pub fn write_mesh(path: &Path, soup: &Soup) -> io::Result<()> {

@@ -1,4 +1,4 @@
-//! Records rays on meshes made by code, and replays recorded rays, for timings beside other ray tracers.
+//! Records rays on procedural meshes, and replays recorded rays, to compare run times with other ray tracers.
 //!
 //! ```sh
 //! cargo run --release --example rays -- record FOLDER [MESH...]
@@ -6,9 +6,9 @@
 //! ```
 //!
 //! `record` writes `MESH.mesh` and `MESH-KIND.rays`. `replay` builds the tree, prints a line of JSON about
-//! it, and then answers lines on standard input: `closest KIND` and `occluded KIND` trace the set once and
-//! print `{"seconds": s}`; `hits KIND FILE` also writes what each ray met. `benches/rays_side_by_side.py`
-//! drives it.
+//! it, and then answers requests, one per line of standard input: `closest KIND` and `occluded KIND` trace
+//! the set once and print `{"seconds": s}`; `hits KIND FILE` also writes what each ray hit.
+//! `benches/rays_side_by_side.py` is the client.
 
 mod file;
 mod meshes;

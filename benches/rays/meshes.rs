@@ -1,20 +1,24 @@
-//! Meshes of four characters: round and closed, many of these in a room, long and thin, and a landscape seen
-//! from above.
+//! Procedural meshes of four kinds: round and closed, many of these in a room, long and thin, and a landscape
+//! seen from above.
 
 use crate::file::Soup;
 use etalon::math::{DVec3, Transform, warp};
 use etalon::sampler::{Kind, Sampler};
 use etalon::shape::mesh_data::sea_urchin;
 
-/// A name, a mesh, and where a camera sees it from.
+/// A mesh with the positions of a camera, its target and a lamp.
 pub struct Subject {
+    /// The mesh.
     pub soup: Soup,
+    /// Position of the camera.
     pub eye: DVec3,
+    /// The point that the camera looks at.
     pub target: DVec3,
+    /// Centre of the square lamp.
     pub light: DVec3,
 }
 
-/// Makes a mesh, with places to look from.
+/// A function that makes a mesh with its positions.
 type Making = fn() -> Subject;
 
 /// Every mesh by name; names end with the rounded number of triangles.
@@ -26,7 +30,7 @@ pub const MESHES: &[(&str, Making)] = &[
     ("urchins-2500k", || urchins(120, 5)),
 ];
 
-/// Numbers in [0, 1) that belong to item `index`.
+/// Random numbers in [0, 1) that are a function of `index` and `block`.
 fn uniform(index: u32, block: u32) -> impl Fn(usize) -> f64 {
     let numbers = Sampler::new(Kind::Independent, 1, (index, 0), 0).block(block);
     move |i| numbers.one(i)
@@ -56,13 +60,13 @@ fn scale(x: f64, y: f64, z: f64) -> Transform {
     Transform::scale(DVec3::new(x, y, z)).expect("the sizes are constants, none zero")
 }
 
-/// A turn by a random angle about a random axis.
+/// A rotation by a random angle about a random axis.
 fn turn(u: impl Fn(usize) -> f64) -> Transform {
     let axis = warp::sphere(etalon::math::DVec2::new(u(0), u(1)));
     Transform::rotate(axis, 360.0 * u(2)).expect("the axis has unit length")
 }
 
-/// So many urchins of 20·4ⁿ triangles in a closed room.
+/// A number of urchins, of 20·4ⁿ triangles each, in a closed room.
 fn urchins(count: u32, subdivision: u32) -> Subject {
     let mut soup = Soup::default();
     soup.add_box(&scale(10.0, 5.0, 10.0));
@@ -81,7 +85,7 @@ fn urchins(count: u32, subdivision: u32) -> Subject {
     Subject { soup, eye: DVec3::new(-4.5, 1.5, -4.5), target: DVec3::ZERO, light: DVec3::new(1.0, 2.4, -2.0) }
 }
 
-/// Thin sticks across a room in all directions: the boxes of their triangles are nearly empty.
+/// Thin sticks across a room in all directions: the bounding boxes of their triangles are nearly empty.
 fn twigs() -> Subject {
     let mut soup = Soup::default();
     soup.add_box(&scale(10.0, 5.0, 10.0));
@@ -94,7 +98,7 @@ fn twigs() -> Subject {
     Subject { soup, eye: DVec3::new(-4.5, 1.5, -4.5), target: DVec3::ZERO, light: DVec3::new(1.0, 2.4, -2.0) }
 }
 
-/// A square of hills at five scales under an open sky.
+/// A square of hills at five scales under the open sky.
 fn landscape() -> Subject {
     const SIDE: u32 = 512;
     let height = |x: f64, z: f64| {

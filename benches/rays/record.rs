@@ -1,4 +1,4 @@
-//! The rays that a path tracer with one bounce would trace, found with the program's own tree.
+//! The rays that a path tracer with one bounce traces, found with Etalon's own tree.
 
 use crate::file::{RayRecord, write_mesh, write_rays};
 use crate::meshes::Subject;
@@ -11,11 +11,11 @@ use etalon::shape::{Geometry, Mesh};
 use std::error::Error;
 use std::path::Path;
 
-/// Rays in each direction of the picture.
+/// Number of rays along each side of the picture.
 const SIDE: u32 = 512;
 
-/// Writes a mesh and its rays: *primary* from a pinhole in rows, *shadow* from where these end to a square
-/// lamp, and *bounce* from there in a cosine-distributed direction.
+/// Writes a mesh and its rays: *primary* rays from a pinhole in row-major order, *shadow* rays from their
+/// hits to a square lamp, and *bounce* rays from these hits in a cosine-distributed direction.
 pub fn record(folder: &Path, name: &str, subject: &Subject) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     write_mesh(&folder.join(format!("{name}.mesh")), &subject.soup)?;
@@ -31,7 +31,8 @@ pub fn record(folder: &Path, name: &str, subject: &Subject) -> Result<(), Box<dy
     ));
     let accel = Accel::new(&[&mesh]);
     let (lo, hi) = mesh.bounds();
-    // In place of what Etalon knows of the primitive that a ray leaves and others do not.
+    // An offset against self-hits. Etalon excludes the primitive that a ray leaves instead, which other ray
+    // tracers do not.
     let start = 1e-4 * (hi - lo).max_element();
 
     let camera = Frame::about(unit(subject.target - subject.eye));
@@ -68,7 +69,7 @@ fn ray(origin: DVec3, direction: DVec3, start: f64, end: f64) -> RayRecord {
     [a, b, c, start, x, y, z, end].map(|v| v as f32)
 }
 
-/// The ray that a record stands for.
+/// The ray of a record.
 pub fn replayed(record: &RayRecord) -> Ray {
     let [a, b, c, start, x, y, z, end] = record.map(f64::from);
     Ray { start, end, ..Ray::free(DVec3::new(a, b, c), DVec3::new(x, y, z)) }

@@ -1,4 +1,4 @@
-//! Traces recorded rays when told to, one thread, and says how long it took.
+//! Traces recorded rays on request, with one thread, and prints the time.
 
 use crate::file::{read_mesh, read_rays};
 use crate::record::replayed;
@@ -12,7 +12,7 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// Answers the questions on standard input about one mesh.
+/// Answers the requests on standard input about one mesh.
 pub fn replay(folder: &Path, name: &str) -> Result<(), Box<dyn Error>> {
     let soup = read_mesh(&folder.join(format!("{name}.mesh")))?;
     let data = MeshData { positions: soup.positions, triangles: soup.triangles, ..MeshData::default() };
@@ -52,7 +52,7 @@ pub fn replay(folder: &Path, name: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Per ray the distance (`f64`; infinite where nothing was met) and the triangle (`u64`).
+/// Writes for each ray the distance (`f64`; infinite without a hit) and the triangle (`u64`).
 fn write_hits(path: &Path, hits: impl Iterator<Item = Option<Hit>>) -> std::io::Result<()> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
     for hit in hits {

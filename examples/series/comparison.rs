@@ -1,8 +1,8 @@
-//! Schlick's approximation against Fresnel's equations, in a picture and in closed form.
+//! Comparison of Schlick's approximation with Fresnel's equations, in a picture and in closed form.
 //!
-//! Both pictures are made of the same random numbers, so that most of their noise is the same and leaves the
-//! difference. How much is left is measured: the comparison is repeated with other seeds, and what is printed
-//! is the mean over seeds with its standard error.
+//! Both pictures use the same random numbers, so that most of their noise cancels in the difference. The
+//! remaining noise is measured: the comparison is repeated with other seeds, and the mean over seeds is
+//! printed with its standard error.
 
 use crate::picture::Studio;
 use etalon::bsdf::fresnel;
@@ -13,7 +13,7 @@ use std::error::Error;
 use std::path::Path;
 
 const SEEDS: u32 = 4;
-/// A linear difference of ±1/`GAIN` is white or black in the picture; none is grey.
+/// A linear difference of ±1/`GAIN` is white or black in the picture; 0 is grey.
 const GAIN: f32 = 10.0;
 
 /// Compares the two on a scene with a parameter `fresnel`, prints the figures, and returns three captioned
@@ -63,7 +63,7 @@ pub fn run(studio: &Studio, path: &Path) -> Result<Vec<(String, Rgb8)>, Box<dyn 
     Ok(vec![("schlick".into(), of_schlick), ("exact".into(), of_exact), (caption, signed)])
 }
 
-/// Mean over seeds and its standard error, of a figure found once for each seed.
+/// Prints the mean over seeds and its standard error, of a figure computed once for each seed.
 fn print(what: &str, values: &[f64]) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -71,7 +71,8 @@ fn print(what: &str, values: &[f64]) {
     println!("  {what}: {:+.4} % ± {:.4} %", 100.0 * mean, 100.0 * (variance / n).sqrt());
 }
 
-/// The largest |R_schlick − R_exact| over angles of incidence, entering glass of index η and leaving it.
+/// Prints the largest |R_schlick − R_exact| over angles of incidence, entering glass of index η and leaving
+/// it.
 fn closed_form(eta: f64) {
     const STEPS: u32 = 90_000;
     for (way, eta) in [("entering", eta), ("leaving", 1.0 / eta)] {
@@ -88,7 +89,7 @@ fn closed_form(eta: f64) {
     }
 }
 
-/// The pixels whose centre sees glass.
+/// The pixels whose centre ray hits glass.
 fn glass_pixels(scene: &Scene) -> Vec<bool> {
     let (width, height) = scene.sensor.film.size;
     let sees_glass = |ray: &Ray| {
@@ -112,8 +113,8 @@ fn mean(image: &Image, select: impl Fn(usize) -> bool) -> f64 {
     sum / n as f64
 }
 
-/// A number for each pixel and channel from those of two images. It is no render any more: nothing is said of
-/// its variance and provenance.
+/// A function of each pixel and channel of two images. The result is no render, so it has no variance and no
+/// provenance.
 fn combine(a: &Image, b: &Image, f: impl Fn(f32, f32) -> f32) -> Image {
     let channel = |(a, b): (&Channel, &Channel)| Channel {
         name: a.name.clone(),
@@ -124,7 +125,7 @@ fn combine(a: &Image, b: &Image, f: impl Fn(f32, f32) -> f32) -> Image {
     Image { full: a.full, crop: a.crop, channels, provenance: None, accumulators: None }
 }
 
-/// A difference as a picture: grey is none.
+/// A difference as a picture; 0 is grey.
 fn show(difference: &Image) -> Rgb8 {
     let code = |value: f32| (127.5 + 127.5 * (GAIN * value).clamp(-1.0, 1.0) + 0.5) as u8;
     let channels = &difference.channels;

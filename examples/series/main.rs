@@ -1,5 +1,5 @@
-//! The pictures of the course path tracer that Etalon grew out of: mirror and glass by number of bounces, a
-//! thin lens by aperture and focus, and what Schlick's approximation to Fresnel's equations costs.
+//! The pictures of the course path tracer from which Etalon developed: mirror and glass by number of bounces,
+//! a thin lens by aperture and focus, and the error of Schlick's approximation to Fresnel's equations.
 //!
 //! ```sh
 //! cargo run --release --example series            # all of it, into target/series
@@ -59,7 +59,7 @@ fn spheres(studio: &Studio, scene: &Path) -> Result<Captioned, Box<dyn Error>> {
     BOUNCES.into_iter().map(picture).collect()
 }
 
-/// Depth of field, on a mesh that is made here.
+/// Depth of field, on a mesh that is generated here.
 fn lenses(studio: &Studio, scene: &Path) -> Result<Captioned, Box<dyn Error>> {
     let mesh = std::path::absolute(studio.output.join("urchin.ply"))?;
     write_ply(&sea_urchin(7), &mesh)?;

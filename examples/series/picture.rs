@@ -9,12 +9,13 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What all pictures of the series share.
+/// Settings that all pictures of the series share.
 pub struct Studio {
+    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u32,
-    /// Folder of the pictures.
+    /// Folder for the pictures.
     pub output: PathBuf,
 }
 
@@ -62,7 +63,7 @@ impl Studio {
     }
 }
 
-/// `WxH`.
+/// Parses `WxH`.
 pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     let (width, height): (u32, u32) = parsed.ok_or("expected such as 480x360")?;

@@ -2,9 +2,9 @@
 
     python3 validation/peers/cycles_render.py SCENE.xml OUT.exr SPP SEED THREADS
 
-Needs `pip install bpy==5.0.1`, in an environment of its own. No clamping, no denoiser, no adaptive sampling, no glossy filter,
-no light threshold, all bounces; caustics are on, and so is the light tree. Time begins when Cycles says that it is at sample 0,
-with the acceleration structure built.
+Needs `pip install bpy==5.0.1`, in a separate environment. No clamping, no denoiser, no adaptive sampling, no
+glossy filter, no light threshold, all bounces; caustics and the light tree are on. Time is measured from the
+moment when Cycles reports sample 0, with the acceleration structure built.
 """
 import json
 import math
@@ -31,7 +31,7 @@ def rgba(color):
 
 
 def connect_color(tree, value, socket):
-    """Three numbers, or an image texture by the mesh's coordinates."""
+    """Sets a socket to three numbers, or to an image texture with the mesh's coordinates."""
     if isinstance(value, list):
         socket.default_value = rgba(value)
         return
@@ -44,7 +44,7 @@ def connect_color(tree, value, socket):
 
 
 def connect_value(tree, value, socket):
-    """The same for one number: the mean of an image's colours."""
+    """Sets a socket to one number, or to the mean of an image texture's colours."""
     color = tree.nodes.new("ShaderNodeRGBToBW")
     connect_color(tree, value, color.inputs["Color"])
     tree.links.new(color.outputs["Val"], socket)
@@ -69,7 +69,7 @@ def scatterer(tree, material):
         made.distribution, made.fresnel_type = "GGX", "PHYSICAL_CONDUCTOR"
         made.inputs["IOR"].default_value, made.inputs["Extinction"].default_value = material["eta"], material["k"]
         if tinted:
-            # A grey texture scales the metal: what is left is black.
+            # A grey texture scales the metal, which is mixed with black.
             mixed = tree.nodes.new("ShaderNodeMixShader")
             black = node(tree, "ShaderNodeBsdfDiffuse", Color=rgba([0, 0, 0]))
             connect_value(tree, material["reflectance"], mixed.inputs["Fac"])
@@ -86,7 +86,7 @@ def make_material(name, mesh):
     tree.nodes.clear()
     surface = scatterer(tree, mesh["material"])
     if mesh["radiance"]:
-        # Light leaves the front only; the surface beneath it reflects.
+        # The mesh emits from its front only, and its surface also reflects.
         made.cycles.emission_sampling = "FRONT"
         emission = node(tree, "ShaderNodeEmission", Color=rgba(mesh["radiance"]), Strength=1.0)
         side = tree.nodes.new("ShaderNodeMixShader")
@@ -124,7 +124,7 @@ def add_environment(environment):
         return
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = bpy.data.images.load(environment["image"])
-    # Blender's images have z up: its x, y, z are Mitsuba's −z, −x, y.
+    # In Blender's images z is up: its x, y, z are Mitsuba's −z, −x, y.
     turn = node(tree, "ShaderNodeMapping", Rotation=Matrix(((0, 0, -1), (-1, 0, 0), (0, 1, 0))).to_euler())
     tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], turn.inputs["Vector"])
     tree.links.new(turn.outputs["Vector"], texture.inputs["Vector"])

@@ -1,10 +1,10 @@
-"""Makes validation/references/golden/bsdf.json: what Mitsuba 3 evaluates for every example of Etalon's materials.
+"""Makes validation/references/golden/bsdf.json: Mitsuba 3's values for every example of Etalon's materials.
 
     cargo build --release && python3 validation/peers/golden_bsdf.py
 
-For each `<bsdf>` example of `etalon plugins --json` that Mitsuba reads: value (cosine included) at four wavelengths and
-density, on a fixed grid of directions. Directions are exact in single precision, so that both sides start alike. An example
-that Mitsuba does not read is listed with its reason.
+For each `<bsdf>` example of `etalon plugins --json` that Mitsuba reads: value (cosine included) at four
+wavelengths and density, on a fixed grid of directions. Directions are exact in single precision, so that both
+programs have the same input. An example that Mitsuba does not read is listed with the reason.
 """
 import json
 import math
@@ -26,7 +26,7 @@ def direction(cosine, phi):
 
 
 def grid():
-    """Pairs (wo, wi): five angles of view, directions all around, and near the mirror direction."""
+    """Pairs (wo, wi): five angles of wo, with wi in all directions, and near the mirror direction."""
     pairs = []
     for degrees in (0, 35, 75, 89, 150):
         cosine = math.cos(math.radians(degrees))
@@ -46,7 +46,7 @@ def interaction(wo):
 
 
 def digits(number):
-    """The shortest text that is the same single-precision number."""
+    """The number of the shortest text that denotes the same single-precision number."""
     return float(str(np.float32(number)))
 
 

@@ -1,4 +1,7 @@
-"""A diffuse reflector that `validate bsdf --peer "python3 validation/peers/lambert.py"` judges. See docs/peer-protocol.md."""
+"""A diffuse reflector as a peer: `validate bsdf --peer "python3 validation/peers/lambert.py"`.
+
+See docs/peer-protocol.md.
+"""
 import json
 import math
 import sys
@@ -13,7 +16,8 @@ def pdf(wo, wi):
 
 
 def sample(wo, u):
-    """A direction of density cos/pi, or None below the surface. u[0] would choose a lobe; there is but one."""
+    """A direction of density cos/pi, or None below the surface. u[0] would choose a lobe; there is only
+    one."""
     cosine, angle = math.sqrt(1 - u[1]), 2 * math.pi * u[2]
     sine = math.sqrt(u[1])
     wi = [sine * math.cos(angle), sine * math.sin(angle), cosine]

@@ -1,4 +1,4 @@
-"""lambert.py with a density that is 2 % too large, which every judge must notice."""
+"""lambert.py with a density that is 2 % too large, which the checks must detect."""
 import lambert
 
 honest = lambert.pdf

@@ -2,9 +2,10 @@
 
     python3 validation/peers/luxcore_render.py path|bidir SCENE.xml OUT.exr SPP SEED THREADS
 
-Needs `pip install pyluxcore==2.11.2 'numpy<2'`, in an environment of its own. Nothing is clamped, no sampling is adaptive,
-and light tracing is no part of `path`. The bidirectional path length cannot be capped. LuxCore looks seldom whether it is
-done, so it may render more than it was asked for; the time is that of what it rendered.
+Needs `pip install pyluxcore==2.11.2 'numpy<2'`, in a separate environment. Nothing is clamped, no sampling is
+adaptive, and `path` traces no light paths. The bidirectional path length cannot be limited. LuxCore seldom
+tests whether it is done, so it may render more samples than requested; the time is that of the rendered
+samples.
 """
 import json
 import os
@@ -41,7 +42,7 @@ class Translation:
         self.lines += [f"{prefix}.{key.replace('__', '.')} = {value}" for key, value in values.items()]
 
     def color(self, value):
-        """Three numbers, or the name of an image texture."""
+        """Three numbers, or the name of an image texture, as LuxCore writes them."""
         if isinstance(value, list):
             return words(value)
         name = self.images.setdefault(value["image"], f"t{len(self.images)}")
@@ -66,7 +67,7 @@ class Translation:
             self.add(inner, type="metal2", n=words(material["eta"]), k=words(material["k"]),
                      uroughness=material["roughness"], vroughness=material["roughness"])
             if tinted:
-                # A grey texture scales the metal: what is left is black.
+                # A grey texture scales the metal, which is mixed with black.
                 self.add(f"{prefix}black", type="matte", kd="0 0 0")
                 self.add(prefix, type="mix", material1=f"{name}black", material2=f"{name}bare",
                          amount=self.color(material["reflectance"]))
@@ -79,7 +80,7 @@ class Translation:
         if "color" in environment:
             self.add("scene.lights.sky", type="constantinfinite", color=words(environment["color"]), gain="1 1 1")
         else:
-            # LuxCore's images have z up and begin elsewhere: its x, y, z are Mitsuba's −z, −x, y.
+            # In LuxCore's images z is up, and they begin elsewhere: its x, y, z are Mitsuba's −z, −x, y.
             turn = "0 0 -1 0  -1 0 0 0  0 1 0 0  0 0 0 1"
             self.add("scene.lights.sky", type="infinite", file=environment["image"], gamma=1.0, transformation=turn,
                      gain=words([environment["scale"]] * 3), visibilitymap__enable=0)
@@ -91,7 +92,7 @@ class Translation:
 
 
 def reflectance(material):
-    """A smooth metal's colour, at normal incidence: LuxCore's mirror has no other."""
+    """A smooth metal's reflectance at normal incidence: LuxCore's mirror does not depend on the angle."""
     if material["eta"] is None:
         return material["reflectance"]
     n, k = np.array(material["eta"]), np.array(material["k"])
@@ -126,7 +127,7 @@ def main():
     settings = configuration(engine, source["sensor"], source["max_depth"], int(spp), int(seed), int(threads))
     session = pyluxcore.RenderSession(pyluxcore.RenderConfig(settings, scene))
     session.Start()
-    # The engine's own clock begins when its threads do.
+    # The engine's own clock starts with its threads.
     begun, busy = time.perf_counter(), time.process_time()
     while not session.HasDone():
         time.sleep(0.005)
@@ -140,7 +141,7 @@ def main():
     session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB, pixels, 0)
     neutral.write_exr(out, pixels[::-1])
     print(json.dumps({"seconds": seconds, "startup": begun - start, "cpu_seconds": cpu, "samples": samples}), flush=True)
-    # Taking the engine down sometimes crashes; the picture is written.
+    # Shutting down the engine sometimes crashes; the picture has been written.
     os._exit(0)
 
 

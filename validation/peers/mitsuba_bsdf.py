@@ -2,8 +2,9 @@
 
     python3 validation/peers/mitsuba_bsdf.py [VARIANT]
 
-VARIANT is a compiled spectral one (llvm_ad_spectral by default). The Python packages of Mitsuba compute in single precision:
-directions and random numbers are rounded to it on arrival. See docs/peer-protocol.md and docs/mitsuba-bsdfs.md.
+VARIANT is a compiled spectral one (llvm_ad_spectral by default). Mitsuba's Python packages compute in single
+precision, to which received directions and random numbers are rounded. See docs/peer-protocol.md and
+docs/mitsuba-bsdfs.md.
 """
 import json
 import sys
@@ -20,17 +21,17 @@ REDDISH = {"type": "rgb", "value": [0.9, 0.5, 0.2]}
 
 
 def glass(eta=1.5, **more):
-    """Claims and parameters of an interface from air into eta."""
+    """Claims and parameters of an interface from air to a medium of index eta."""
     return {"reciprocal": True, "eta": eta}, {"int_ior": eta, "ext_ior": 1.0, **more}
 
 
 def image(rows):
-    """A texture of these numbers, as they are."""
+    """A texture with these numbers as raw values."""
     return {"type": "bitmap", "bitmap": mi.Bitmap(np.array(rows, dtype=np.float32)), "raw": True}
 
 
 def configurations():
-    """Name, claims and Mitsuba's dictionary of each."""
+    """Name, claims and Mitsuba's dictionary of each configuration."""
     def add(name, type_, claims, **parameters):
         found.append((name, claims, {"type": type_, **parameters}))
 
@@ -62,7 +63,7 @@ def configurations():
             diffuse_reflectance=REDDISH)
     add("roughplastic beckmann nonlinear", "roughplastic", RECIPROCAL, alpha=0.2, nonlinear=True,
         diffuse_reflectance=REDDISH)
-    # Artistic models: no law is documented beyond that sampling and evaluation belong together.
+    # Artistic models: nothing is documented but that sampling and evaluation are consistent.
     add("principled", "principled", {}, base_color=REDDISH, roughness=0.4)
     add("principled metallic anisotropic", "principled", {}, base_color=REDDISH, roughness=0.4, metallic=0.7,
         anisotropic=0.8)
@@ -78,7 +79,7 @@ def configurations():
     add("mask", "mask", RECIPROCAL, opacity=0.6, nested={"type": "diffuse"})
     add("twosided", "twosided", RECIPROCAL, nested={"type": "roughconductor", "alpha": 0.3})
     add("null", "null", {"reciprocal": True, "lossless": True})
-    # A normal that leans by 17 degrees, and heights that rise by a half along u and fall by a quarter along v.
+    # A normal tilted by 17 degrees, and heights that rise by 1/2 along u and fall by 1/4 along v.
     leaning = image([[[0.62, 0.41, 0.94]] * 2] * 2)
     slope = image([[[0.5 * (x + 0.5) / 64 - 0.25 * (y + 0.5) / 64] for x in range(64)] for y in range(64)])
     metal = {"type": "roughconductor", "alpha": 0.3}
@@ -104,7 +105,7 @@ def interaction(wo):
 
 
 def column(numbers, count):
-    """A list of numbers; null where one is none."""
+    """A list of numbers, with null where one is not finite."""
     values = np.broadcast_to(np.array(numbers, dtype=np.float64).ravel(), count)
     return [v if finite else None for v, finite in zip(values.tolist(), np.isfinite(values).tolist())]
 
@@ -123,7 +124,7 @@ def sample(bsdf, request):
     count = len(request["wo"])
     delta = np.broadcast_to(np.array(mi.has_flag(drawn.sampled_type, mi.BSDFFlags.Delta)).ravel(), count)
     pdf, wi = column(drawn.pdf, count), zip(*(column(c, count) for c in (drawn.wo.x, drawn.wo.y, drawn.wo.z)))
-    # A density or a weight of 0 is how Mitsuba says that there is no sample.
+    # Mitsuba reports by a density or a weight of 0 that there is no sample.
     weight = column(weight[0], count)
     wi = [None if p == 0 or w == 0 else list(d) for p, w, d in zip(pdf, weight, wi)]
     return {"wi": wi, "weight": weight, "pdf": pdf, "delta": delta.astype(bool).tolist()}

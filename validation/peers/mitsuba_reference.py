@@ -3,22 +3,23 @@
 
     python3 validation/peers/mitsuba_reference.py                 all scenes, both colour modes
     python3 validation/peers/mitsuba_reference.py conductor aov   these scenes
-    python3 validation/peers/mitsuba_reference.py --coverage      which scene covers what; fails if something is missing
-    python3 validation/peers/mitsuba_reference.py --stale         which references are older than what they were made from
+    python3 validation/peers/mitsuba_reference.py --coverage      features by scene; fails if one is missing
+    python3 validation/peers/mitsuba_reference.py --stale         references whose inputs have changed
 
-A scene NAME.xml gives NAME.rgb.exr and NAME.spectral.exr. Their channels are the film's, in linear sRGB, and for each
-channel X the variance of the pixel's mean as variance.X. references.json says how each was made.
+A scene NAME.xml gives NAME.rgb.exr and NAME.spectral.exr. Their channels are the film's, in linear sRGB, and
+for each channel X the variance of the pixel's mean as variance.X. references.json records how each was made.
 
-The scene's own reconstruction filter stays, because filters are under test. A sample then counts in several pixels, so
-the variance comes from independent renders instead of from samples. Replicate r gives in each pixel the filtered sum
-A_r and the sum of filter weights W_r. The pixel is the ratio m = sum A_r / sum W_r of all of them, whose bias falls with
-the number of all samples, not with that of a single replicate; this matters for filters with negative lobes. Its
-variance is that of the linearised ratio (Cochran, Sampling Techniques, 3rd ed. 1977, section 2.11):
+The scene's own reconstruction filter is kept, because filters are under test. A sample then counts in several
+pixels, so the variance is estimated from independent replicates instead of from samples. Replicate r gives in
+each pixel the filtered sum A_r and the sum of filter weights W_r. The pixel is the ratio m = sum A_r / sum
+W_r of all of them, whose bias decreases with the number of all samples, not with that of a single replicate;
+this matters for filters with negative lobes. Its variance is that of the linearised ratio (Cochran, Sampling
+Techniques, 3rd ed. 1977, section 2.11):
 
     e_r = (A_r - m W_r) / mean(W),        variance = sum e_r^2 / (R (R - 1)).
 
-The standard error of the image's mean follows from the replicates' means of e_r, which carry the correlation between
-neighbouring pixels; summing the pixels' variances would not.
+The standard error of the image's mean follows from the replicates' means of e_r, which include the
+correlation between neighbouring pixels; the sum of the pixels' variances would not.
 """
 import argparse
 import hashlib
@@ -37,7 +38,9 @@ RECORD = REFERENCES / "references.json"
 
 
 def select_variant(mi, mode):
-    """Compiled variants are fast, and evaluate filters exactly; scalar ones tabulate them in 31 steps."""
+    """Selects the compiled variant, which is fast and evaluates filters exactly, or else the scalar one,
+    which tabulates them in 31 steps.
+    """
     for variant in (f"llvm_ad_{mode}", f"scalar_{mode}"):
         try:
             mi.set_variant(variant)
@@ -49,13 +52,16 @@ def select_variant(mi, mode):
 
 
 def seeds(name, mode, count):
-    """Consecutive seeds from a number of the reference's own, so that no two references share their noise."""
+    """Consecutive seeds from a hash of the reference's name, so that no two references share their noise."""
     first = int.from_bytes(hashlib.sha256(f"{name}.{mode}".encode()).digest()[:3], "big")
     return range(first, first + count)
 
 
 def render(mi, scene, name, mode, spp, count):
-    """Replicates' sums as arrays (count, height, width, channels) and (count, height, width, 1), and the channels' names."""
+    """Sums of samples and of weights of the replicates, and the names of the channels.
+
+    The arrays have the shapes (count, height, width, channels) and (count, height, width, 1).
+    """
     integrator, sensor = scene.integrator(), scene.sensors()[0]
     assert "IndependentSampler" in str(sensor.sampler()), "the replicates must be independent"
     sums, weights = [], []
@@ -68,7 +74,7 @@ def render(mi, scene, name, mode, spp, count):
             developed = np.array(sensor.film().develop(), dtype=np.float64)
             divided = np.delete(raw / raw[..., w:w + 1], w, axis=2)
             assert np.allclose(divided, developed, rtol=1e-4, atol=1e-6), "the film does more than divide by the weights"
-            # an aov integrator repeats the nested integrator's picture, R G B, under that one's name
+            # An aov integrator repeats the nested integrator's channels R, G, B under its name.
             keep = [i for i, c in enumerate(channels) if i != w and not c.startswith("image.")]
         sums.append(raw[..., keep])
         weights.append(raw[..., w:w + 1])
@@ -76,7 +82,9 @@ def render(mi, scene, name, mode, spp, count):
 
 
 def estimate(sums, weights):
-    """Pixel means, the variance of each, the image's mean and its standard error, by the ratio estimator above."""
+    """Pixel means, the variance of each, the image's mean and its standard error, by the ratio estimator
+    above.
+    """
     count = len(sums)
     mean = sums.sum(0) / weights.sum(0)
     residuals = (sums - mean * weights) / weights.mean(0)
@@ -124,7 +132,7 @@ def make(mi, path, mode, spp, count, record):
 
 
 def stale(record):
-    """References whose scene, or a file that the scene reads, has changed since."""
+    """References that are missing, or whose scene, or a file that it reads, has changed since."""
     found = [name for name, made in sorted(record.items())
              if not (SCENES / f"{name.rsplit('.', 1)[0]}.xml").exists()
              or made["inputs"] != input_hashes(SCENES / f"{name.rsplit('.', 1)[0]}.xml")]

@@ -1,9 +1,10 @@
-"""Renders a scene with one variant of Mitsuba 3 and says how long that took.
+"""Renders a scene with one variant of Mitsuba 3 and prints the time it took.
 
     python3 validation/peers/mitsuba_render.py VARIANT SCENE.xml OUT.exr SPP SEED THREADS [SAMPLER]
 
-The last line is {"seconds": s, "startup": t, "cpu_seconds": c}; SAMPLER is the value of the scene's parameter `sampler`. Loading is start-up, and so is a first picture, which makes a compiled variant
-compile: of as many samples, for the number of samples is a constant in its kernels.
+The last line is {"seconds": s, "startup": t, "cpu_seconds": c}; SAMPLER is the value of the scene's parameter
+`sampler`. Loading counts as start-up, and so does a first picture, for which a compiled variant compiles. It
+has the same number of samples, because that number is a constant in the kernels.
 """
 import json
 import sys
@@ -17,7 +18,7 @@ def main():
     import mitsuba as mi
 
     mi.set_variant(variant)
-    # A warning's colour code would otherwise stand before the last line, and its figures be lost.
+    # Otherwise the colour code of a warning would precede the last line and make it unreadable.
     mi.set_log_level(mi.LogLevel.Error)
     if int(threads) > 0:
         dr.set_thread_count(int(threads))
@@ -32,7 +33,7 @@ def main():
     ready, busy = time.perf_counter(), time.process_time()
     render(int(spp), int(seed))
     done, cpu = time.perf_counter(), time.process_time() - busy
-    # The film has the same picture with the names of its channels, of which an integrator may add some.
+    # The film has the same picture with the names of its channels, including those of the integrator.
     scene.sensors()[0].film().bitmap(raw=False).write(out)
     print(json.dumps({"seconds": done - ready, "startup": ready - start, "cpu_seconds": cpu}))
 

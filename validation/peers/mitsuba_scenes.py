@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Renders scenes with Mitsuba 3 as they are asked for.
+"""Renders scenes with Mitsuba 3 on request.
 
-A line of standard input is {"scene", "out", "name", "mode", "spp", "replicates"}; `out` gets an EXR of means and their variances, estimated
-as mitsuba_reference.py says. The answer is a line {"channels", "mean", "standard_error"} or {"error"}.
+A line of standard input is {"scene", "out", "name", "mode", "spp", "replicates"}; the EXR of means and their
+variances, estimated as in mitsuba_reference.py, is written to `out`. The reply is a line {"channels", "mean",
+"standard_error"} or {"error"}.
 """
 import json
 import sys
@@ -15,7 +16,7 @@ import mitsuba_reference
 
 def answer(mi, job):
     mi.set_variant(f"scalar_{job['mode']}")
-    # Merging meshes changes no picture, but fails where equal materials meet flipped normals.
+    # Merging meshes does not change the picture, but fails for equal materials with flipped normals.
     scene = mi.load_file(job["scene"], optimize=False)
     sums, weights, channels = mitsuba_reference.render(mi, scene, job["name"], job["mode"], job["spp"], job["replicates"])
     if not np.isfinite(sums).all():

@@ -3,11 +3,12 @@
 
     python3 validation/peers/mitsuba_suite.py FOLDER [--budget SAMPLES] [--margin 1%] [NAME]...
 
-FOLDER is `tests/scenes` of https://github.com/mitsuba-renderer/mitsuba-data. A scene SCENE_INTEGRATOR.xml has references
-refs/SCENE_ref_MODE.exr, a mean over 32 000 samples a pixel, and refs/SCENE_ref_MODE_var.exr, the variance of a single sample
-(Mitsuba's src/render/tests/test_renders.py, which makes both and compares renders of two million samples a picture with them).
-Here `validate images` compares, with the variances of both sides. Writes a Markdown table to standard output: a scene with what Etalon does not
-have is named with the error. Exit code 1 if a picture differs.
+FOLDER is `tests/scenes` of https://github.com/mitsuba-renderer/mitsuba-data. A scene SCENE_INTEGRATOR.xml has
+references refs/SCENE_ref_MODE.exr, a mean over 32 000 samples a pixel, and refs/SCENE_ref_MODE_var.exr, the
+variance of a single sample (Mitsuba's src/render/tests/test_renders.py, which makes both and compares renders
+of two million samples a picture with them). Here `validate images` compares, with the variances of both
+sides. Writes a Markdown table to standard output: a scene with what Etalon does not have is named with the
+error. Exit code 1 if a picture differs.
 """
 import argparse
 import collections
@@ -31,14 +32,18 @@ XYZ_OF_RGB = np.array([[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.07
 
 
 def variance_of_rgb(stored):
-    """The variances of R, G and B. What is stored are those of X, Y and Z, converted as if they were a colour (so they may be negative);
-    how X, Y and Z go together is not known, and they are taken for independent, which makes too much of them where light is white."""
+    """The variances of R, G and B.
+
+    The stored values are the variances of X, Y and Z, converted as if they were a colour (so they may be
+    negative). The correlations of X, Y and Z are unknown; they are assumed to be 0, which overestimates the
+    variances where light is white.
+    """
     xyz = np.maximum(stored @ XYZ_OF_RGB.T, 0)
     return xyz @ (np.linalg.inv(XYZ_OF_RGB) ** 2).T
 
 
 def reference(mi, scene, mode, folder):
-    """The scene's reference with its variances in one file, and its number of pixels; nothing if there is none."""
+    """The scene's reference with its variances in one file, and its number of pixels; None without one."""
     mean = scene.parent / "refs" / f"{INTEGRATORS.sub('', scene.stem)}_ref_{mode}.exr"
     variance = mean.with_name(mean.stem + "_var.exr")
     if not mean.exists() or not variance.exists():
@@ -50,7 +55,9 @@ def reference(mi, scene, mode, folder):
 
 
 def without_moments(mi, picture):
-    """Leaves colours and variances: the integrator `moment`, which most scenes have, adds channels that no reference has."""
+    """Removes all channels but colours and variances: the integrator `moment`, which most scenes have, adds
+    channels that no reference has.
+    """
     bitmap = mi.Bitmap(str(picture))
     values = dict(zip((field.name for field in bitmap.struct_()), np.moveaxis(np.array(bitmap), 2, 0)))
     mean, variance = (np.stack([values[prefix + c] for c in "RGB"], axis=2) for prefix in ("", "variance."))
@@ -58,7 +65,7 @@ def without_moments(mi, picture):
 
 
 def judge(mi, scene, mode, arguments):
-    """A verdict, and what there is to say of it."""
+    """A verdict, and details or the reason."""
     with tempfile.TemporaryDirectory() as folder:
         found = reference(mi, scene, mode, folder)
         if found is None:

@@ -1,8 +1,10 @@
-"""What the adapters of other renderers share: reading a scene that `neutral_scene.py` translated, and writing the picture.
+"""Common code of the adapters of other renderers: reading a scene translated by `neutral_scene.py`, and
+writing the picture.
 
-Mitsuba reads the scene, and the renderers' own Python environments need not have it: `MITSUBA_PYTHON` names the
-interpreter that has (`python3` by default). A translation is kept beside the scene's other translations in the folder
-`ETALON_TRANSLATIONS` (the temporary folder by default), under the hash of the scene's files and of what translates it.
+Mitsuba reads the scene, but need not be installed in the renderers' own Python environments: `MITSUBA_PYTHON`
+names the interpreter that has it (`python3` by default). A translation is kept in the folder
+`ETALON_TRANSLATIONS` (in the temporary folder by default), under the hash of the scene's files and of the
+translating scripts.
 """
 import hashlib
 import json
@@ -17,7 +19,7 @@ import scene_features
 
 
 def scene(path):
-    """The neutral scene of a Mitsuba file; ends the program with the reason if there is none."""
+    """The translation of a Mitsuba file; ends the program with the reason if it fails."""
     here = Path(__file__).parent
     translators = b"".join((here / name).read_bytes() for name in ("neutral_scene.py", "neutral_mesh.py"))
     known = hashlib.sha256(str(Path(path).resolve()).encode() + translators)
@@ -36,7 +38,8 @@ def scene(path):
 
 
 def files(path):
-    """The scene and every file that it reads; itself alone where one is missing, which its translation will say."""
+    """The scene and every file that it reads; the scene alone if one is missing, which its translation
+    reports."""
     try:
         return scene_features.inputs(path)
     except StopIteration:
@@ -44,12 +47,14 @@ def files(path):
 
 
 def clean():
-    """The environment without what a virtual environment's interpreter put into it."""
+    """The environment without the variables set by a virtual environment's interpreter."""
     return {key: value for key, value in os.environ.items() if key not in ("PYTHONHOME", "PYTHONPATH", "__PYVENV_LAUNCHER__")}
 
 
 def write_exr(path, pixels):
-    """Rows from the top, each a list of RGB floats, as an uncompressed OpenEXR file (channels B, G, R in f32)."""
+    """Writes an array of rows from the top, of RGB pixels, as an uncompressed OpenEXR file (channels B, G, R
+    in f32).
+    """
     height, width, _ = pixels.shape
     text = lambda value: value.encode() + b"\0"
     attribute = lambda name, kind, data: text(name) + text(kind) + struct.pack("<i", len(data)) + data

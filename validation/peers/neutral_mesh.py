@@ -1,8 +1,8 @@
-"""Triangles of every shape that `neutral_scene.py` translates, and their PLY files."""
+"""Triangle meshes of the shapes that `neutral_scene.py` translates, and their PLY files."""
 import numpy as np
 
 IOR = {"vacuum": 1.0, "air": 1.000277, "water": 1.333, "bk7": 1.5046, "diamond": 2.419}
-# Segments around a round shape; a light has few, because its triangles are as many lights.
+# Segments around a round shape; an emitter has few, because each of its triangles becomes a light.
 SEGMENTS, LIGHT_SEGMENTS = 128, 24
 
 
@@ -34,7 +34,7 @@ def of_mitsuba(shape):
 
 
 def grid(rows, columns, point):
-    """Triangles over the unit square, mapped by `point`, which takes and gives arrays."""
+    """Triangles over the unit square, mapped by `point`, which takes and returns arrays."""
     v, u = np.meshgrid(np.linspace(0, 1, rows + 1), np.linspace(0, 1, columns + 1), indexing="ij")
     corner = np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)[None, :]
     a, b, c, d = corner, corner + 1, corner + columns + 2, corner + columns + 1
@@ -83,14 +83,15 @@ ROUND = {"rectangle": rectangle, "disk": disk, "sphere": sphere, "cylinder": cyl
 
 
 def without_points(points, faces):
-    """Without triangles that are only a line, at the poles."""
+    """The faces without degenerate triangles, which occur at the poles."""
     a, b, c = (points[faces[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     return faces[area > 1e-9 * area.max()]
 
 
 def write(path, mesh, scale):
-    """Binary PLY with x y z, nx ny nz if the mesh is smooth, and s t if it has coordinates."""
+    """Writes a binary PLY with x y z, nx ny nz if the mesh is smooth, and s t if it has texture
+    coordinates."""
     parts, names = [mesh.points], ["x", "y", "z"]
     if mesh.normals is not None:
         parts, names = parts + [mesh.normals], names + ["nx", "ny", "nz"]

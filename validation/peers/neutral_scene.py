@@ -1,10 +1,10 @@
-"""Writes what a Mitsuba scene holds so that other renderers' adapters can read it: meshes as PLY, everything else as JSON.
+"""Translates a Mitsuba scene for the adapters of other renderers: meshes as PLY, everything else as JSON.
 
     python3 validation/peers/neutral_scene.py SCENE.xml FOLDER
 
-Round shapes become triangles with smooth normals, checkerboards become images, spectra become RGB, named metals their RGB
-indices. What the adapters would not understand ends the program with one line that says so, before anything is written.
-Mitsuba itself reads the scene; it must be installed.
+Round shapes become triangles with smooth normals, checkerboards become images, spectra become RGB, named
+metals their RGB indices. A feature that the adapters do not support ends the program with a line that names
+it, before scene.json is written. Mitsuba itself reads the scene; it must be installed.
 """
 import json
 import sys
@@ -15,7 +15,7 @@ import numpy as np
 
 import neutral_mesh
 
-# What <spectrum value="1"/> of an emitter is in linear sRGB: equal energy under the renderer's white D65.
+# An emitter's <spectrum value="1"/> in linear sRGB: equal energy with the renderer's white D65.
 EQUAL_ENERGY = [1.205, 0.948, 0.909]
 MESHES = {"ply", "obj", "serialized", "cube"}
 
@@ -46,7 +46,7 @@ class Reader:
         return str((self.home / node.props["filename"]).resolve())
 
     def color(self, node, key, default, emits=False):
-        """An RGB value, or {"image": file, "scale": to_uv} of a texture."""
+        """An RGB value, or {"image": file, "scale": to_uv} for a texture."""
         if key not in node.props:
             return [default] * 3
         value = node.props[key]

@@ -1,9 +1,10 @@
-"""Renders a Mitsuba scene with pbrt-v4, if there is one.
+"""Renders a Mitsuba scene with pbrt-v4, if it is installed.
 
     python3 validation/peers/pbrt_render.py path|bdpt SCENE.xml OUT.exr SPP SEED THREADS
 
-The program is the one that `PBRT` names in the environment, or `pbrt` on the path. The seed goes into the scene file, because one
-that stands there overrides the command line's. Reading the scene is start-up by pbrt's own account of its rendering time.
+The program is the one named by the environment variable `PBRT`, or `pbrt` on the path. The seed is written to
+the scene file, because a seed there overrides that of the command line. The rendering time is the one that
+pbrt reports; reading the scene counts as start-up.
 """
 import json
 import math
@@ -32,7 +33,7 @@ def material(entry, textures):
             return f'Material "diffuse" "texture reflectance" "{name}"'
         return f'Material "diffuse" "rgb reflectance" [{words(reflectance)}]'
     if kind == "glass":
-        # pbrt knows no exterior index: the ratio is what refracts.
+        # pbrt has no exterior index, but refraction depends on the ratio only.
         return f'Material "dielectric" "float eta" {entry["interior"] / entry["exterior"]}'
     if isinstance(reflectance, dict) or entry["eta"] is not None and reflectance != [1.0] * 3:
         sys.exit("not translated: a metal with a texture, or tinted")
@@ -48,9 +49,9 @@ def translation(scene, engine, out, spp, seed):
     sensor = scene["sensor"]
     target = [a + b for a, b in zip(sensor["origin"], sensor["forward"])]
     aspect = sensor["height"] / sensor["width"]
-    # pbrt's field of view is that of the smaller side.
+    # pbrt's field of view refers to the smaller side.
     fov = math.degrees(2 * math.atan(sensor["tan_half_width"] * min(1.0, aspect)))
-    # pbrt's camera space has x to the right: the handedness that Scale -1 restores.
+    # In pbrt's camera space x points to the right; Scale -1 restores the handedness.
     lines = ["Scale -1 1 1", f'LookAt {words(sensor["origin"])} {words(target)} {words(sensor["up"])}',
              f'Camera "perspective" "float fov" {fov} "float lensradius" {sensor["lens_radius"]} '
              f'"float focaldistance" {sensor["focus_distance"]}',
@@ -75,7 +76,7 @@ def translation(scene, engine, out, spp, seed):
 
 
 def render_time(image):
-    """What pbrt writes into its image; its progress bar has tenths of a second."""
+    """The rendering time that pbrt writes into its image, in seconds; its progress bar shows only tenths."""
     name = b"renderTimeSeconds\0float\0" + struct.pack("<i", 4)
     head = Path(image).read_bytes()[:1 << 16]
     place = head.find(name)
@@ -85,7 +86,7 @@ def render_time(image):
 def main():
     engine, path, out, spp, seed, threads = sys.argv[1:7]
     if int(spp) & int(spp) - 1:
-        # Between, its sampler gives neighbouring pixels the same numbers.
+        # With other counts its sampler gives neighbouring pixels the same numbers.
         sys.exit(f"pbrt's sampler wants a power of two, not {spp} samples")
     start = time.perf_counter()
     program = os.environ.get("PBRT") or shutil.which("pbrt")

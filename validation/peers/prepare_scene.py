@@ -1,9 +1,11 @@
-"""Copies a Mitsuba scene with another film: the size that is asked for, a box filter, and files by absolute paths.
+"""Copies a Mitsuba scene with another film, of the given size and with a box filter, and with absolute file
+paths.
 
     python3 validation/peers/prepare_scene.py SCENE.xml OUT.xml WIDTHxHEIGHT [MAX_DEPTH]
 
-The sampler's type becomes the parameter `sampler` (independent unless told), which renderers that have several can set.
-All renderers of a comparison then draw the same pixels, and none correlates them by a wide filter.
+The sampler's type becomes the parameter `sampler` (independent by default), which renderers with several
+samplers can set. All renderers of a comparison then render the same pixels, and none correlates them by a
+wide filter.
 """
 import sys
 import xml.etree.ElementTree as xml
@@ -42,7 +44,7 @@ def main():
     if len(sys.argv) > 4:
         for integrator in root.findall("integrator"):
             replace(integrator, "integer", "max_depth", sys.argv[4])
-    # Parameters that nothing uses any more would be errors.
+    # Unused parameters would be errors.
     text = "".join(value for element in root.iter() for value in element.attrib.values())
     for default in root.findall("default"):
         if f"${default.get('name')}" not in text:

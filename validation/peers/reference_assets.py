@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the meshes and textures of validation/references/scenes: small, made from formulae, the same every time.
+"""Writes the meshes and textures of validation/references/scenes: small, computed from formulae,
+reproducible.
 
     python3 validation/peers/reference_assets.py
 
-Meshes are written byte by byte, so that the readers under test meet files that no renderer wrote. Images go through
-Mitsuba's own encoders, because the reference renderer decodes them too.
+Meshes are written byte by byte, so that the readers under test get files that no renderer wrote. Images are
+written by Mitsuba's own encoders, because the reference renderer decodes them too.
 """
 import math
 import struct
@@ -24,7 +25,8 @@ def normalize(v):
 
 
 def vase(rings=9, sides=12):
-    """A surface of revolution, as quads with its own normals and texture coordinates. The u seam is doubled."""
+    """A surface of revolution, as quads with its own normals and texture coordinates. The u seam is
+    doubled."""
     points, normals, uvs, quads = [], [], [], []
     for j in range(rings):
         t = j / (rings - 1)
@@ -100,7 +102,7 @@ def write_obj(path, mesh):
 
 
 def write_seamed_obj(path, sides=8):
-    """A closed barrel without normals, whose points have several texture coordinates where its pieces meet."""
+    """Writes a closed barrel without normals, whose points have several texture coordinates at its seams."""
     heights, radii = (-0.8, 0.0, 0.8), (0.5, 0.7, 0.5)
     lines = ["# texture coordinates that part along a line and at the lids, and no normals"]
     for y, radius in zip(heights, radii):
@@ -122,7 +124,8 @@ def write_seamed_obj(path, sides=8):
 
 
 def write_ply(path, mesh):
-    """Binary, little-endian: float32 x y z nx ny nz u v; faces are lists of a uchar count and int32 indices."""
+    """Writes a binary, little-endian PLY: float32 x y z nx ny nz u v; faces are a uchar count and int32
+    indices."""
     points, normals, uvs, faces = mesh
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
     header += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz", "u", "v")]
@@ -133,7 +136,7 @@ def write_ply(path, mesh):
 
 
 def write_ascii_ply(path, points, faces):
-    """Text, positions only: the reader has to make the normals."""
+    """Writes a text PLY with positions only, so that the reader has to compute the normals."""
     lines = ["ply", "format ascii 1.0", f"element vertex {len(points)}", "property float x", "property float y",
              "property float z", f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
     lines += ["%.9g %.9g %.9g" % p for p in points] + [f"{len(f)} " + " ".join(map(str, f)) for f in faces]
@@ -141,7 +144,7 @@ def write_ascii_ply(path, points, faces):
 
 
 def serialized_shape(name, points, faces, normals=None, uvs=None):
-    """One mesh of Mitsuba's serialized format, version 4, single precision."""
+    """The bytes of one mesh in Mitsuba's serialized format, version 4, single precision."""
     flags = 0x1000 | (0x0001 if normals else 0) | (0x0002 if uvs else 0)
     data = struct.pack("<I", flags) + name.encode() + b"\0" + struct.pack("<QQ", len(points), len(faces))
     for array in (points, normals, uvs):
@@ -152,14 +155,15 @@ def serialized_shape(name, points, faces, normals=None, uvs=None):
 
 
 def write_serialized(path, shapes):
-    """The meshes one after another, then their offsets (uint64 from version 4 on) and their number (uint32)."""
+    """Writes the meshes one after another, then their offsets (uint64 from version 4 on) and number
+    (uint32)."""
     offsets = np.cumsum([0] + [len(s) for s in shapes])[:-1]
     path.write_bytes(b"".join(shapes) + b"".join(struct.pack("<Q", int(o)) for o in offsets)
                      + struct.pack("<I", len(shapes)))
 
 
 def tiles(size=8):
-    """A small picture without symmetry: no flip or rotation of it looks like itself."""
+    """A small picture without symmetry: no flip or rotation of it equals itself."""
     v, u = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
     picture = np.stack([0.15 + 0.8 * u / (size - 1), 0.15 + 0.8 * v / (size - 1), 0.9 - 0.7 * (u * v) / (size - 1) ** 2], 2)
     picture[: size // 4, : size // 2] = (0.9, 0.85, 0.1)  # a yellow bar at the top left
@@ -168,13 +172,14 @@ def tiles(size=8):
 
 
 def smooth(size=32):
-    """A slow gradient, which every JPEG decoder reads alike."""
+    """A slow gradient, which all JPEG decoders decode equally."""
     v, u = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size, indexing="ij")
     return np.stack([0.2 + 0.6 * u, 0.3 + 0.4 * v, 0.7 - 0.5 * u * v], 2)
 
 
 def sky(width=32, height=16):
-    """Blue above, brown below, and a sun of 2 x 2 texels: most of the light comes from 0.4 % of the picture."""
+    """Blue above, brown below, and a sun of 2 x 2 texels: most of the light comes from 0.4 % of the
+    picture."""
     v, u = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
     up = np.clip(1 - 2 * v, 0, 1)[..., None]
     picture = np.where(v[..., None] < 0.5, (0.55, 0.62, 0.70) + up * np.array((-0.35, -0.25, 0.15)), (0.18, 0.14, 0.10))
@@ -184,7 +189,7 @@ def sky(width=32, height=16):
 
 
 def height_map(size=32):
-    """Humps and a ramp that jumps where the picture repeats, between 0 and 1."""
+    """Humps and a ramp that is discontinuous where the picture repeats, between 0 and 1."""
     v, u = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size, indexing="ij")
     return 0.5 + 0.3 * np.sin(4 * np.pi * u) * np.sin(2 * np.pi * v) + 0.15 * (u - 0.5) + 0.05 * np.cos(6 * np.pi * v)
 

@@ -1,4 +1,5 @@
-"""What a Mitsuba scene file uses, as a set of short words, and the list of what the references must use together.
+"""The features of a Mitsuba scene file as a set of words, and the list of those that the references must
+cover.
 
 The words, for a shape of type sphere with a mask BSDF:
 
@@ -60,15 +61,16 @@ REQUIRED = {
         aov:sh_normal""".split(),
 }
 
-# Without these the plain description above would have holes: a vector can be written in two ways.
+# Elements whose spelling is described as well, because a vector can be written in two forms.
 TRANSFORMS = ("translate", "rotate", "scale", "matrix", "lookat")
 SPECTRAL_ONLY = {"film:specfilm", "spectrum:blackbody", "spectrum:regular", "spectrum:irregular"}
-# What depth and aov write has no colour; Mitsuba's luminance of a base colour depends on the wavelengths of the path.
+# Channels of depth and aov have no colour; Mitsuba's luminance of a base colour depends on the path's
+# wavelengths.
 RGB_ONLY = {"integrator:depth", "integrator:aov", "principled.spec_tint", "principled.sheen_tint"}
 
 
 def determinant_sign(transform):
-    """The sign of a to_world's determinant: rotations, translations and lookats keep it."""
+    """The sign of a to_world's determinant, which rotations, translations and lookats do not change."""
     sign = 1
     for step in transform:
         if step.tag == "scale":
@@ -104,7 +106,7 @@ def describe_property(owner, child):
 
 
 def describe(element, directories):
-    """All words of an element and what it includes."""
+    """All words of an element and of the files that it includes."""
     kind = element.get("type")
     if kind:
         yield f"{element.tag}:{kind}"
@@ -128,7 +130,7 @@ def describe(element, directories):
 
 
 def find(name, directories):
-    """A file as Mitsuba would look it up: beside the scene, then in its <path> folders."""
+    """The path of a file, searched as Mitsuba does: beside the scene, then in its <path> folders."""
     return next(d / name for d in directories if (d / name).exists())
 
 
@@ -143,7 +145,7 @@ def features(scene, directories=None):
 
 
 def inputs(scene, directories=None):
-    """The scene and every file that it reads, itself or through an include."""
+    """The scene and every file that it reads, directly or through an include."""
     directories = directories or search_directories(scene)
     files = [scene]
     for element in ElementTree.parse(scene).getroot().iter():
@@ -155,7 +157,7 @@ def inputs(scene, directories=None):
 
 
 def modes(scene):
-    """Which of rgb and spectral Mitsuba can render, or is worth rendering, of this scene."""
+    """The colour modes, rgb and spectral, in which Mitsuba can render this scene and it is worthwhile."""
     used = features(scene)
     return [m for m, bar in (("rgb", SPECTRAL_ONLY), ("spectral", RGB_ONLY)) if not used & bar]
 

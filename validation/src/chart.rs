@@ -1,8 +1,9 @@
-//! Distributions over rectangles, such as places in a filter or on a lens, seen as distributions over the
+//! Distributions over rectangles, such as points in a filter or on a lens, mapped to distributions over the
 //! sphere.
 //!
 //! The cylindrical coordinates z = cos θ and φ preserve area (Archimedes), so a density over a rectangle is
-//! one over the sphere but for a constant, and every check of directions is a check of places.
+//! proportional to a density over the sphere, and every check of directions also checks points of a
+//! rectangle.
 
 use std::f64::consts::PI;
 
@@ -11,19 +12,20 @@ use crate::{
     scatterer::{DVec3, Laws, Sample, Scatterer, coordinates, direction},
 };
 
-/// One sampled place.
+/// One sampled point of the rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
+    /// Coordinates of the point.
     pub at: [f64; 2],
-    /// What is estimated, over the density.
+    /// The estimated function over the density.
     pub weight: f64,
     /// Density in the rectangle's own measure.
     pub pdf: f64,
 }
 
-/// A distribution over a rectangle, and the function that it is drawn for.
+/// A distribution over a rectangle, and the function that it samples.
 pub trait Planar {
-    /// Where places may be.
+    /// The rectangle that contains all points.
     fn bounds(&self) -> Cell;
 
     /// The function that weights estimate; finite and not negative.
@@ -32,7 +34,8 @@ pub trait Planar {
     /// Density of [`Planar::sample`] in the rectangle's own measure.
     fn pdf(&self, at: [f64; 2]) -> f64;
 
-    /// A place for the three uniform numbers `u`, which mean what they do in [`Scatterer::sample`].
+    /// A point for the three uniform numbers `u`, which have the same roles as in [`Scatterer::sample`];
+    /// `None` if no point is drawn.
     fn sample(&self, u: [f64; 3]) -> Option<Place>;
 }
 
@@ -40,7 +43,7 @@ pub trait Planar {
 pub struct Chart<P>(pub P);
 
 impl<P: Planar> Chart<P> {
-    /// How much rectangle there is to a steradian.
+    /// Area of the rectangle per steradian.
     fn scale(&self) -> f64 {
         let Cell { low, high } = self.0.bounds();
         (high[0] - low[0]) * (high[1] - low[1]) / (4.0 * PI)

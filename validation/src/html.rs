@@ -1,6 +1,6 @@
-//! What every page needs: text that stays text.
+//! Escaping of text in HTML.
 
-/// `text` for elements and quoted attributes.
+/// `text` escaped for elements and quoted attributes.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {

@@ -1,18 +1,17 @@
 //! Tests of light transport that depend on no renderer.
 //!
 //! - [`statistics`]: p-values, multiplicity, equivalence and power.
-//! - [`image`]: are two noisy images of the same scene the same picture, and if not, where?
-//! - [`scatterer`] and [`checks`]: is a scattering distribution (BSDF, phase function) consistent with
-//!   itself?
+//! - [`image`]: comparison of two noisy images of the same scene, and where they differ.
+//! - [`scatterer`] and [`checks`]: consistency of a scattering distribution (BSDF, phase function).
 //! - [`converge`]: error against run time.
 //! - [`peer`]: scattering distributions in other programs.
-//! - [`chart`]: distributions over rectangles go through the same checks.
-//! - [`microfacet`]: what single scattering at rough surfaces loses, from the definitions.
-//! - [`html`]: text in pages.
-//! - [`report`]: what a check found, as one JSON document.
+//! - [`chart`]: distributions over rectangles, tested by the same checks.
+//! - [`microfacet`]: the albedo of single scattering at rough surfaces, from the definitions.
+//! - [`html`]: escaping of text in HTML.
+//! - [`report`]: the outcome of a check, and reports as JSON documents.
 //!
-//! Every answer has three values, [`Verdict`]: a test that could not have noticed a fault says so instead of
-//! passing.
+//! Every verdict has three values, [`Verdict`]: a test that could not have detected a fault is inconclusive
+//! instead of passing.
 
 pub mod chart;
 pub mod checks;

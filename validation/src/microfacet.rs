@@ -1,6 +1,6 @@
-//! What a rough surface returns if light meets its facets once, from the definitions (Walter et al. 2007):
-//! the loss to expect of models that leave out light between facets. Written without looking at any renderer;
-//! masking is separable.
+//! The albedo of a rough surface under single scattering, from the definitions (Walter et al. 2007): the loss
+//! to expect of models that ignore light between facets. Implemented independently of any renderer; masking
+//! is separable.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use crate::{
     scatterer::DVec3,
 };
 
-/// The law of the facets' slopes.
+/// The distribution of the facets' slopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slopes {
-    /// Gaussian, with the masking function in the rational fit of Walter et al. (equation 27).
+    /// Gaussian slopes, with the masking function in the rational fit of Walter et al. (equation 27).
     Beckmann,
-    /// Of an ellipsoid.
+    /// GGX: the slopes of an ellipsoid.
     Ggx,
 }
 
@@ -22,6 +22,7 @@ pub enum Slopes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rough {
     pub slopes: Slopes,
+    /// Roughness.
     pub alpha: f64,
     /// Index of refraction behind the surface over that in front; `None` for facets that are perfect mirrors.
     pub eta: Option<f64>,
@@ -32,14 +33,14 @@ const CELLS: f64 = 16.0;
 
 impl Rough {
     /// The flux that leaves over the flux that arrives, for light from a direction with cosine `cosine` to
-    /// the normal.
+    /// the normal, with an error below `tolerance` where the budget of evaluations allows.
     ///
     /// ∫ D(m) G₁(o, m) (o·m)/(o·n) [F G₁(r) + (1 − F) G₁(t)] dm, in the coordinates in which D(m)(m·n) dm is
     /// uniform.
     pub fn albedo(&self, cosine: f64, tolerance: f64) -> Integral {
         let o = DVec3::new(((1.0 - cosine) * (1.0 + cosine)).sqrt(), 0.0, cosine);
-        // The distribution is symmetric about the plane of incidence. Many cells, lest edges fall between the
-        // first points.
+        // The distribution is symmetric about the plane of incidence. Many cells, so that edges do not fall
+        // between the first quadrature points.
         let strip = |i: usize, j: usize| Cell {
             low: [i as f64 / CELLS, PI * j as f64 / CELLS],
             high: [(i + 1) as f64 / CELLS, PI * (j + 1) as f64 / CELLS],
@@ -49,7 +50,7 @@ impl Rough {
             if s == 0.0 {
                 return 0.0;
             }
-            // Uniform is v = 1 − s²; s takes the pole of 1/(m·n) at grazing facets away.
+            // v = 1 − s² is uniform; the substitution removes the pole of 1/(m·n) at grazing facets.
             let slope = match self.slopes {
                 Slopes::Beckmann => (-2.0 * libm::log(s)).sqrt(),
                 Slopes::Ggx => ((1.0 - s) * (1.0 + s)).sqrt() / s,
@@ -65,7 +66,7 @@ impl Rough {
         Integral { value: found.value / PI, error: found.error / PI }
     }
 
-    /// The part of what meets a facet that leaves without meeting another.
+    /// The share of the light meeting a facet that leaves without meeting another.
     fn leaving(&self, o: DVec3, m: DVec3, facing: f64) -> f64 {
         let reflected = 2.0 * facing * m - o;
         let escapes = |w: DVec3, side: f64| if w.z * side > 0.0 { self.masking(w) } else { 0.0 };

@@ -1,12 +1,12 @@
-//! Integrals over rectangles to a stated error.
+//! Integrals over rectangles to a given tolerance.
 //!
-//! The rule is Genz and Malik's (1980) of degree 7 with an embedded one of degree 5, 17 points a rectangle:
-//! the difference of both is a pessimistic error estimate, and fourth differences tell which side to halve.
+//! The rule is Genz and Malik's (1980) of degree 7 with an embedded one of degree 5, 17 points per rectangle:
+//! the difference of both is a pessimistic error estimate, and fourth differences select the side to halve.
 //! Rectangles are refined where the error is largest, so kinks and steps cost evaluations, not accuracy.
 //!
-//! No point of the rule lies in the outer 5 % of a rectangle, where the edge of a density may pass unseen. A
-//! straight edge there takes a corner along, so the corners are looked at too, and their distance from what
-//! the diagonal extrapolates to counts as an error of the strip beside them.
+//! No point of the rule lies in the outer 5 % of a rectangle, where the edge of a density could be missed. A
+//! straight edge there cuts off a corner, so the corners are evaluated too, and their deviation from the
+//! extrapolation along the diagonal counts as an error of the strip beside them.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
@@ -18,7 +18,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Both parts of the cell, cut across `axis` at `position`.
+    /// Both parts of the cell, split across `axis` at `position`.
     pub fn split(&self, axis: usize, position: f64) -> [Cell; 2] {
         let mut parts = [*self; 2];
         parts[0].high[axis] = position;
@@ -48,9 +48,9 @@ impl std::iter::Sum for Integral {
     }
 }
 
-/// Integrates `function` over the union of `cells` until the error is below `tolerance` or some `budget`
-/// evaluations are spent; what was reached is in the answer. A value that is not finite makes the integral
-/// NaN.
+/// Integrates `function` over the union of `cells` until the error is below `tolerance` or about `budget`
+/// evaluations are spent; the result has the error that was reached. A value that is not finite makes the
+/// integral NaN.
 pub fn integrate(
     cells: &[Cell],
     tolerance: f64,
@@ -71,7 +71,7 @@ pub fn integrate(
     Integral { value, error: estimate.max((value - first).abs()) }
 }
 
-/// The same for `N` functions at once; `error` bounds the error of each.
+/// Integrates `N` functions at once; the second value bounds the error of each.
 pub fn integrate_all<const N: usize>(
     cells: &[Cell],
     tolerance: f64,
@@ -108,15 +108,15 @@ fn refine<const N: usize>(
 
 const POINTS: usize = 21;
 
-/// Where cells are cut to be looked at once more; no multiple of it falls near a half.
+/// Where cells are split for the second evaluation; no multiple of it is near a half.
 const GOLDEN: f64 = 0.382;
 
 struct Part<const N: usize> {
     cell: Cell,
     value: [f64; N],
-    /// The largest error of all functions.
+    /// The largest error among the functions.
     error: f64,
-    /// The axis to halve.
+    /// The axis along which the cell is halved.
     axis: usize,
 }
 
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn the_error_of_an_edge_is_within_its_bound() {
         for i in 0..10 {
-            // A half plane whose edge turns.
+            // A half plane whose edge is rotated.
             let (sin, cos) = libm::sincos(0.2 * f64::from(i));
             let edge = |[x, y]: [f64; 2]| f64::from(sin * (x - 0.47) + cos * (y - 0.31) < 0.0);
             let exact = integrate(&[UNIT], 1e-5, 1_000_000, edge).value;

@@ -1,4 +1,4 @@
-//! What a check found, and the JSON document that carries it.
+//! The outcome of a check, and its JSON document.
 
 use std::collections::BTreeMap;
 
@@ -6,22 +6,22 @@ use serde::{Deserialize, Serialize};
 
 use crate::statistics::Verdict;
 
-/// The answer of one check on one subject.
+/// The result of one check on one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// The check's name, such as `chi2`.
     pub check: String,
-    /// What was checked; empty until the caller says so with [`Outcome::of`].
+    /// The subject that was checked; empty until the caller sets it with [`Outcome::of`].
     pub subject: String,
     pub verdict: Verdict,
-    /// One sentence for a person: what was found and where.
+    /// One sentence for a person with the finding and its place.
     pub message: String,
     /// Uniform under the null hypothesis; absent for deterministic checks.
     pub p_value: Option<f64>,
     /// Minimum detectable effect at 90 % power, in the unit the message names; absent for deterministic
     /// checks.
     pub detectable: Option<f64>,
-    /// Everything else that was measured, by name. A value that is not finite becomes `null` in JSON.
+    /// All other measured values, by name. A value that is not finite becomes `null` in JSON.
     pub figures: BTreeMap<String, f64>,
 }
 
@@ -39,7 +39,7 @@ impl Outcome {
         }
     }
 
-    /// The same outcome, on the named subject.
+    /// The same outcome, for the named subject.
     pub fn of(mut self, subject: impl Into<String>) -> Self {
         self.subject = subject.into();
         self

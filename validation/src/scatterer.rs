@@ -1,4 +1,5 @@
-//! What the checks know about a BSDF or phase function: three functions and the laws it claims.
+//! The interface of BSDFs and phase functions to the checks: value, density, sampling, and the laws they
+//! claim.
 
 pub use glam::DVec3;
 
@@ -29,13 +30,12 @@ pub struct Laws {
 }
 
 impl Laws {
-    /// The relative index of the side `direction` points into.
+    /// The relative index of refraction on the side of `direction`.
     pub fn index(&self, direction: DVec3) -> f64 {
         if direction.z < 0.0 { self.eta.unwrap_or(1.0) } else { 1.0 }
     }
 
-    /// (η(wi)/η(wo))²: what turns a radiance weight into a flux weight, which energy conservation speaks
-    /// about.
+    /// (η(wi)/η(wo))²: converts a radiance weight to a flux weight, to which energy conservation applies.
     pub fn flux_factor(&self, wo: DVec3, wi: DVec3) -> f64 {
         let ratio = self.index(wi) / self.index(wo);
         ratio * ratio
@@ -43,8 +43,8 @@ impl Laws {
 }
 
 /// A scattering distribution at one wavelength, in a local frame whose z axis is the normal. `wo` and `wi`
-/// are unit vectors away from the surface; `wo` is where the path comes from, `wi` where the light comes
-/// from. A phase function returns its value without a cosine.
+/// are unit vectors away from the surface; `wo` points towards the previous vertex of a camera path, `wi`
+/// towards the light. The value of a phase function has no cosine.
 pub trait Scatterer {
     /// f(wo, wi) |cos θi|, without delta lobes.
     fn value(&self, wo: DVec3, wi: DVec3) -> f64;
@@ -56,7 +56,7 @@ pub trait Scatterer {
     /// number chooses the lobe and the others the direction in it; the check `jacobian` relies on that.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample>;
 
-    /// The laws it claims; none unless stated.
+    /// The laws that it claims; none by default.
     fn laws(&self) -> Laws {
         Laws::default()
     }
@@ -67,22 +67,22 @@ pub trait Scatterer {
     }
 
     /// The same distribution at the same wavelength, on paths that carry other wavelengths beside it. None
-    /// for models that know of one wavelength only.
+    /// for models that know one wavelength only.
     fn companions(&self) -> Vec<Box<dyn Scatterer + '_>> {
         vec![]
     }
 
-    /// What the model tends to as its parameter goes to the end of its range, if it stands near that end.
+    /// The model's limit as a parameter goes to the end of its range, if the parameter is near that end.
     fn limit(&self) -> Option<Limit<'_>> {
         None
     }
 }
 
-/// A model that another tends to.
+/// The limit of a model.
 pub struct Limit<'a> {
     pub scatterer: &'a dyn Scatterer,
-    /// The largest difference of a flux moment (see the check `limits`) that the distance from the limit
-    /// explains.
+    /// The largest difference of a flux moment (see the check `limits`) that the distance from the limit can
+    /// explain.
     pub within: f64,
 }
 

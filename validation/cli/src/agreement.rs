@@ -1,9 +1,9 @@
-//! Values and densities against Mitsuba's, from `validation/references/golden/bsdf.json`
-//! (made by `validation/peers/golden_bsdf.py`).
+//! Comparison of values and densities with Mitsuba's, from `validation/references/golden/bsdf.json` (made by
+//! `validation/peers/golden_bsdf.py`).
 //!
-//! Mitsuba computes in f32. How much a rounding of it matters depends on the place, so the tolerance is
-//! measured: the largest change that one ulp of any coordinate of ωo or ωi makes here, times `ROUNDINGS`,
-//! beside as many ulps of the number itself.
+//! Mitsuba computes in f32. The effect of a rounding depends on the directions, so the tolerance is measured:
+//! the largest change that one ulp of any coordinate of ωo or ωi makes here, times `ROUNDINGS`, and at least
+//! as many ulps of the number itself.
 
 use etalon::bsdf::{AnyMaterial, Bsdf};
 use etalon::math::{DVec2, DVec3};
@@ -14,15 +14,15 @@ use etalon::spectrum::{ColorMode, Wavelengths};
 use serde::Deserialize;
 use validation::statistics::worst_of;
 
-/// Operations in a row whose roundings add up in an evaluation.
+/// Number of consecutive operations in an evaluation whose roundings add up.
 const ROUNDINGS: f64 = 32.0;
 
-/// Mitsuba sets a microfacet density to zero where density times cosine is below 10⁻²⁰, so that it does not
-/// overflow elsewhere (`microfacet.h`). Divided by the cosines of the steepest directions of the grid that is
-/// 10⁻¹⁸.
+/// Threshold below which numbers are not compared. Mitsuba sets a microfacet density to zero where density
+/// times cosine is below 10⁻²⁰, to avoid an overflow elsewhere (`microfacet.h`). Divided by the cosines of
+/// the steepest directions of the grid that is 10⁻¹⁸.
 const SMALLEST: f64 = 1e-18;
 
-/// The committed file.
+/// The committed golden file.
 #[derive(Deserialize)]
 pub struct Golden {
     pub mitsuba: String,
@@ -32,12 +32,12 @@ pub struct Golden {
     pub examples: Vec<Example>,
 }
 
-/// What Mitsuba says of one example of the registry.
+/// Mitsuba's results for one example of the registry.
 #[derive(Clone, Deserialize)]
 pub struct Example {
     pub name: String,
     pub snippet: String,
-    /// Why Mitsuba has no such thing.
+    /// The reason why Mitsuba has no equivalent.
     pub missing: Option<String>,
     #[serde(default)]
     value: Vec<[f64; 4]>,
@@ -45,11 +45,11 @@ pub struct Example {
     pdf: Vec<f64>,
 }
 
-/// What rounding does not explain.
+/// Differences that rounding does not explain.
 pub struct Differences {
-    /// The largest relative differences of values and of densities; 0 where there is none.
+    /// The largest relative difference of values and that of densities; 0 if there is none.
     pub worst: [f64; 2],
-    /// Where the first one is, and how many there are.
+    /// The place of the first difference, and the number of differences.
     pub message: Option<String>,
 }
 
@@ -61,7 +61,7 @@ impl Golden {
         serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
     }
 
-    /// Compares one example. Fails if the example or the file cannot be read.
+    /// Compares one example. Errors: the example or the golden file cannot be read.
     pub fn check(&self, example: &Example) -> Result<Differences, String> {
         let model = Model::new(&example.snippet, &self.wavelengths)?;
         if example.value.len() != self.wo.len() || example.pdf.len() != self.wo.len() {
@@ -72,8 +72,8 @@ impl Golden {
             let [a, b, c, d] = example.value[i];
             let theirs = [a, b, c, d, example.pdf[i]];
             let ours = model.evaluate(*wo, *wi);
-            // Where there is nothing to see, a density of directions that are never drawn says nothing:
-            // Mitsuba's `principled` has one behind what is opaque.
+            // Where all values are zero, a density of directions that are never drawn is irrelevant:
+            // Mitsuba's `principled` has one behind opaque surfaces.
             if example.name.starts_with("principled") && ours == [0.0; 5] && theirs[..4] == [0.0; 4] {
                 continue;
             }
@@ -117,13 +117,13 @@ impl Model {
         let loader = Loader::new(&document, ColorMode::Spectral).map_err(|e| e.to_string())?;
         let material = AnyMaterial::parse(&document.root.children[0], &loader).map_err(|e| e.to_string())?;
         let mut λ = Wavelengths::sample_visible(0.5);
-        // Eight lanes carry the four wavelengths twice, so that means over lanes are those of the four.
+        // Eight lanes carry the four wavelengths twice, so that means over lanes are means over the four.
         λ.nm = std::array::from_fn(|lane| wavelengths[lane % 4]);
         let point = SurfacePoint { uv: DVec2::new(0.25, 0.25), ..SurfacePoint::flat() };
         Ok(Self { material, point, λ })
     }
 
-    /// Four values and the density.
+    /// The four values and the density.
     fn evaluate(&self, wo: [f64; 3], wi: [f64; 3]) -> [f64; 5] {
         let found =
             self.material.at(&self.point, &self.λ).evaluate(DVec3::from_array(wo), DVec3::from_array(wi));

@@ -1,4 +1,5 @@
-//! `validate calibrate`: the experiment of [`validation::converge::calibration`] with pictures of a renderer.
+//! `validate calibrate`: the experiment of [`validation::converge::calibration`] with pictures of a real
+//! renderer.
 
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ use crate::renderers::{self, Job};
 use crate::report::machine;
 use crate::study::{REFERENCES, seed};
 
-/// What the command takes.
+/// The arguments of the command.
 #[derive(Args)]
 pub struct Arguments {
     scene: PathBuf,
@@ -39,7 +40,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-/// What came of it.
+/// The results of the experiment.
 #[derive(Serialize)]
 struct Calibration {
     scene: String,
@@ -50,15 +51,15 @@ struct Calibration {
     processor_time: bool,
     machine: Vec<(String, String)>,
     found: Vec<Share>,
-    /// Standard deviation of the logarithm of the ratio within a pair, averaged over rungs: of errors,
-    /// seconds, and their product.
+    /// Standard deviation of the logarithm of the ratio within a pair, averaged over rungs, for errors,
+    /// seconds and their product.
     scatter: [f64; 3],
-    /// How many seeds find 5 % nine times in ten, by that of the product.
+    /// Number of seeds that detect 5 % with 90 % power, according to the scatter of the product.
     seeds_needed: u32,
     pool: Vec<Pair>,
 }
 
-/// How often the sides were called different.
+/// The share of trials in which the sides were called different.
 #[derive(Serialize)]
 struct Share {
     seeds: usize,
@@ -73,19 +74,19 @@ fn scatter(pool: &[Pair], quantity: fn([f64; 2]) -> f64) -> f64 {
         let each = a.iter().zip(b).map(|(a, b)| libm::log(quantity(*b) / quantity(*a)));
         each.sum::<f64>() / a.len() as f64
     };
-    // Neither side is the better one: the mean is zero.
+    // Neither side is better, so the mean is zero.
     let squares: f64 = pool.iter().map(|pair| difference(pair) * difference(pair)).sum();
     (squares / pool.len() as f64).sqrt()
 }
 
-/// Seeds whose mean is so well known that 5 % are found nine times in ten at a level of half a per cent.
+/// Number of seeds whose mean is accurate enough to detect 5 % with 90 % power at a level of half a per cent.
 fn seeds_needed(scatter: f64) -> u32 {
     let wanted = (normal_quantile(0.0025) + normal_quantile(0.1)) * scatter / libm::log(1.05);
     (wanted * wanted).ceil().max(3.0) as u32
 }
 
-/// The promises are kept if for some number of seeds equal sides are called different in at most 1 % of
-/// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs says nothing.
+/// The calibration holds if for some number of seeds equal sides are called different in at most 1 % of
+/// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs is inconclusive.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;

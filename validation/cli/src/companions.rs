@@ -1,4 +1,4 @@
-//! A material at one wavelength, on paths that carry seven others.
+//! A material at one wavelength, on paths that carry seven other wavelengths.
 
 use crate::materials::{HERO, Subject};
 use etalon::bsdf::Bsdf;
@@ -7,14 +7,14 @@ use etalon::spectrum::{LANES, Wavelengths};
 use validation::scatterer::DVec3;
 use validation::{Laws, Sample, Scatterer};
 
-/// The subject's wavelength in each lane in turn, with the same company.
+/// The subject's wavelength in each lane in turn, with the same other wavelengths.
 pub struct Companion<'a> {
     subject: &'a Subject,
     places: [Wavelengths; LANES],
 }
 
 impl<'a> Companion<'a> {
-    /// The company that a path draws, and one of wavelengths from anywhere.
+    /// Companions with the other wavelengths that a path draws, and with wavelengths from all of the range.
     pub fn of(subject: &'a Subject) -> [Self; 2] {
         let drawn = Wavelengths::sample_visible(HERO);
         let mut strange = drawn;
@@ -27,7 +27,7 @@ impl<'a> Companion<'a> {
     }
 }
 
-/// Lane `to` of one becomes lane `from` of another.
+/// Copies lane `from` of `other` to lane `to`.
 fn take(λ: &mut Wavelengths, to: usize, other: &Wavelengths, from: usize) {
     (λ.nm[to], λ.pdf[to], λ.d65[to]) = (other.nm[from], other.pdf[from], other.d65[from]);
     for (response, other) in λ.response.iter_mut().zip(other.response) {
@@ -35,7 +35,7 @@ fn take(λ: &mut Wavelengths, to: usize, other: &Wavelengths, from: usize) {
     }
 }
 
-/// Lane 0 moves to lane `by`, and all others with it.
+/// Moves lane 0 to lane `by`, and all other lanes cyclically with it.
 fn turned(λ: &Wavelengths, by: usize) -> Wavelengths {
     let mut turned = *λ;
     for lane in 0..LANES {
@@ -50,7 +50,7 @@ impl Scatterer for Companion<'_> {
             let bsdf = self.subject.material.at(&self.subject.point, &self.places[lane]);
             bsdf.evaluate(wo, wi).value.0[lane] as f64
         });
-        // The mean of equal numbers; one that differs by more than rounding shows.
+        // The values should be equal; one that differs by more than rounding shows in the mean.
         values.sum::<f64>() / LANES as f64
     }
 
@@ -58,8 +58,9 @@ impl Scatterer for Companion<'_> {
         self.subject.material.at(&self.subject.point, &self.places[0]).evaluate(wo, wi).pdf
     }
 
-    /// A path's estimate is the mean over its lanes, so a wavelength's share is the mean over the lanes it
-    /// may be in. The lane comes from late digits of a number whose early ones make the direction.
+    /// A path's estimate is the mean over its lanes, so a wavelength's contribution is the mean over the
+    /// lanes it may be in. The lane comes from the late digits of a number whose early digits determine the
+    /// direction.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
         let lane = ((u[1] * (1u32 << 24) as f64).fract() * LANES as f64) as usize;
         let bsdf = self.subject.material.at(&self.subject.point, &self.places[lane]);

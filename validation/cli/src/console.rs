@@ -1,4 +1,4 @@
-//! What is said on standard output, and how numbers are read from the command line.
+//! Output to the terminal and to files, and numbers from the command line.
 
 use crate::provenance::Provenance;
 use std::error::Error;
@@ -7,18 +7,18 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use validation::Outcome;
 
-/// A line on standard output. A reader that has had enough, such as `head`, is no reason to stop: documents
-/// are still written, and the exit code still tells.
+/// Prints a line on standard output. A closed pipe, as behind `head`, is no reason to stop: documents are
+/// still written, and the exit code is still valid.
 pub fn say(line: Arguments) {
     writeln!(std::io::stdout(), "{line}").ok();
 }
 
-/// An outcome as a line.
+/// Prints an outcome as a line.
 pub fn print(outcome: &Outcome) {
     say(format_args!("{:<13} {}: {}", outcome.verdict.to_string(), outcome.subject, outcome.message));
 }
 
-/// Writes a document to a file, if one is wanted: whole, or not at all.
+/// Writes a document to a file if a path is given: completely, or not at all.
 pub fn write(
     path: Option<&Path>,
     text: impl FnOnce() -> Result<String, Box<dyn Error>>,
@@ -31,8 +31,8 @@ pub fn write(
     Ok(etalon::image::write_file(path, text.as_bytes())?)
 }
 
-/// Finds out before anything is done whether the documents that are wanted can be written, and what they are
-/// made of.
+/// Tests in advance whether documents can be written to the given paths, and whether their provenance can be
+/// determined.
 pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
     for path in paths.iter().copied().flatten() {
         etalon::image::check_writable(path)?;
@@ -41,7 +41,7 @@ pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-/// A share written with a per cent sign. Error: anything else, or nothing at all.
+/// Parses a share written with a per cent sign. Error: any other text.
 pub fn percentage(text: &str) -> Result<f64, String> {
     let number = text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
     number
@@ -70,7 +70,7 @@ mod tests {
         assert_eq!(written(), Ok(()));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new\n");
         std::fs::write(&path, "old").unwrap();
-        // Where the new one would be made beside the old.
+        // A folder where the partial file would be written.
         std::fs::create_dir(folder.join("a.json.partial")).unwrap();
         assert!(written().is_err_and(|error| error.contains("a.json: cannot write")));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");

@@ -16,7 +16,7 @@ use crate::study::line::{Line, curves, lines, missing};
 use crate::study::pictures::pictures;
 use crate::study::{Ladder, Run, Settings};
 
-/// What the command takes.
+/// The arguments of the command.
 #[derive(Args)]
 pub struct Arguments {
     scene: PathBuf,
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
     #[arg(long)]
     reference_spp: Option<u32>,
-    /// All unless given
+    /// Number of threads; all unless given
     #[arg(long, default_value_t = 0)]
     threads: usize,
     /// Count the processor's seconds, on a machine that does other things meanwhile
@@ -48,9 +48,9 @@ pub struct Arguments {
     html: Option<PathBuf>,
 }
 
-/// The study, as the command line asks for it.
+/// The study that the command line describes.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
-    // Otherwise each renderer would be found to miss it, one after the other.
+    // Otherwise each renderer would report the missing file, one after the other.
     if !arguments.scene.is_file() {
         return Err(format!("{}: there is no such file", arguments.scene.display()).into());
     }
@@ -83,7 +83,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     verdict
 }
 
-/// Measures, and writes what was found while the pictures are there.
+/// Measures, and writes the results while the pictures exist.
 fn tell(
     bench: &Bench,
     names: &[&str],
@@ -100,20 +100,20 @@ fn tell(
     }
 }
 
-/// Everything that was measured.
+/// All results of a study.
 #[derive(Serialize)]
 struct Study {
     scene: PathBuf,
     settings: Settings,
-    /// Who rendered; the first one's efficiency over those of the others is with these.
+    /// Results of the renderers that rendered, with the ratio of the first one's efficiency to each.
     lines: Vec<Line>,
-    /// Who did not, and why.
+    /// Renderers that could not render, with the reason.
     missing: Vec<(String, String)>,
-    /// Every picture's error and time.
+    /// Error and time of every picture.
     runs: Vec<Run>,
 }
 
-/// Fails if a renderer fails after it has once succeeded.
+/// Runs the study. Error: a renderer fails after it has once succeeded.
 fn study(bench: &Bench, names: &[&str]) -> Result<Study, String> {
     bench.measure(names, &|step| eprintln!("{step}"))?;
     let runs = bench.runs()?;

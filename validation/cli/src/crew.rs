@@ -1,4 +1,5 @@
-//! Many questions asked by as many threads as there are cores, answered in their order.
+//! Parallel evaluation of many items by as many threads as there are cores, with results in the order of the
+//! items.
 
 use crate::console::print;
 use std::collections::BTreeMap;
@@ -6,9 +7,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use validation::Outcome;
 
-/// Asks all questions and tells their answers in the order of the questions, each as soon as those before it
-/// are known. The first error of `tell` ends it; so does, when all others have answered, a question that
-/// panicked.
+/// Evaluates `ask` on all questions and passes the answers to `tell` in the order of the questions, each as
+/// soon as those before it are known. The first error of `tell` ends the evaluation; a question that panicked
+/// is an error after all others have been answered.
 pub fn ask_in_turn<T: Sync, A: Send>(
     questions: &[T],
     ask: impl Fn(&T) -> A + Sync,
@@ -20,7 +21,7 @@ pub fn ask_in_turn<T: Sync, A: Send>(
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(question) = questions.get(index) else { return };
-            // Nobody listens any more once an answer has been an error.
+            // Sending fails after `tell` has returned an error.
             if answered.send((index, ask(question))).is_err() {
                 return;
             }
@@ -44,7 +45,7 @@ pub fn ask_in_turn<T: Sync, A: Send>(
                 told += 1;
             }
         }
-        // All are joined, since a scope panics with those that nobody has joined.
+        // All threads are joined, since a scope panics if a thread that was not joined has panicked.
         let panicked = workers.into_iter().map(|worker| worker.join()).filter(Result::is_err).count();
         if panicked > 0 { Err("a check stopped without an answer".into()) } else { Ok(()) }
     })
@@ -60,7 +61,7 @@ pub fn ask_all<T: Sync, A: Send>(questions: &[T], ask: impl Fn(&T) -> A + Sync) 
     Ok(answers)
 }
 
-/// The outcomes of all questions, printed as they come.
+/// The outcomes of all questions, printed as they become known.
 pub fn ask_and_print<T: Sync>(
     questions: &[T],
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,

@@ -1,4 +1,4 @@
-//! The commands that judge what is drawn at random: `validate bsdf`, `sampling` and `furnace`.
+//! The commands that test sampled distributions: `validate bsdf`, `sampling` and `furnace`.
 
 use crate::console::{self, print};
 use crate::crew::ask_and_print;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use validation::checks::Effort;
 use validation::{Report, Verdict};
 
-/// How closely the checks look, and what is written down of them.
+/// The effort of the checks, and the documents to write.
 #[derive(clap::Args)]
 struct Settings {
     /// Samples a check
@@ -47,7 +47,7 @@ pub struct BsdfArguments {
 
 #[derive(clap::Args)]
 pub struct SamplingArguments {
-    /// Only what this is in the name of
+    /// Only subjects whose name contains this
     name: Option<String>,
     #[command(flatten)]
     settings: Settings,
@@ -55,7 +55,7 @@ pub struct SamplingArguments {
 
 #[derive(clap::Args)]
 pub struct FurnaceArguments {
-    /// Only what this is in the name of
+    /// Only cells of the furnace whose name contains this
     name: Option<String>,
     /// Samples an albedo
     #[arg(long, default_value_t = 1 << 18)]
@@ -73,7 +73,7 @@ pub struct FurnaceArguments {
     losses: Option<PathBuf>,
 }
 
-/// All checks on materials, or on those of another program.
+/// Runs all checks on materials, or on those of another program.
 pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
     let BsdfArguments { name, peer, timeout, settings } = arguments;
     let name = name.as_deref();
@@ -94,7 +94,7 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
     judge("materials", trials, &effort, settings)
 }
 
-/// All checks on all else that is drawn.
+/// Runs all checks on all other sampled distributions.
 pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>> {
     let SamplingArguments { name, settings } = arguments;
     let trials = sampling::trials(name.as_deref());
@@ -105,7 +105,7 @@ pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>>
     judge("sampling", trials, &effort, settings)
 }
 
-/// Energy over roughness, index and angle.
+/// Measures energy over roughness, index and angle.
 pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     let FurnaceArguments { name, samples, thorough, number, documents, losses } = arguments;
     if losses.is_some() {

@@ -1,4 +1,5 @@
-//! What a command writes of its outcomes: all of them, or a digest that is short enough to be kept.
+//! The documents that a command writes of its outcomes: all of them, or a digest short enough to be
+//! committed.
 
 use crate::console::{check_writable, say, write};
 use crate::provenance::Made;
@@ -9,7 +10,7 @@ use std::path::PathBuf;
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
 
-/// The documents that are wanted.
+/// The documents to write.
 #[derive(clap::Args)]
 pub struct Documents {
     /// Write a JSON document
@@ -21,12 +22,12 @@ pub struct Documents {
 }
 
 impl Documents {
-    /// Finds out before anything is done whether they can be written.
+    /// Tests in advance whether the documents can be written.
     pub fn check_writable(&self) -> Result<(), Box<dyn Error>> {
         check_writable(&[&self.json, &self.digest])
     }
 
-    /// Says how much holds, as the last line of a command, and writes what is wanted.
+    /// Prints the number of outcomes that hold, as the last line of a command, and writes the documents.
     pub fn finish(self, report: Report) -> Result<Verdict, Box<dyn Error>> {
         let Tally { hold, inconclusive, differ, .. } = Tally::of(report.outcomes.iter());
         say(format_args!("{}: {hold} hold, {inconclusive} inconclusive, {differ} differ", report.verdict));
@@ -36,23 +37,23 @@ impl Documents {
     }
 }
 
-/// A report without what holds.
+/// A report without the outcomes that hold.
 #[derive(Debug, Serialize)]
 struct Digest<'a> {
     title: &'a str,
     verdict: Verdict,
     checks: BTreeMap<&'a str, Tally<'a>>,
-    /// What was not shown to hold, as subject and message.
+    /// Subject and message of each outcome that was not shown to hold.
     open: Vec<[&'a str; 2]>,
 }
 
-/// What one check found on all subjects.
+/// The counts of one check over all subjects.
 #[derive(Debug, Default, Serialize)]
 struct Tally<'a> {
     hold: usize,
     inconclusive: usize,
     differ: usize,
-    /// Least and largest of each figure where the check holds.
+    /// Minimum and maximum of each figure over the outcomes that hold.
     figures: BTreeMap<&'a str, [f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! Directions towards emitters, as distributions over the sphere.
+//! Sampled directions towards emitters, as distributions over the sphere.
 
 use etalon::emitter::AnyEmitter;
 use etalon::math::{DVec2, Ray};
@@ -8,26 +8,26 @@ use std::path::Path;
 use validation::scatterer::{DVec3, Laws};
 use validation::{Sample, Scatterer};
 
-/// How many radii from its middle a shape is looked at.
+/// Distance from a shape's centre at which its light is sampled, in radii.
 const DISTANCE: f64 = 2.5;
 
-/// A path of the environment map of the reference scenes.
+/// The path of the environment map of the reference scenes.
 pub fn sky() -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes/textures/sky.exr");
     folder.display().to_string()
 }
 
-/// The only emitter of a scene, seen from a point in a direction (`wo`) of its middle.
+/// The only emitter of a scene, sampled from a point in the direction `wo` from its centre.
 pub struct Light {
     scene: Scene,
     λ: Wavelengths,
     middle: DVec3,
     radius: f64,
-    /// What is lit gathers light about this normal; from everywhere if it is zero.
+    /// The normal of the receiver; zero for a receiver that collects light from all directions equally.
     n: DVec3,
 }
 
-/// A shape of the registry that shines.
+/// A shape of the registry as an area light.
 pub fn area(snippet: &str) -> Result<Light, String> {
     let emitter = r#"<emitter type="area"><spectrum name="radiance" value="1"/></emitter>"#;
     let shape = match snippet.strip_suffix("/>") {
@@ -40,7 +40,7 @@ pub fn area(snippet: &str) -> Result<Light, String> {
     Ok(light)
 }
 
-/// An emitter that is no surface, for what gathers light about `n`.
+/// An emitter without a surface, for a receiver with normal `n`.
 pub fn distant(snippet: &str, n: DVec3) -> Result<Light, String> {
     Ok(Light { n, ..Light::new(snippet)? })
 }
@@ -54,9 +54,9 @@ impl Light {
         Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0, n: DVec3::ZERO })
     }
 
-    /// What radiance is divided by, so that no weight is above 1: light is no albedo. Power over the squared
-    /// distance is π times what a small flat source would weigh; a colour differs from its luminance by less
-    /// than the rest.
+    /// Divisor of the radiance, so that no weight is above 1: light is no albedo. Power over the squared
+    /// distance is π times the weight of a small flat source; a colour differs from its luminance by less
+    /// than the remaining factor.
     fn scale(&self) -> f64 {
         let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
         let nearest = self.radius * (DISTANCE - 1.0);
@@ -67,7 +67,7 @@ impl Light {
         &self.scene.emitters.list[0].emitter
     }
 
-    /// What of the light from a direction is gathered.
+    /// The receiver's weight of light from a direction: the cosine to its normal.
     fn gathered(&self, wi: DVec3) -> f64 {
         if self.n == DVec3::ZERO { 1.0 } else { self.n.dot(wi).max(0.0) }
     }
@@ -76,7 +76,7 @@ impl Light {
         self.middle + wo * (DISTANCE * self.radius)
     }
 
-    /// Radiance from a direction and its density, by following the ray.
+    /// Radiance from a direction and its density, by tracing a ray.
     fn seen(&self, wo: DVec3, wi: DVec3) -> (f64, f64) {
         let ray = Ray::free(self.place(wo), wi);
         if let Some((radiance, pdf)) = self.emitter().distant_radiance(wi, self.n, &self.λ) {

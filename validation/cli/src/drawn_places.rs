@@ -1,4 +1,4 @@
-//! Places on lenses and in filters, and wavelengths, as distributions over rectangles.
+//! Points on lenses and in filters, and wavelengths, as distributions over rectangles.
 
 use etalon::film::filter::{FILTERS, Profile};
 use etalon::film::filter_sampler::FilterSampler;
@@ -23,8 +23,8 @@ fn parse<T>(
     read(&document.root.children[0], &loader).map_err(|e| e.to_string())
 }
 
-/// Where rays leave the lens: squared radius, in units of the lens's, and azimuth, in which a disk is a
-/// rectangle. Cameras without a lens draw nothing.
+/// The point where a ray leaves the lens: squared radius, in units of the lens's radius squared, and azimuth,
+/// in which a disk is a rectangle. Cameras without a lens draw nothing.
 pub struct Lens {
     camera: AnySensor,
 }
@@ -34,14 +34,14 @@ impl Lens {
         parse(snippet, Sensor::parse).map(|sensor| Self { camera: sensor.camera })
     }
 
-    /// The ray's place in the plane of the lens, for cameras whose `to_world` is the identity.
+    /// The ray's point in the plane of the lens, for cameras whose `to_world` is the identity.
     fn place(&self, lens: DVec2) -> DVec2 {
         let ray = self.camera.ray(DVec2::new(0.3, 0.6), lens);
         let p = ray.at(-ray.origin.z / ray.direction.z);
         DVec2::new(p.x, p.y)
     }
 
-    /// The largest distance between two rays, which is the lens's diameter.
+    /// The lens's radius: half the largest distance between two rays.
     fn radius(&self) -> f64 {
         0.5 * (self.place(DVec2::new(0.0, 0.5)) - self.place(DVec2::new(1.0, 0.5))).length()
     }
@@ -70,32 +70,34 @@ impl Planar for Lens {
     }
 }
 
-/// Places along one axis of a reconstruction filter; the other axis is left even. Weights and values by
-/// magnitude.
+/// Positions along one axis of a reconstruction filter; the other axis is uniform. Weights and values are
+/// magnitudes.
 pub struct Filter {
     profile: Profile,
     sampler: FilterSampler,
     margins: [u32; 2],
-    /// ∫|f| over each 1/32 of a pixel, from the lower end, and where that is.
+    /// ∫|f| over each 1/32 of a pixel, from the lower end.
     bins: Vec<f64>,
+    /// The lower end in pixels.
     low: f64,
-    /// ∫|f| and ∫f.
+    /// ∫|f|.
     absolute: f64,
+    /// ∫f.
     signed: f64,
 }
 
 const BINS: f64 = 32.0;
 
 impl Filter {
-    /// A filter of which the film leaves so many pixels before and after.
+    /// A filter at a pixel with `margins` pixels of the film before and after it.
     pub fn new(snippet: &str, margins: [u32; 2]) -> Result<Self, String> {
         let profile =
             parse(snippet, |element, loader| construct(FILTERS, element, loader, Usage::Unbounded))?;
         let end = |pixels: u32| profile.radius().min(f64::from(pixels) + 0.5);
         let (low, high) = (-end(margins[0]), end(margins[1]));
         let count = (BINS * (high - low)).round() as usize;
-        // The rule of the sampler's own table: what it draws by is the table, and the table is exact by
-        // definition, also where the rule is off by 10⁻⁵ because |f| has a kink in the bin.
+        // The quadrature rule of the sampler's own table: the sampler draws from the table, so the table is
+        // exact by definition, also where the rule has an error of 10⁻⁵ because |f| has a kink in the bin.
         let over = |i: usize, of: &dyn Fn(f64) -> f64| {
             let cell = |i: usize| low + i as f64 / BINS;
             integrate_from_kink(cell(i), cell(i + 1), of)
@@ -113,7 +115,7 @@ impl Planar for Filter {
     }
 
     fn value(&self, [x, _]: [f64; 2]) -> f64 {
-        // Half of it, so that the lobes of a filter that rings do not carry more than there is.
+        // Halved, so that the magnitudes of a filter with negative lobes integrate to at most 1.
         0.5 * (self.profile.eval(x) / self.signed).abs()
     }
 
@@ -129,9 +131,9 @@ impl Planar for Filter {
     }
 }
 
-/// The first wavelength of a path, in nm, and what of the second axis there is not.
+/// The first wavelength of a path in nm; the second axis is uniform and unused.
 pub struct Hero {
-    /// As for colours, or evenly as for films of bands.
+    /// Whether the wavelength is drawn as for colours; otherwise uniformly, as for films of bands.
     pub visible: bool,
 }
 
@@ -156,8 +158,8 @@ impl Planar for Hero {
         0.5 / (RANGE[1] - RANGE[0]) * (nm - RANGE[0]) / (RANGE[1] - RANGE[0])
     }
 
-    /// The density that a path states whose first wavelength is this: the draw is monotonous, so bisection
-    /// finds it.
+    /// The density that a path with this first wavelength states. The wavelength is monotonic in the random
+    /// number, so bisection finds the number.
     fn pdf(&self, [nm, _]: [f64; 2]) -> f64 {
         let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
         for _ in 0..40 {

@@ -1,5 +1,5 @@
-//! Energy over roughness, index and angle: every model that has them, against quadrature, against physics,
-//! and against what single scattering is known to lose.
+//! Energy over roughness, index and angle: every model that has these parameters, against quadrature, against
+//! energy conservation, and against the known loss of single scattering.
 
 use crate::materials::Subject;
 use crate::trial::from;
@@ -10,16 +10,18 @@ use validation::scatterer::{DVec3, Laws};
 use validation::statistics::{Verdict, seed_for};
 use validation::{Outcome, Sample, Scatterer};
 
-/// The grid of the furnace.
+/// Roughnesses of the grid.
 pub const ALPHAS: [f64; 7] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.5, 1.0];
+/// Relative indices of refraction of the grid.
 pub const INDICES: [f64; 5] = [1.0 / 2.4, 1.0 / 1.5, 1.1, 1.5, 2.4];
-/// Degrees from the normal.
+/// Angles of the grid in degrees from the normal.
 pub const ANGLES: [f64; 9] = [0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];
 
-/// How far an albedo may be from what single scattering leaves, or from 1 for rough and for smooth surfaces.
+/// Largest error of an albedo of a rough surface, against the albedo of single scattering.
 const ROUGH: f64 = 1e-3;
+/// Largest error of an albedo of a smooth surface, against 1.
 const SMOOTH: f64 = 1e-6;
-/// Of white plastic: what `f32` and quadrature leave.
+/// Largest error of an albedo of white plastic: that of `f32` and of quadrature.
 const FITTED: f64 = 1e-5;
 
 /// A model at a point of the grid.
@@ -31,20 +33,20 @@ pub struct Cell {
     leaves: Leaves,
 }
 
-/// What must leave a surface.
+/// The expected albedo of a surface.
 #[derive(Clone, Copy, Debug)]
 enum Leaves {
-    /// Of a lossless rough surface, what single scattering does not lose.
+    /// A lossless rough surface: the albedo of single scattering.
     Rough(Rough),
-    /// All.
+    /// A lossless smooth surface: 1.
     All,
-    /// Of white plastic with this η, what Mitsuba's fit makes of all: for η = 2.4 it is up to 2.3 % more.
+    /// White plastic with this η: the albedo that Mitsuba's fit gives, for η = 2.4 up to 2.3 % above 1.
     Fitted(f64),
-    /// No more than arrives.
+    /// At most 1.
     AtMostAll,
 }
 
-/// The whole grid, or the models whose name contains a word.
+/// The whole grid, or the models whose name contains `wanted`.
 pub fn cells(wanted: Option<&str>) -> Vec<Cell> {
     let mut cells = vec![];
     let mut add = |name: String, snippet: String, leaves: Leaves| {
@@ -102,7 +104,7 @@ const WHITE: &str =
     r#"<boolean name="nonlinear" value="true"/><spectrum name="diffuse_reflectance" value="1"/>"#;
 
 impl Cell {
-    /// What must leave, as far as it is known.
+    /// The expected albedo, where it is known.
     pub fn expected(&self) -> Option<f64> {
         let cosine = from(self.degrees).z;
         match self.leaves {
@@ -113,7 +115,7 @@ impl Cell {
         }
     }
 
-    /// The check `furnace`, and the albedo against what is expected.
+    /// Runs the check `furnace`, and compares the albedo with the expected one.
     pub fn run(&self, effort: &Effort, number: u64) -> Result<Outcome, String> {
         let subject = Subject::new(&self.snippet)?;
         let wo = from(self.degrees);
@@ -122,7 +124,7 @@ impl Cell {
         let Some(expected) = self.expected() else {
             return Ok(check.run(&subject, wo, seed, effort).of(&self.name));
         };
-        // What a known fit adds must not hide what else might be too much.
+        // Light is measured in units of the known excess of a fit, so that it does not hide another one.
         let unit = expected.max(1.0);
         let mut outcome = check.run(&Measured { subject: &subject, unit }, wo, seed, effort).of(&self.name);
         let integrated = outcome.figures.get("integrated").copied().unwrap_or(f64::NAN) * unit;
@@ -145,9 +147,9 @@ impl Cell {
     }
 }
 
-/// What leaves white plastic seen at a cosine. By its reflection R, what enters, and what is reflected
-/// inwards, F, that is R + (1 − R)(1 − F)/(1 − F′), where F′ is what Mitsuba's plastic has in place of F in
-/// the sum of all orders: the fit of Egan and Hilgeman (1973). The exact F makes it 1.
+/// The albedo of white plastic at a cosine. With its reflectance R, the light that enters, and the internal
+/// reflectance F, it is R + (1 − R)(1 − F)/(1 − F′), where F′ is what Mitsuba's plastic uses for F in the sum
+/// of all orders: the fit of Egan and Hilgeman (1973). With the exact F it is 1.
 fn fitted(cosine: f64, eta: f64) -> f64 {
     let reflectance = fresnel::dielectric(cosine, eta).reflectance;
     let exact = fresnel::diffuse_reflectance(1.0 / eta);
@@ -155,7 +157,7 @@ fn fitted(cosine: f64, eta: f64) -> f64 {
     reflectance + (1.0 - reflectance) * (1.0 - exact) / (1.0 - fit)
 }
 
-/// A subject whose light is measured in this unit.
+/// A subject whose light is measured in multiples of `unit`.
 struct Measured<'a> {
     subject: &'a Subject,
     unit: f64,
@@ -195,8 +197,8 @@ fn delta_albedo(subject: &Subject, wo: DVec3) -> f64 {
     lobes.iter().map(|lobe| lobe.pdf * lobe.weight * subject.laws().flux_factor(wo, lobe.wi)).sum()
 }
 
-/// What single scattering loses on the whole grid, as a table: CSV with a line for each roughness, index and
-/// law.
+/// The loss of single scattering on the whole grid as CSV, with a line for each roughness, index and
+/// distribution.
 pub fn losses() -> String {
     let angles: Vec<String> = ANGLES.iter().map(|angle| format!("{angle}°")).collect();
     let mut table = format!("law,alpha,eta,{}\n", angles.join(","));

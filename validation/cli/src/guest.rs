@@ -1,7 +1,8 @@
 //! `validate renderer`: any renderer of `renderers.toml` on the reference scenes and the closed forms.
 //!
-//! A stranger's image has no variances, so every scene is rendered with several seeds. What a renderer cannot
-//! do is told with its reason, and is inconclusive: it is no fault, and no pass.
+//! The images of other renderers have no variances, so every scene is rendered with several seeds. A scene
+//! that a renderer cannot render is reported with the reason and is inconclusive: it is no fault, and no
+//! pass.
 
 use crate::closed_forms::{self, ClosedForm, LEVEL};
 use crate::console::{percentage, print};
@@ -43,7 +44,7 @@ pub struct Arguments {
     documents: Documents,
 }
 
-/// The references, and the closed forms of the same kind of colours.
+/// Compares a renderer with the references, and with the closed forms of the same kind of colours.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { renderer, name, file, color, spp, seeds, margin, number, documents } = arguments;
     let file = file.unwrap_or_else(renderers::file);
@@ -82,27 +83,28 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     documents.finish(Report::new(renderer, outcomes))
 }
 
-/// A renderer under judgement.
+/// A renderer under test.
 struct Guest<'a> {
     renderer: &'a Renderer,
-    /// For its pictures, and for scenes that are in no file.
+    /// Folder for its pictures, and for scenes that are in no file.
     folder: &'a Path,
     number: u64,
-    /// Of each question, so that one right renderer in a hundred is told that any of them differs.
+    /// Level of each comparison, chosen so that a correct renderer is called different anywhere with
+    /// probability 1 %.
     level: f64,
 }
 
 impl Guest<'_> {
-    /// A reference scene, against the stored picture.
+    /// Compares a reference scene with the stored image.
     fn meets(&self, reference: &Reference, samples: u32, seeds: u32, margin: f64) -> Outcome {
         let judged = || {
             let pictures = self.pictures(&reference.name, &reference.scene, samples, seeds)?;
             let theirs = load(&reference.image).map_err(|e| e.to_string())?;
-            // Whether they are alike at all comes first.
+            // Size and channels of the pictures must agree before anything else.
             let mut ours = Image::from_replicates(&pictures).map_err(|e| e.to_string())?;
             let shared = Image::shared_noise(&pictures);
             ours.channels.retain(|own| theirs.channels.iter().any(|other| other.name == own.name));
-            // The reference's pixels share samples as well, if these do.
+            // The reference's pixels share samples as well, if those of these pictures do.
             let [theirs, ours] = [theirs, ours].map(|image| image.with_variances_times(&shared));
             let settings = Settings { level: self.level, ..references::settings(margin) };
             let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
@@ -114,7 +116,7 @@ impl Guest<'_> {
         judged().unwrap_or_else(|why| unable("images", &why)).of(&reference.name)
     }
 
-    /// A scene whose answer is known.
+    /// Compares a scene with its analytic solution.
     fn knows(&self, case: &ClosedForm, seeds: u32) -> Outcome {
         let judged = || {
             let scene = self.folder.join("scene.xml");
@@ -126,12 +128,12 @@ impl Guest<'_> {
         judged().unwrap_or_else(|why: String| unable("closed form", &why)).of(&case.name)
     }
 
-    /// Pictures with seeds of their own.
+    /// Renders pictures with different seeds.
     fn pictures(&self, name: &str, scene: &Path, samples: u32, count: u32) -> Result<Vec<Image>, String> {
         let out = self.folder.join("picture.exr");
         let picture = |index: u32| {
             let number = self.number * u64::from(count) + u64::from(index);
-            // Many programs take no more than 31 bits.
+            // Many programs accept no more than 31 bits.
             let seed = seed_for(name, number) as u32 >> 1;
             self.renderer.run(&Job { scene, samples, seed, threads: 0 }, &out)?;
             load(&out).map_err(|e| e.to_string())
@@ -148,7 +150,7 @@ fn unable(check: &str, why: &str) -> Outcome {
 mod tests {
     use super::*;
 
-    /// What is said of a renderer that has this command.
+    /// The outcome for a renderer with this command.
     fn verdict_on(command: String, ask: impl Fn(&Guest) -> Outcome) -> Outcome {
         static FOLDERS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let number = FOLDERS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -184,7 +186,7 @@ mod tests {
         let sky = closed_forms::cases().into_iter().find(|case| case.name == "envmap::turned").unwrap();
         let place = format!("<path value=\"{}\"/>", references::folder().join("scenes").display());
         assert!(sky.standing_alone().starts_with(&format!("<scene version=\"3.0.0\">{place}")));
-        // Any picture is a wrong one.
+        // Any other picture is wrong.
         let command = format!("cp {:?} {{out}}", reference("camera-x::rgb").image);
         assert_eq!(verdict_on(command, |guest| guest.knows(&sky, 4)).verdict, Verdict::Different);
     }

@@ -1,17 +1,17 @@
 //! Joins the harness, which knows no renderer, to Etalon, which knows no harness.
 //!
-//! [`materials`] shows every material of the registry to the checks, [`limits`] those that should turn into
-//! others, [`sampling`] all else that is drawn, and [`peers`] the BSDFs of other programs; [`furnace`]
-//! measures energy over roughness and index, and [`agreement`] compares values and densities with Mitsuba's
-//! golden ones. [`ledger`] keeps p-values, and [`images`] asks of real renders whether their comparison keeps
-//! its promises.
+//! [`materials`] applies the checks to every material of the registry, [`limits`] to those near the end of a
+//! parameter, [`sampling`] to all other sampled distributions, and [`peers`] to the BSDFs of other programs;
+//! [`furnace`] measures energy over roughness and index, and [`agreement`] compares values and densities with
+//! Mitsuba's golden ones. [`ledger`] keeps p-values, and [`images`] calibrates the comparison of images on
+//! real renders.
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made;
-//! [`closed_forms`] are scenes with an analytic answer, and [`metamorphic`] pairs of scenes whose images must
-//! be alike; [`stability`] asks the same of stiff and extreme scenes. [`guest`] shows references and closed
-//! forms to any of the [`renderers`], and [`converge`] measures their error against their time, on one scene,
-//! [`table`] on all of the convergence table, both by a [`study`]. [`museum`] asks whether all of this would notice a bug, and
-//! [`report`] puts all of it on one page.
+//! [`closed_forms`] are scenes with an analytic solution, and [`metamorphic`] pairs of scenes whose images
+//! must be equal; [`stability`] tests stiff and extreme scenes in the same way. [`guest`] tests any of the
+//! [`renderers`] with references and closed forms, and [`converge`] measures their error against their time,
+//! on one scene, [`table`] on all of the convergence table, both by a [`study`]. [`museum`] tests whether all
+//! of this would detect a bug, and [`report`] puts all of it on one page.
 
 pub mod agreement;
 pub mod calibrate;

@@ -1,13 +1,14 @@
-//! Materials near the end of their parameters, and what they should turn into there.
+//! Materials near the end of a parameter's range, and their limits there.
 
 use crate::materials::Subject;
 use crate::trial::{Source, Trial, trials_of};
 use std::sync::Arc;
 use validation::Scatterer;
 
-/// Vanishing roughness, and indices that hardly differ.
+/// Vanishing roughness.
 const ROUGH: &str = r#"<float name="alpha" value="1e-4"/>"#;
 const GGX: &str = r#"<string name="distribution" value="ggx"/>"#;
+/// Indices that hardly differ.
 const ALIKE: &str = r#"<float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/>"#;
 const GLASS: &str = r#"<float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>"#;
 
@@ -21,7 +22,7 @@ fn bsdf(kind: &str, inside: &str) -> String {
     format!("<bsdf type=\"{kind}\">{inside}</bsdf>")
 }
 
-/// Name, near, limit, and how much of the flux the distance may move.
+/// Name, near model, limit, and the largest difference of the flux that the distance from the limit explains.
 fn pairs() -> Vec<(String, String, String, f64)> {
     let mut pairs = vec![];
     let mut add = |name: &str, near: String, limit: String, within: f64| {
@@ -36,7 +37,7 @@ fn pairs() -> Vec<(String, String, String, f64)> {
             let near = bsdf(model, &format!("{law}{ROUGH}{rest}"));
             let limit =
                 bsdf(smooth, &if model == "roughplastic" { format!("{rest}{DARKER}") } else { rest.into() });
-            // α² tan² θ at 75° is 1e-7; GGX's long tails move some 1e-4 of the flux.
+            // α² tan² θ at 75° is 1e-7; the long tails of GGX move about 1e-4 of the flux.
             add(&format!("{model}-{name}-smooth"), near, limit, 1e-3);
         }
         let near = bsdf("roughdielectric", &format!("{law}{ROUGH}{ALIKE}"));
@@ -61,8 +62,7 @@ fn pairs() -> Vec<(String, String, String, f64)> {
     pairs
 }
 
-/// All trials, or those whose name begins with one word. The near models go through every other check as
-/// well.
+/// All trials, or those whose name begins with `name`. The near models also go through every other check.
 pub fn trials(name: Option<&str>) -> Vec<Trial> {
     let wanted = pairs().into_iter().filter(|pair| name.is_none_or(|name| pair.0.starts_with(name)));
     let trials = wanted.flat_map(|(name, near, limit, within)| {

@@ -1,4 +1,4 @@
-//! Every material × example × check × direction.
+//! Trials of every material × example × check × direction.
 
 use crate::companions::Companion;
 use crate::trial::{ANGLES, Source, Trial, trials_of};
@@ -12,10 +12,10 @@ use std::sync::Arc;
 use validation::scatterer::{DVec3, Limit, direction};
 use validation::{Laws, Sample, Scatterer};
 
-/// Where in the sampled wavelengths the subject's own one is.
+/// The random number that determines the subject's wavelength.
 pub const HERO: f64 = 0.4;
 
-/// A material at a point, as the checks see it: its first wavelength.
+/// A material at a point, as the checks see it: at its first wavelength.
 pub struct Subject {
     laws: Laws,
     pub(crate) material: AnyMaterial,
@@ -31,7 +31,7 @@ impl Subject {
         let document = xml::read_text("example.xml", &text).map_err(|e| e.to_string())?;
         let loader = Loader::new(&document, ColorMode::Spectral).map_err(|e| e.to_string())?;
         let material = AnyMaterial::parse(&document.root.children[0], &loader).map_err(|e| e.to_string())?;
-        // Alone in its path, so that dispersion does not make it stand for the lanes that go elsewhere.
+        // A single wavelength, so that its weight does not include the lanes that dispersion ends.
         let mut λ = Wavelengths::sample_visible(HERO);
         λ.collapse();
         let laws = Laws { reciprocal: material.is_reciprocal(), ..Laws::default() };
@@ -40,18 +40,18 @@ impl Subject {
         Ok(Self { laws, ..subject })
     }
 
-    /// The same subject, which claims that it absorbs nothing.
+    /// The same subject, claiming that it absorbs nothing.
     pub fn white(self) -> Self {
         Self { laws: Laws { lossless: true, ..self.laws }, ..self }
     }
 
-    /// The same subject, which claims that the flux it sends anywhere is within `within` of that of `limit`.
+    /// The same subject, claiming that its flux moments differ from those of `limit` by at most `within`.
     pub fn near(self, limit: Subject, within: f64) -> Self {
         Self { limit: Some((Box::new(limit), within)), ..self }
     }
 
-    /// The relative index of the far side, as a refracted sample from the front tells it; steep enough for
-    /// light to cross whatever the index.
+    /// The relative index of the far side, from a refracted sample of light from the front at so small an
+    /// angle that it crosses whatever the index is.
     fn index(&self) -> Option<f64> {
         let bsdf = self.material.at(&self.point, &self.λ);
         let tries = (0..4096).map(|i| [(i % 64) as f64 / 64.0, (i / 64) as f64 / 64.0]);
@@ -93,13 +93,13 @@ impl Scatterer for Subject {
     }
 }
 
-/// A source of subjects of a snippet.
+/// The source of subjects of a scene-file snippet.
 pub fn source(snippet: impl Into<String>) -> Source {
     let snippet = snippet.into();
     Arc::new(move || Subject::new(&snippet).map(|subject| Box::new(subject) as Box<dyn Scatterer>))
 }
 
-/// All trials of the registry's materials, or those of one.
+/// All trials of the registry's materials, or those of one material.
 pub fn trials(material: Option<&str>) -> Vec<Trial> {
     let asked = |name: &str| material.is_none_or(|m| m == name);
     let mut trials = vec![];

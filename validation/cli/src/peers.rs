@@ -9,24 +9,24 @@ use validation::{Outcome, Report, Scatterer};
 
 use crate::trial::{ANGLES, from};
 
-/// What to ask of a peer.
+/// The selection and the effort of checks on a peer.
 pub struct Settings<'a> {
     /// Only configurations whose name contains this.
     pub name: Option<&'a str>,
-    /// Samples a check.
+    /// Samples per check.
     pub samples: usize,
-    /// Another number, other seeds.
+    /// Number that determines the seeds.
     pub number: u64,
-    /// How long the peer may take for one answer.
+    /// Time limit of an answer.
     pub limit: Duration,
 }
 
-/// What asks questions by the answers to the last ones, many thousands in all: over a pipe that takes
-/// minutes.
+/// Checks left out for peers: each of their many thousands of queries depends on the last answers, which
+/// takes minutes over a pipe.
 const STEP_BY_STEP: [&str; 2] = ["jacobian", "moments"];
 
-/// Starts `command` and runs every check that applies on each of its configurations, from each direction of
-/// [`ANGLES`]. `progress` sees each outcome as it comes.
+/// Starts `command` and runs every check that applies on each of its configurations, for each direction of
+/// [`ANGLES`]. `progress` gets each outcome as it becomes known.
 pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> Result<Report, PeerError> {
     let mut peer = Peer::meet(Process::start(command, settings.limit)?)?;
     let configurations: Vec<_> = peer

@@ -1,22 +1,22 @@
-//! When, where and from which sources a document of results was made.
+//! Date, machine and commit of a document of results.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// What every committed document of results begins with.
+/// The header of every committed document of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// As ISO 8601 writes it, in UTC.
+    /// Date in UTC, in the format of ISO 8601.
     pub date: String,
-    /// The kind of machine: cores and processor.
+    /// Number of cores and kind of processor.
     pub machine: String,
-    /// The commit of the checkout; `+` where files that are built differ from it.
+    /// The commit of the checkout, with a `+` if source or Cargo files differ from it.
     pub commit: String,
 }
 
-/// A document with its provenance before it.
+/// A document preceded by its provenance.
 #[derive(Serialize)]
 pub struct Made<'a, T> {
     #[serde(flatten)]
@@ -26,7 +26,7 @@ pub struct Made<'a, T> {
 }
 
 impl<'a, T> Made<'a, T> {
-    /// What was made here and today.
+    /// A document with the provenance of this process.
     pub fn here(what: &'a T) -> Result<Self, String> {
         Ok(Self { made: Provenance::here()?, what })
     }
@@ -39,8 +39,8 @@ impl fmt::Display for Provenance {
 }
 
 impl Provenance {
-    /// Here and today, as it was when this was first asked: sources may change while a long run looks at what
-    /// was built of them. Errors: there is no git, or no checkout.
+    /// The provenance of this process, determined at the first call: sources may change during a long run of
+    /// what was built from them. Errors: no git, or no checkout.
     pub fn here() -> Result<Self, String> {
         static HERE: OnceLock<Result<Provenance, String>> = OnceLock::new();
         HERE.get_or_init(Self::now).clone()

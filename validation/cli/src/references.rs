@@ -1,4 +1,4 @@
-//! The reference scenes, rendered by Etalon and compared with the images that Mitsuba made of them.
+//! The reference scenes, rendered by Etalon and compared with Mitsuba's images of them.
 
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{self, Overrides};
@@ -9,18 +9,18 @@ use std::path::{Path, PathBuf};
 use validation::Outcome;
 use validation::image::{self, Comparison};
 
-/// A scene, a colour mode, and the image to meet.
+/// A scene, a colour mode, and the image to compare with.
 #[derive(Clone, Debug)]
 pub struct Reference {
     pub name: String,
     pub scene: PathBuf,
     pub image: PathBuf,
     pub mode: ColorMode,
-    /// The standard error of each channel's mean, from whole replicates.
+    /// The standard error of each channel's mean, from independent replicates.
     errors: Vec<(String, f64)>,
 }
 
-/// What `references.json` says of an image.
+/// The entry of an image in `references.json`.
 #[derive(Deserialize)]
 struct Record {
     channels: Vec<String>,
@@ -32,7 +32,7 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../references")
 }
 
-/// All references below a folder, by name.
+/// All references below a folder, sorted by name.
 pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
     let list = folder.join("references.json");
     let told = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
@@ -59,15 +59,15 @@ pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
 }
 
 impl Reference {
-    /// Mitsuba's image. Where its filter is wider than a pixel, pixels share samples: their variances then add
-    /// up to less than the variance of the mean, and are enlarged by as much.
+    /// Mitsuba's image. Where its filter is wider than a pixel, pixels share samples: the sum of their
+    /// variances then underestimates the variance of the mean, and the variances are enlarged to compensate.
     pub fn image(&self) -> Result<image::Image, String> {
         let image = image::load(&self.image).map_err(|e| e.to_string())?;
         let factors = image.shared_noise_of_means(self.errors.iter().map(|(name, error)| (name, error)));
         Ok(image.with_variances_times(&factors))
     }
 
-    /// Etalon's image, with `samples` a pixel. `number` draws another seed.
+    /// Etalon's image, with `samples` samples per pixel. `number` determines the seed.
     pub fn render(&self, samples: u32, number: u64) -> Result<image::Image, String> {
         let seed = validation::statistics::seed_for(&self.name, number) as u32;
         // Independent samples, because the pixel variance of stratified ones is an overestimate.
@@ -81,7 +81,7 @@ impl Reference {
             height: rendered.crop.height as usize,
             channels: rendered.channels.iter().map(channel).collect(),
         };
-        // Mitsuba gives the channels of a specfilm the names that the scene file has.
+        // Mitsuba names the channels of a specfilm as the scene file does.
         for band in &scene.sensor.film.bands {
             for channel in ours.channels.iter_mut().filter(|channel| channel.name == band.channel) {
                 channel.name.clone_from(&band.name);
@@ -90,7 +90,7 @@ impl Reference {
         Ok(ours)
     }
 
-    /// Renders with `samples` a pixel and compares. `number` draws another seed.
+    /// Renders with `samples` samples per pixel and compares. `number` determines the seed.
     pub fn compare(
         &self,
         samples: u32,
@@ -99,7 +99,7 @@ impl Reference {
     ) -> Result<Comparison, String> {
         let mut ours = self.render(samples, number)?;
         let reference = self.image()?;
-        // Beside the bands of a specfilm there are colours here, and none in Mitsuba's file.
+        // Etalon writes colours beside the bands of a specfilm, Mitsuba does not.
         ours.channels.retain(|own| reference.channels.iter().any(|theirs| theirs.name == own.name));
         let comparison = image::compare(&reference, &ours, settings).map_err(|e| e.to_string())?;
         match comparison.uncompared.first() {
@@ -114,9 +114,9 @@ impl Reference {
     }
 }
 
-/// What is asked of a reference.
+/// Settings of the comparison with a reference.
 pub fn settings(margin: f64) -> image::Settings {
-    // Mitsuba adds its samples up in f32, so that its noiseless pixels are off by some ulp.
+    // Mitsuba accumulates samples in f32, so its noiseless pixels have errors of a few ulps.
     let rounding = 64.0 * f64::from(f32::EPSILON);
     image::Settings { rounding, ..image::Settings::with_margin(margin).with_tiles_within_noise() }
 }

@@ -1,4 +1,4 @@
-//! Any renderer, by the command template of `validation/renderers.toml`.
+//! Any renderer, by a command template of `validation/renderers.toml`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,58 +9,61 @@ use serde::{Deserialize, Serialize};
 use validation::converge::Picture;
 use validation::image;
 
-/// One line of the file.
+/// An entry of the file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Renderer {
-    /// Program and arguments with words in braces to be filled in.
+    /// Program and arguments, with placeholders in braces.
     pub command: String,
-    /// A renderer whose pictures have the same mean: its converged mean is what this one is held against, for
-    /// its own may not converge in any time there is.
+    /// Another renderer whose pictures have the same mean, and whose converged mean is therefore the
+    /// reference of this one, which may not converge in any feasible time. By default its own converged mean
+    /// is the reference.
     pub mean_of: Option<String>,
 }
 
-/// What to render.
+/// A scene to render, with its sample count, seed and threads.
 #[derive(Clone, Copy, Debug)]
 pub struct Job<'a> {
     pub scene: &'a Path,
+    /// Samples per pixel.
     pub samples: u32,
     pub seed: u32,
-    /// 0: all.
+    /// Number of threads; 0 means all.
     pub threads: usize,
 }
 
-/// How long it took.
+/// Times of a render in seconds.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Took {
-    /// Without start-up and planning.
+    /// Wall-clock time of rendering, without start-up and planning.
     pub seconds: f64,
-    /// To find out how to render the scene, whatever the number of samples.
+    /// Wall-clock time of planning how to render the scene, which does not depend on the number of samples.
     pub planning: f64,
-    /// Of both, processor time of all threads; of the whole process where the renderer does not say.
+    /// Processor time of planning and rendering on all threads; of the whole process where the renderer does
+    /// not report it.
     pub cpu_seconds: f64,
-    /// What came before and after.
+    /// Wall-clock time before and after planning and rendering.
     pub startup: f64,
 }
 
 impl Took {
-    /// The seconds that count, of planning and of samples: the processor's, of which planning cannot be told,
-    /// on a machine that does other things meanwhile.
+    /// Seconds of planning and of samples that are compared. On a machine with other load they are processor
+    /// time, of which the part of planning is unknown and therefore 0.
     pub fn parts(&self, processor_time: bool) -> (f64, f64) {
         if processor_time { (0.0, self.cpu_seconds) } else { (self.planning, self.seconds) }
     }
 
-    /// All of them.
+    /// The sum of both parts.
     pub fn counted(&self, processor_time: bool) -> f64 {
         let (planning, samples) = self.parts(processor_time);
         planning + samples
     }
 }
 
-/// What came of it.
+/// A rendered picture.
 #[derive(Clone, Debug)]
 pub struct Rendered {
-    /// Red, green and blue one after the other, each in rows.
+    /// Red, green and blue one after the other, each in row-major order.
     pub picture: Picture,
     pub width: usize,
     pub height: usize,
@@ -88,26 +91,28 @@ pub fn load(path: &Path) -> Result<Renderers, String> {
     }
 }
 
-/// Which renderer's converged mean one is held against.
+/// The renderer whose converged mean is the reference of `name`.
 pub fn mean_of<'a>(all: &'a Renderers, name: &'a str) -> &'a str {
     all.get(name).and_then(|renderer| renderer.mean_of.as_deref()).unwrap_or(name)
 }
 
 impl Renderer {
-    /// Renders to the file `out` and reads its colours.
+    /// Renders to the file `out` and reads its colours. Errors: those of [`Self::run`], or a file without
+    /// finite R, G, B.
     pub fn render(&self, job: &Job, out: &Path) -> Result<Rendered, String> {
         let took = self.run(job, out)?;
         let (picture, width, height) = read(out)?;
         Ok(Rendered { picture, width, height, took })
     }
 
-    /// Renders to the file `out`.
+    /// Renders to the file `out`. Errors: the program does not start or fails; the message has its last
+    /// words.
     pub fn run(&self, job: &Job, out: &Path) -> Result<Took, String> {
         let command = from_environment(&self.command)?;
         let words = validation::peer::words(&command).ok_or("a quote of the command is not closed")?;
         let words: Vec<String> = words.iter().map(|word| fill(word, job, out)).collect();
         let (program, arguments) = words.split_first().ok_or("the command is empty")?;
-        // A stale file must not pass for the answer.
+        // A file of an earlier render must not pass for the result.
         if out.exists() {
             std::fs::remove_file(out).map_err(|e| format!("{}: {e}", out.display()))?;
         }
@@ -130,7 +135,7 @@ impl Renderer {
     }
 }
 
-/// Channels R, G and B of an OpenEXR file, and its size.
+/// Channels R, G and B of an OpenEXR file, and its width and height.
 pub fn read(file: &Path) -> Result<(Picture, usize, usize), String> {
     let found = image::load(file).map_err(|e| e.to_string())?;
     let named = |name: &str| found.channels.iter().find(|c| c.name == name);
@@ -144,7 +149,7 @@ pub fn read(file: &Path) -> Result<(Picture, usize, usize), String> {
     }
 }
 
-/// Replaces `{env:NAME:default}` by the environment's variable.
+/// Replaces `{env:NAME:default}` by the value of the environment variable `NAME`.
 fn from_environment(command: &str) -> Result<String, String> {
     let mut parts = command.split("{env:");
     let mut filled = parts.next().unwrap_or_default().to_string();
@@ -157,9 +162,9 @@ fn from_environment(command: &str) -> Result<String, String> {
     Ok(filled)
 }
 
-/// Processor time of the children that have ended, in seconds; 0 where the system does not say. Linux counts
-/// it in hundredths (`proc(5)`, fields 16 and 17 of `stat`); the name of the program, in parentheses, may
-/// hold spaces.
+/// Processor time of the children that have ended, in seconds; 0 where the system does not report it. Linux
+/// counts it in hundredths (`proc(5)`, fields 16 and 17 of `stat`); the name of the program, in parentheses,
+/// may contain spaces.
 fn children_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after = text.rsplit_once(')').map_or("", |(_, rest)| rest);
@@ -177,13 +182,14 @@ fn fill(word: &str, job: &Job, out: &Path) -> String {
         .replace("{peers}", &peers.to_string_lossy())
 }
 
-/// A program of this workspace is the one built beside this one.
+/// The program of this name in the folder of this one, if it exists there; otherwise it is searched on the
+/// path.
 fn sibling(program: &str) -> PathBuf {
     let beside = std::env::current_exe().ok().map(|exe| exe.with_file_name(program));
     beside.filter(|path| path.is_file()).unwrap_or_else(|| program.into())
 }
 
-/// What the JSON at the end of standard output says: on the last such line, or as a whole document.
+/// Times from the JSON at the end of standard output: on the last line that is JSON, or the whole output.
 #[derive(Debug, Default, PartialEq)]
 struct Said {
     seconds: Option<f64>,

@@ -1,5 +1,5 @@
-//! All that is drawn besides materials: light, places on lenses and in filters, wavelengths, and the warps
-//! below them.
+//! Trials of all sampled distributions besides materials: light, points on lenses and in filters,
+//! wavelengths, and the warps that they use.
 
 use crate::trial::{Source, Trial, trials_of};
 use crate::{drawn_light, drawn_places, warps};
@@ -11,27 +11,28 @@ use std::sync::Arc;
 use validation::Scatterer;
 use validation::scatterer::DVec3;
 
-/// Where a shape or a map is looked at from: the directions that trials are named after.
+/// Angles in degrees of the directions from which a shape or a map is sampled; trials are named after them.
 const AROUND: [f64; 3] = [20.0, 75.0, 150.0];
 
-/// What gathers the light of emitters that are no surfaces: anything, and surfaces of these normals.
+/// Receivers of the light of emitters without a surface: one without a normal, and surfaces with these
+/// normals.
 const RECEIVERS: [(&str, DVec3); 3] =
     [("", DVec3::ZERO), ("-from-above", DVec3::Y), ("-aslant", DVec3::new(0.61, -0.29, 0.74))];
 
-/// For distributions that do not depend on a direction.
+/// The angle for distributions that do not depend on a direction.
 const ONCE: [f64; 1] = [0.0];
 
-/// Nothing in a group can shine.
+/// Shapes that cannot be emitters: groups, whose shapes must not emit.
 const GROUPS: [&str; 2] = ["shapegroup", "instance"];
 
-/// Checks of laws that only scattering obeys.
+/// Checks that apply to scattering only.
 const SCATTERING: [&str; 3] = ["reciprocity", "spectral", "limits"];
 
 fn wrap<S: Scatterer + 'static>(make: impl Fn() -> Result<S, String> + Send + Sync + 'static) -> Source {
     Arc::new(move || make().map(|subject| Box::new(subject) as Box<dyn Scatterer>))
 }
 
-/// All trials, or those whose name contains a word.
+/// All trials, or those whose name contains `name`.
 pub fn trials(name: Option<&str>) -> Vec<Trial> {
     let mut trials = vec![];
     for shape in SHAPES.iter().filter(|shape| !GROUPS.contains(&shape.name)) {
@@ -62,7 +63,7 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
     }
     for filter in FILTERS {
         for (i, snippet) in filter.examples.iter().enumerate() {
-            // In the film's middle, and where the film cuts it off.
+            // In the middle of the film, and at its border, where the filter is cut off.
             for (place, margins) in [("inside", [100, 100]), ("border", [1, 0])] {
                 let source =
                     wrap(move || drawn_places::Filter::new(snippet, margins).map(validation::chart::Chart));
@@ -75,8 +76,8 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
             }
         }
     }
-    // Wavelengths are f32, which leaves difference quotients no digits; `importance.rs` tests its density
-    // piece by piece.
+    // Wavelengths are f32, so difference quotients have no significant digits; `importance.rs` tests their
+    // density piece by piece.
     let without = [&SCATTERING[..], &["jacobian"]].concat();
     for (name, visible) in [("wavelengths-visible", true), ("wavelengths-uniform", false)] {
         let source = wrap(move || Ok(validation::chart::Chart(drawn_places::Hero { visible })));

@@ -1,4 +1,4 @@
-//! The command that judges whole renders: `validate scenes`.
+//! The command that tests whole renders: `validate scenes`.
 
 use crate::console::{check_writable, percentage, print, write};
 use crate::crew::ask_and_print;
@@ -33,7 +33,7 @@ pub struct Arguments {
     documents: Documents,
 }
 
-/// Etalon against the stored references, closed forms and metamorphic relations.
+/// Compares Etalon with the stored references, closed forms and metamorphic relations.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { name, spp, margin, number, thorough, markdown, documents } = arguments;
     check_writable(&[&markdown])?;
@@ -51,16 +51,20 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let cases: Vec<_> = closed_forms::cases().into_iter().filter(|case| chosen(&case.name)).collect();
     let known =
         ask_and_print(&cases, |case| asked_again(number, |number| case.check(effort, number)).map(Some))?;
-    let relations: Vec<_> = metamorphic::relations().into_iter().filter(|r| chosen(&r.name)).collect();
+    let relations: Vec<_> = metamorphic::relations()
+        .into_iter()
+        .filter(|relation| chosen(&relation.name))
+        .map(|relation| if thorough { relation.thorough() } else { relation })
+        .collect();
     let related = ask_and_print(&relations, |relation| {
-        let relation = if thorough { relation.clone().thorough() } else { relation.clone() };
         asked_again(number, |number| relation.check(1, number)).map(Some)
     })?;
     outcomes.extend(known.iter().chain(&related).cloned());
     if outcomes.is_empty() {
         return Err("there is no such scene".into());
     }
-    let table: Vec<_> = cases.into_iter().zip(known).collect();
-    write(markdown.as_deref(), || Ok(closed_forms::markdown(&Provenance::here()?, &table, &related)))?;
+    let cases: Vec<_> = cases.into_iter().zip(known).collect();
+    let relations: Vec<_> = relations.into_iter().zip(related).collect();
+    write(markdown.as_deref(), || Ok(closed_forms::markdown(&Provenance::here()?, &cases, &relations)))?;
     documents.finish(Report::new("scenes", outcomes))
 }

@@ -1,5 +1,5 @@
-//! Scenes from strings: the pieces that closed forms and metamorphic relations are built of, and how they are
-//! rendered.
+//! Scenes from strings: building blocks of the scenes of closed forms and metamorphic relations, and their
+//! rendering.
 //!
 //! World space is right-handed with z up; lengths have no unit.
 
@@ -23,7 +23,8 @@ pub fn list([x, y, z]: Point) -> String {
     format!("{x}, {y}, {z}")
 }
 
-/// A path integrator with this longest path and no roulette on it; −1 has no limit, and roulette as usual.
+/// A path integrator with paths of at most `max_depth` edges and without roulette; −1 means no limit, with
+/// roulette as usual.
 pub fn path(max_depth: i64) -> String {
     let roulette = if max_depth < 0 { 5 } else { max_depth + 1 };
     format!(
@@ -40,7 +41,7 @@ pub fn film(width: u32, height: u32) -> String {
     )
 }
 
-/// A transform `to_world` of these steps, the first one applied first.
+/// A transform `to_world` of these steps, in the order of their application.
 pub fn to_world(steps: &[String]) -> String {
     format!("<transform name=\"to_world\">{}</transform>", steps.concat())
 }
@@ -54,7 +55,7 @@ pub fn scale([x, y, z]: Point) -> String {
     format!("<scale x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
 }
 
-/// About `x`, `y` or `z`.
+/// A rotation about the axis `x`, `y` or `z`.
 pub fn rotate(axis: char, degrees: f64) -> String {
     format!("<rotate {axis}=\"1\" angle=\"{degrees}\"/>")
 }
@@ -74,12 +75,12 @@ pub fn pinhole(place: &str, degrees: f64, film: &str) -> String {
 
 /// A pinhole camera of one pixel that looks at a point: its field of view is 10⁻⁵ rad.
 pub fn pointed(origin: Point, target: Point) -> String {
-    // An up that no case looks along.
+    // An up vector that is parallel to no viewing direction of a case.
     let place = look_at(origin, target, [0.1, 0.3, 0.2]);
     pinhole(&place, 1e-5f64.to_degrees(), &film(1, 1))
 }
 
-/// A shape with its transform and whatever it wears.
+/// A shape with its transform and further content, such as its material and emitter.
 pub fn shape(kind: &str, steps: &[String], wears: &str) -> String {
     format!("<shape type=\"{kind}\">{}{wears}</shape>", to_world(steps))
 }
@@ -121,13 +122,13 @@ pub fn constant(radiance: f64) -> String {
     emitter("constant", &grey("radiance", radiance))
 }
 
-/// Reads a scene; files it names are looked for beside the reference scenes.
+/// Reads a scene; files that it names are searched beside the reference scenes.
 pub fn load(text: &str, mode: ColorMode) -> Result<Scene, String> {
     let place = crate::references::folder().join("scenes/stage.xml");
     load_text(&place.to_string_lossy(), text, mode).map_err(|e| e.to_string())
 }
 
-/// Renders with one thread: cases run side by side. A value that is not finite is an error.
+/// Renders with one thread, since cases run in parallel. Errors: a sample that is not finite.
 pub fn expose(scene: &Scene, settings: &Settings) -> Result<Rendered, String> {
     let (image, report) = render(scene, settings, &Progress::default()).ok_or("the render stopped")?;
     match report.first_non_finite.first() {
@@ -136,7 +137,7 @@ pub fn expose(scene: &Scene, settings: &Settings) -> Result<Rendered, String> {
     }
 }
 
-/// The image as the harness knows it.
+/// Converts an image to the harness's type.
 pub fn measured(image: &Rendered) -> Image {
     let double = |values: &Vec<f32>| values.iter().map(|&v| f64::from(v)).collect();
     let channel = |c: &etalon::image::Channel| Channel {
@@ -151,7 +152,7 @@ pub fn measured(image: &Rendered) -> Image {
     }
 }
 
-/// A name and the cases that bear it.
+/// The name of a family and the function that returns its cases.
 pub type Family<T> = (&'static str, fn() -> Vec<T>);
 
 /// The members of all families, each renamed `family::member`.
@@ -167,11 +168,11 @@ pub fn gather<T>(families: &[Family<T>], name: fn(&mut T) -> &mut String) -> Vec
     all
 }
 
-/// Efforts and numbers of seeds that a test has: a fault counts if four times the samples, of other seeds,
+/// Effort and seed number of each run of a test: a fault counts if four times the samples with other seeds
 /// confirm it.
 pub const TWICE: [(u64, u64); 2] = [(1, 0), (4, 1)];
 
-/// Checks until a try finds no fault; fails with what the last one found.
+/// Repeats a check until a run finds no fault; fails with the fault of the last run.
 pub fn confirmed(
     tries: &[(u64, u64)],
     fault: impl Fn(u64, u64) -> Result<Option<String>, String>,
@@ -186,16 +187,16 @@ pub fn confirmed(
     Err(found)
 }
 
-/// The answer that a check gives of a number, or where that is a difference, of another: of hundreds of questions
-/// of which each errs once in a hundred times some will, and hardly any twice.
+/// The outcome of a check with seed `number`, or if that is different, with another seed: of hundreds of
+/// checks that each err with probability 1 % some will err once, and hardly any twice.
 pub fn asked_again(number: u64, check: impl Fn(u64) -> Result<Outcome, String>) -> Result<Outcome, String> {
-    // That nobody counts to.
+    // Larger than any number in use.
     const ANOTHER: u64 = 1 << 32;
     let outcome = check(number)?;
     if outcome.verdict == Verdict::Different { check(number + ANOTHER) } else { Ok(outcome) }
 }
 
-/// What keeps an outcome from being an approval.
+/// The reason why an outcome is not equivalent, if it is not.
 pub fn fault(outcome: &Outcome) -> Option<String> {
     (outcome.verdict != Verdict::Equivalent).then(|| format!("{}: {}", outcome.verdict, outcome.message))
 }

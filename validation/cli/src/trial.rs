@@ -1,4 +1,4 @@
-//! A subject, a check and a direction: one named test.
+//! Trials: a subject, a check and a direction under a name.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,13 +8,13 @@ use validation::scatterer::{DVec3, direction};
 use validation::statistics::{Verdict, seed_for};
 use validation::{Outcome, Scatterer};
 
-/// Angles of incidence in degrees; over 90 is from below.
+/// Angles of incidence in degrees; those above 90 are from below.
 pub const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
 
-/// Makes the subject anew for each trial, so that trials can run at once.
+/// Creates the subject for each trial, so that trials can run in parallel.
 pub type Source = Arc<dyn Fn() -> Result<Box<dyn Scatterer>, String> + Send + Sync>;
 
-/// One thing to be checked.
+/// A check of a subject for one direction.
 #[derive(Clone)]
 pub struct Trial {
     pub name: String,
@@ -23,7 +23,7 @@ pub struct Trial {
     wo: DVec3,
 }
 
-/// A subject under every check but those that `without` names, from several angles.
+/// The trials of a subject with every check except those that `without` names, at several angles.
 pub fn trials_of(name: &str, source: &Source, angles: &[f64], without: &[&str]) -> Vec<Trial> {
     let checks = CHECKS.iter().filter(|check| !without.contains(&check.name));
     let pairs = checks.flat_map(|check| angles.iter().map(move |&angle| (check, angle)));
@@ -36,7 +36,7 @@ pub fn trials_of(name: &str, source: &Source, angles: &[f64], without: &[&str]) 
     pairs.map(trial).collect()
 }
 
-/// The direction at an angle in degrees from the normal, off all axes.
+/// The direction at an angle in degrees from the normal, off the coordinate axes.
 pub fn from(degrees: f64) -> DVec3 {
     direction(etalon::math::function::cos(degrees.to_radians()), 0.7)
 }
@@ -47,8 +47,8 @@ impl Trial {
         self.check.name
     }
 
-    /// Runs the check once for each of these numbers, which share what no seed decides; nothing if the check
-    /// has nothing to say about the subject.
+    /// Runs the check once for each of these numbers; computations that do not depend on the seed are shared.
+    /// Empty if the check does not apply to the subject.
     pub fn repeat(&self, effort: &Effort, numbers: Range<u64>) -> Result<Vec<Outcome>, String> {
         let subject = (self.source)()?;
         if !(self.check.applies)(subject.as_ref()) {
@@ -59,7 +59,7 @@ impl Trial {
         Ok(outcomes.into_iter().map(|outcome| outcome.of(&self.name)).collect())
     }
 
-    /// Runs the check; `None` if it has nothing to say about the subject. `number` draws another seed.
+    /// Runs the check; `None` if it does not apply to the subject. `number` determines the seed.
     pub fn run(&self, effort: &Effort, number: u64) -> Result<Option<Outcome>, String> {
         let subject = (self.source)()?;
         if !(self.check.applies)(subject.as_ref()) {
@@ -70,20 +70,20 @@ impl Trial {
     }
 }
 
-/// How hard to look: `count` trials share a level of 1 % (Šidák).
+/// The effort of a suite of `count` trials, which share a level of 1 % (Šidák).
 pub fn effort(samples: usize, count: usize, thorough: bool) -> Effort {
     let level = validation::statistics::sidak(0.01, count);
-    // Values are f32: digits end at 1e-38, and cosines of grazing angles multiply.
+    // Values are f32: they lose digits below 1e-38, and products of grazing cosines are small.
     Effort { samples, level, smallest: 1e-30, thorough, ..Effort::default() }
 }
 
-/// The same for places in filters, whose polynomials reach zero by cancellation.
+/// The effort of a suite with points in filters, whose polynomials reach zero by cancellation.
 pub fn effort_of_sampling(samples: usize, count: usize, thorough: bool) -> Effort {
     Effort { smallest: 1e-9, ..effort(samples, count, thorough) }
 }
 
-/// How many answers of a suite of tests are none. Tests take few samples, and one that cannot tell must not
-/// fail; but if many could not, the suite would say nothing.
+/// Counts inconclusive outcomes of a test suite. Tests take few samples, and an inconclusive one must not
+/// fail; but if many are, the suite is inconclusive as a whole.
 #[derive(Default)]
 pub struct Tally {
     asked: AtomicUsize,
@@ -91,7 +91,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// The outcome as libtest-mimic sees it: only a fault fails.
+    /// Converts an outcome for libtest-mimic: only a fault fails.
     pub fn judge(&self, outcome: Option<Outcome>) -> Result<(), String> {
         let Some(outcome) = outcome else { return Ok(()) };
         self.asked.fetch_add(1, Ordering::Relaxed);
@@ -105,7 +105,8 @@ impl Tally {
         Ok(())
     }
 
-    /// Ends the program with a failure if of a hundred answers and more a larger share than this were none.
+    /// Ends the program with a failure if there are at least a hundred outcomes, of which a larger share than
+    /// `most` is inconclusive.
     pub fn exit_if_undecided(&self, most: f64) {
         let [asked, undecided] = [&self.asked, &self.undecided].map(|count| count.load(Ordering::Relaxed));
         if asked > 0 {

@@ -1,4 +1,4 @@
-//! The maps from the unit square that models are built of.
+//! The maps from the unit square on which models are based.
 
 use crate::trial::Source;
 use etalon::math::{DVec2, DVec3, warp};
@@ -9,7 +9,7 @@ use validation::quadrature::Cell;
 use validation::scatterer::coordinates;
 use validation::{Sample, Scatterer};
 
-/// A map to directions, and its density.
+/// A map to directions with its density.
 struct Directions {
     map: fn(DVec2) -> DVec3,
     pdf: fn(DVec3) -> f64,
@@ -35,7 +35,7 @@ impl Scatterer for Directions {
     }
 }
 
-/// A map to places, in a rectangle where its density is constant.
+/// A map to points of a rectangle, in which its density is constant.
 struct Places {
     map: fn(DVec2) -> [f64; 2],
     bounds: Cell,
@@ -61,7 +61,7 @@ impl Planar for Places {
     }
 }
 
-/// Openings of cones as 1 − cos: a quarter of the sphere, and a lamp across a room.
+/// Sizes of cones as 1 − cos: a quarter of the sphere, and a lamp across a room.
 const CONES: [f64; 2] = [0.5, 1e-4];
 
 fn within(w: DVec3, one_minus_cos: f64) -> f64 {

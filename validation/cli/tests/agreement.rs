@@ -1,28 +1,28 @@
-//! Agreement of values and densities with Mitsuba 3.9.1, every example of every material a test of its own;
-//! and the golden file must cover the registry as it is.
+//! Agreement of values and densities with Mitsuba 3.9.1: a test for every example of every material; the
+//! golden file must cover the registry completely.
 
 use etalon::bsdf::MATERIALS;
 use libtest_mimic::{Arguments, Trial};
 use validate::agreement::Golden;
 
-/// A difference that stays: the example, how far values and densities may be apart, and why. The bounds are
-/// the differences found, rounded up: they notice a change, they do not prove an agreement. Only the masking
-/// was traced to a formula in both programs; the other reasons are the likely ones.
+/// A known difference: the example, bounds on the differences of values and densities, and the reason. The
+/// bounds are the differences found, rounded up: they detect a change, but do not prove agreement. Only the
+/// masking was traced to a formula in both programs; the other reasons are the likely ones.
 type Known = (&'static str, [f64; 2], &'static str);
 
-/// Mitsuba's density of visible normals contains Walter et al.'s rational approximation of Beckmann's masking
-/// (below 0.35 %); here the density is the exact one, which integrates to 1, and only values contain the
+/// Mitsuba's density of visible normals uses Walter et al.'s rational approximation of Beckmann's masking
+/// (below 0.35 %); here the density is the exact one, which integrates to 1, and only values use the
 /// approximation.
 const MASKING: &str = "Beckmann's masking is approximated in Mitsuba's density";
-/// Both choose between lobes by mean reflectances: Mitsuba over the spectrum, Etalon over the wavelengths of
-/// the path.
+/// Both select lobes by mean reflectances: Mitsuba over the spectrum, Etalon over the wavelengths of the
+/// path.
 const LOBES: &str = "lobes are chosen with other probabilities";
-/// Coefficients of upsampled colours are f32, and a polynomial in nanometres multiplies their roundings.
+/// Coefficients of upsampled colours are f32, and a polynomial in nanometres amplifies their rounding errors.
 const UPSAMPLING: &str = "upsampled colours are f32 polynomials";
-/// 1 + (α² − 1) cos² θ of a coat's facets is a small difference near the mirror direction, in f32.
+/// For a coat's facets 1 + (α² − 1) cos² θ suffers from cancellation near the mirror direction, in f32.
 const COAT: &str = "the coat's density is rounded in Mitsuba";
-/// Mitsuba's luminance of a base colour is one of the wavelengths at hand; `principled-tint` compares tints
-/// in rgb, where it is not.
+/// Mitsuba's luminance of a base colour is computed from the path's wavelengths; `principled-tint` compares
+/// tints in rgb, where it is not.
 const LUMINANCE: &str = "a tint's luminance depends on the wavelengths";
 /// Mitsuba tabulates the transmittance of rough interfaces in f32 with its own quadrature.
 const TRANSMITTANCE: &str = "rough transmittance comes from another table";

@@ -1,8 +1,8 @@
-//! Every scene with an analytic answer, each a test of its own: the 99 % interval must lie within the margin.
+//! A test for every scene with an analytic solution: the 99 % interval must lie within the margin.
 //!
-//! Intervals are several times narrower than margins, so a right renderer fails about never; a case that is
-//! undecided or different is repeated with other seeds and four times the samples, and only a second such
-//! answer counts.
+//! Intervals are several times narrower than margins, so a correct renderer fails almost never; an
+//! inconclusive or different case is repeated with other seeds and four times the samples, and only a second
+//! such verdict counts.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::closed_forms::cases;

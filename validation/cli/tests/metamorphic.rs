@@ -1,8 +1,8 @@
-//! Every relation between renders, each a test of its own: bit-identical, or equivalent within the margin.
+//! A test for every relation between renders: bit-identical, or equivalent within the margin.
 //!
-//! A statistical relation that is undecided or different is repeated with other seeds and four times the
-//! samples, and only a second such answer counts. Those at length are ignored unless asked for: `cargo test
-//! --release -p validate --test metamorphic -- --ignored`.
+//! A statistical relation that is inconclusive or different is repeated with other seeds and four times the
+//! samples, and only a second such verdict counts. Those that take long are ignored by default: `cargo test
+//! --release -p validate --test metamorphic -- --ignored` runs them.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::metamorphic::relations;

@@ -1,4 +1,4 @@
-//! The catalogue of bugs still fits the sources.
+//! Tests that the catalogue of bugs fits the sources.
 
 use std::collections::BTreeSet;
 use validate::museum::{bugs, root};

@@ -1,5 +1,5 @@
-//! `validate bsdf --peer` on the example of the documentation. Where there is no `python3` these say so and
-//! pass; the protocol itself is tested in the crate `validation` without it.
+//! `validate bsdf --peer` on the example of the documentation. Without `python3` these tests say so and pass;
+//! the protocol itself is tested in the crate `validation` without it.
 
 use std::process::{Command, Output};
 
@@ -22,7 +22,7 @@ fn the_example_holds() {
     let Some(peer) = script("lambert.py") else { return };
     let output = validate(&peer);
     let text = String::from_utf8_lossy(&output.stdout);
-    // 3: too few samples for the stated power, which is no fault of the example.
+    // Exit code 3 means too few samples for the stated power, which is no fault of the example.
     assert!(matches!(output.status.code(), Some(0 | 3)), "{text}");
     assert!(text.contains(" 0 differ"), "{text}");
 }

@@ -1,10 +1,10 @@
-//! Agreement with Mitsuba 3.9.1: every reference scene, spectral and rgb, each a test of its own.
+//! Agreement with Mitsuba 3.9.1: a test for every reference scene, spectral and rgb.
 //!
-//! A comparison errs once in a hundred seeds, so one that fails is repeated with another seed and four times
-//! the samples, and only a second failure counts: the suite errs once in two hundred runs.
+//! A comparison errs for one of a hundred seeds, so one that fails is repeated with another seed and four
+//! times the samples, and only a second failure counts: the suite errs in one of two hundred runs.
 //!
-//! The test runs fewer samples than `validate scenes`, and asks for no difference; that the 99 % interval
-//! lies within ±0.5 % is asked of the committed run, whose figures are in the documentation.
+//! The test takes fewer samples than `validate scenes`, and fails on a difference only; that the 99 %
+//! interval lies within ±0.5 % is required of the committed run, whose figures are in the documentation.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::references::{folder, references};

@@ -1,4 +1,4 @@
-//! All that is drawn besides materials × check, and a sixteenth of the furnace: each a test of its own.
+//! A test for all sampled distributions besides materials × check, and for a sixteenth of the furnace.
 
 use libtest_mimic::{Arguments, Trial};
 use std::sync::Arc;
@@ -9,18 +9,18 @@ use validation::checks::Effort;
 /// Fewer than `validate sampling` and `validate furnace` take.
 const SAMPLES: usize = 1 << 15;
 
-/// Every so many cells of the furnace; coprime to the number of angles, so that all of them have their turn.
+/// Stride over the cells of the furnace; coprime to the number of angles, so that all angles are included.
 const STRIDE: usize = 16;
 
-/// Harmonics that few samples carry, densities that jump along a curve and albedos within 10⁻³ want more samples:
-/// 148 of 829.
+/// Largest share of inconclusive outcomes. Harmonics whose variance few samples contribute, densities that
+/// are discontinuous along a curve and albedos within 10⁻³ need more samples: 148 of 829.
 const MOST_UNDECIDED: f64 = 0.2;
 
 fn main() {
     let arguments = Arguments::from_args();
     let drawn = sampling::trials(None);
     let cells: Vec<_> = furnace::cells(None).into_iter().step_by(STRIDE).collect();
-    // Both suites together err once in a hundred runs over other seeds.
+    // Both suites together err in one of a hundred runs over other seeds.
     let count = drawn.len() + cells.len();
     let of_drawn = effort_of_sampling(SAMPLES, count, false);
     let of_cells = Effort { albedo: 1e-3, ..effort(SAMPLES, count, false) };

@@ -1,11 +1,11 @@
-//! No seed is picked by hand: whoever tries seeds until a test passes has tested nothing.
+//! No seed is picked by hand: trying seeds until a test passes would invalidate it.
 //!
 //! A seed is a name's hash (`Stream::named`), or counts from 0. So the only literals are 0 and 1, and a
 //! search of all sources finds any other.
 
 use std::path::{Path, PathBuf};
 
-/// What a literal seed stands behind.
+/// Texts that precede a literal seed.
 const MARKS: [&str; 11] = [
     "seed: ",
     "seed = ",
@@ -20,10 +20,10 @@ const MARKS: [&str; 11] = [
     "name=\\\"seed\\\" value=\\\"",
 ];
 
-/// The same, behind a name.
+/// Texts that precede a name and then a literal seed.
 const NAMED: [&str; 2] = ["Stream::named(\"", "seed_for(\""];
 
-/// Literals that no statistic depends on, by file.
+/// Literals on which no statistic depends, by file.
 const EXCEPTIONS: [(&str, &str); 11] = [
     (
         "src/shape/accel/tests.rs",
@@ -44,13 +44,13 @@ const EXCEPTIONS: [(&str, &str); 11] = [
     ("validation/cli/tests/seeds.rs", "the marks themselves"),
 ];
 
-/// The literals of a text that stand where a seed does, and are neither 0 nor 1.
+/// The literals of a text that are seeds, and neither 0 nor 1.
 fn picked(text: &str) -> Vec<String> {
     let after = |mark: &str, rest: &str| {
         let literal: String = rest.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
         let digits = literal.replace('_', "");
         let number = digits.trim_end_matches("u64").trim_end_matches("u32");
-        // A number that is part of an expression counts something.
+        // A number that is part of an expression is a count, not a seed.
         let alone = !rest[literal.len()..].trim_start().starts_with(['*', '+', '-', '/']);
         (alone && number.starts_with(|c: char| c.is_ascii_digit()) && !["0", "1"].contains(&number))
             .then(|| format!("{mark}{literal}"))

@@ -1,8 +1,7 @@
-//! Every stiff or extreme case, each a test of its own: its expectation holds, or is missed within its known
-//! limit.
+//! A test for every stiff or extreme case: its expectation holds, or is missed within its known limit.
 //!
-//! What is undecided or different is repeated with other seeds and four times the samples, and only a second
-//! such answer counts.
+//! An inconclusive or different case is repeated with other seeds and four times the samples, and only a
+//! second such verdict counts.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::stability::cases;

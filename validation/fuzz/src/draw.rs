@@ -1,16 +1,17 @@
-//! Choices that are a function of a name and a number.
+//! Random choices that are a function of a name and a number.
 
 use validation::statistics::Stream;
 
-/// A sequence of choices.
+/// A stream of random choices.
 pub struct Draw(Stream);
 
 impl Draw {
+    /// The stream of seed [`validation::statistics::seed_for`]`(name, number)`.
     pub fn named(name: &str, number: u64) -> Self {
         Self(Stream::named(name, number))
     }
 
-    /// Uniform between two numbers.
+    /// Uniform on \[`low`, `high`).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.uniform()
     }
@@ -30,7 +31,8 @@ impl Draw {
         &choices[self.below(choices.len())]
     }
 
-    /// Small numbers often, numbers up to `most` sometimes: the length of the first of several halvings.
+    /// 1 + ⌊`most` · 2⁻ˣ⌋ with x uniform on \[0, 10): log-uniform, so that most numbers are small and numbers
+    /// up to `most` occur.
     pub fn few(&mut self, most: usize) -> usize {
         let scale = libm::exp2(-self.between(0.0, 10.0));
         1 + (scale * most as f64) as usize

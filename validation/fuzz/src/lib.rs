@@ -1,5 +1,4 @@
-//! Random input, by machine: scenes that two renderers are asked for, and files that readers must refuse or
-//! read.
+//! Random tests: scenes that two renderers render, and files that readers must read or refuse.
 
 pub mod draw;
 pub mod inputs;

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Counts what inputs take.
+/// Counts the memory that inputs take.
 #[global_allocator]
 static ALLOCATOR: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
 
@@ -28,7 +28,7 @@ const METER: Meter = Meter {
 
 /// Random scenes and input files.
 ///
-/// Exit codes: 0 nothing found, 1 found something, 2 could not ask.
+/// Exit codes: 0 nothing found, 1 found something, 2 could not run.
 #[derive(Parser)]
 #[command(version)]
 enum Command {
@@ -46,7 +46,7 @@ enum Command {
     },
     /// Paths through random scenes, by Etalon alone: 0 values that are not finite
     Paths {
-        /// So many
+        /// Number of paths
         #[arg(long, default_value_t = 100_000_000)]
         paths: u64,
         /// The first scene
@@ -60,7 +60,7 @@ enum Command {
     Input {
         /// xml, ply, obj, serialized, exr, picture, spd or peer; all unless given
         format: Option<String>,
-        /// Of each format
+        /// Seconds for each format
         #[arg(long, default_value_t = 60)]
         seconds: u64,
         /// Inputs of each format, at most
@@ -73,7 +73,7 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         seeds: Vec<PathBuf>,
         /// Where inputs that break something are left
-        #[arg(long, default_value = "fuzzed-inputs")]
+        #[arg(long, default_value = "target/fuzzed-inputs")]
         folder: PathBuf,
         /// Write a JSON document
         #[arg(long, value_name = "FILE")]
@@ -159,7 +159,7 @@ fn inputs(
     Ok(records.iter().all(|r| r.findings.is_empty()))
 }
 
-/// Writes a document, if one is wanted: whole, or not at all.
+/// Writes a document if a path is given: completely, or not at all.
 fn write(json: Option<&Path>, document: &impl serde::Serialize) -> Result<(), String> {
     let Some(path) = json else { return Ok(()) };
     let text = serde_json::to_string_pretty(document).map_err(|e| e.to_string())?;
@@ -168,7 +168,7 @@ fn write(json: Option<&Path>, document: &impl serde::Serialize) -> Result<(), St
 
 fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
-    // What was found so far outlives the end of the process.
+    // Written after every scene, so that results survive an interrupted run.
     let mut written = Ok(());
     let told = |record: &fuzz::paths::Record| written = write(json, record);
     let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);

@@ -1,5 +1,4 @@
-//! Very many paths through random scenes: none of them may bring a value that is not finite, or less than no
-//! light.
+//! Very many paths through random scenes: none of them may yield a value that is not finite or is negative.
 
 use crate::scenes::grammar;
 use crate::scenes::models::Models;
@@ -7,26 +6,29 @@ use etalon::render::{Progress, Settings, render};
 use etalon::spectrum::ColorMode;
 use serde::Serialize;
 
-/// Samples of a pixel in each scene.
+/// Samples per pixel of each scene.
 const SAMPLES: u64 = 1024;
 
-/// What was found.
+/// Counts of a run.
 #[derive(Debug, Default, Serialize)]
 pub struct Record {
     pub scenes: u64,
     /// Scenes that the grammar draws and Etalon refuses.
     pub refused: u64,
     pub paths: u64,
-    /// Paths that end at the hard limit of vertices.
+    /// Paths that end at the hard limit on vertices.
     pub cut: u64,
+    /// Samples whose value is not finite.
     pub not_finite: u64,
-    /// Pixels below 0, in colours of which no sum is negative, but for filters with negative lobes.
+    /// Pixels below 0, counted in RGB images with a box filter only: other filters have negative lobes, and
+    /// in other colours a sum may be negative.
     pub negative: u64,
-    /// Scene, pixel and sample of the first ones.
+    /// The first faulty samples or pixels, with their scene.
     pub first: Vec<String>,
 }
 
-/// Renders the scenes from `first` on until so many paths were followed.
+/// Renders the scenes from number `first` on until `paths` paths were traced; `told` gets the record after
+/// each. `None` if the grammar finds no scene or a render stops.
 pub fn follow(
     models: &Models,
     folder: &str,

@@ -1,4 +1,4 @@
-//! A short run over every format: the regressions, the seeds, and some inputs made of them.
+//! A short run over every format: the regressions, the seeds, and some mutated inputs.
 
 use std::process::Command;
 

@@ -1,10 +1,12 @@
 //! Do sampled directions follow the density? Pearson's χ² test.
 //!
 //! Finds a wrong shape *and* a wrong total of the density, since draws without a direction (absorption, delta
-//! lobes) are one more bin that expects 1 − ∫pdf. Cannot see a wrong weight: see `weight` and `furnace`.
+//! lobes) form one more bin, whose expected share is 1 − ∫pdf. Cannot detect a wrong weight: see `weight` and
+//! `furnace`.
 //!
-//! Expected counts come from adaptive quadrature; its errors, as the non-centrality Σ n e²/p they could
-//! cause, must be negligible beside the statistic's own spread √(2k), else the answer is inconclusive.
+//! Expected counts come from adaptive quadrature. Its errors, as the non-centrality Σ n e²/p they could
+//! cause, must be negligible beside the statistic's own standard deviation √(2k); otherwise the verdict is
+//! inconclusive.
 
 use super::{BLURRED, Check, Effort, always, draw, judge, partition::Partition, pilot, show};
 use crate::{
@@ -24,14 +26,15 @@ pub(super) const CHECK: Check = Check {
 /// The root mean square relative error of the density that must be detectable.
 const MARGIN: f64 = 0.05;
 
-/// Bins expecting fewer samples than this are pooled (Cochran 1954).
+/// Bins with an expected count below this are pooled (Cochran 1954).
 const POOL: f64 = 5.0;
 
-/// Samples a bin should expect, and bounds on the number of bins.
+/// Expected number of samples per bin, which determines the number of bins.
 const PER_BIN: usize = 1024;
+/// Bounds on the number of bins.
 const BINS: [usize; 2] = [16, 512];
 
-/// Largest error of all expected counts together, in samples: little beside the noise of even the smallest
+/// Largest error of all expected counts together, in samples: small beside the noise of even the smallest
 /// bin.
 const QUADRATURE: f64 = 2.0;
 
@@ -49,7 +52,8 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
     seeds.iter().map(judge).collect()
 }
 
-/// Samples in each bin and, last, those without a direction; or a direction and its density that cannot be.
+/// Counts of samples in each bin and, last, of those without a direction; or a sampled direction whose
+/// density is invalid, with that density.
 fn count(
     scatterer: &dyn Scatterer,
     wo: DVec3,

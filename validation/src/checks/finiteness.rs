@@ -1,7 +1,7 @@
-//! Is every answer a number that makes sense, also in the corners?
+//! Are all values, densities and samples valid numbers, also in extreme configurations?
 //!
-//! Poles, grazing directions down to a cosine of 10⁻¹², exact mirrors and opposites, and the ends of the unit
-//! cube. Values, densities and weights must be finite and not negative, directions of unit length.
+//! Poles, grazing directions down to a cosine of 10⁻¹², exact mirror and opposite directions, and the ends of
+//! the unit cube. Values, densities and weights must be finite and not negative, directions of unit length.
 
 use super::{Check, Effort, always, show};
 use crate::{
@@ -19,10 +19,10 @@ pub(super) const CHECK: Check = Check {
     },
 };
 
-/// Cosines of the stressed directions, on both sides.
+/// Cosines of the tested directions, on both sides of the surface.
 const COSINES: [f64; 8] = [1.0, 1.0 - 1e-12, 1.0 - 1e-6, 0.5, 1e-3, 1e-6, 1e-9, 1e-12];
 
-/// The largest f64 below 1 and coordinates near both ends.
+/// Random numbers of the tested samples: 0, the largest f64 below 1, numbers near both, and the middle.
 const CORNERS: [f64; 6] = [0.0, 1e-300, 1e-9, 0.5, 1.0 - 1e-9, 1.0 - f64::EPSILON / 2.0];
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
@@ -48,8 +48,8 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     outcome.figure("tried", tried as f64)
 }
 
-/// `wo`, its mirrors and opposite, and directions at every stressed cosine in its azimuth, across and beside
-/// it.
+/// `wo`, its mirror directions and its opposite, and directions at every cosine of [`COSINES`] in the azimuth
+/// of `wo`, opposite to it and perpendicular to it.
 fn stressed(wo: DVec3) -> Vec<DVec3> {
     let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
     let own = [wo, mirrored, -wo, -mirrored];

@@ -1,4 +1,4 @@
-//! Where light goes, delta lobes and all: a few averages that two models can be compared by.
+//! Flux moments, delta lobes included: a few averages by which two models can be compared.
 
 use super::{Effort, draw};
 use crate::{
@@ -6,10 +6,10 @@ use crate::{
     statistics::{Estimate, Interval, Stream, Verdict, Welch},
 };
 
-/// What the averages weigh a direction by: 1, whether it leaves upward, and its coordinates.
+/// The moments' weighting functions ψ of a direction: 1, whether it points upward, and its coordinates.
 const NAMES: [&str; 5] = ["albedo", "upward share", "x", "y", "z"];
 
-/// The flux moments weight · (η(ωi)/η(ωo))² · ψ(ωi) of endless draws.
+/// The flux moments weight · (η(ωi)/η(ωo))² · ψ(ωi) of an endless sequence of draws.
 fn fluxes(scatterer: &dyn Scatterer, wo: DVec3, seed: u64) -> impl Iterator<Item = [f64; 5]> {
     let laws = scatterer.laws();
     let mut stream = Stream::new(seed);
@@ -20,11 +20,11 @@ fn fluxes(scatterer: &dyn Scatterer, wo: DVec3, seed: u64) -> impl Iterator<Item
     std::iter::repeat_with(move || draw(scatterer, wo, &mut stream).map_or([0.0; 5], flux))
 }
 
-/// Whether the means of all moments of two models lie within `margin` of one another, with confidence, and a
-/// sentence about the worst.
+/// Whether the means of all moments of two models lie within `margin` of one another at the confidence level,
+/// and a sentence about the worst.
 ///
-/// Draws of the same random numbers are compared pair by pair: models that are alike differ with little
-/// variance, and a model that ignores what changed does not differ at all.
+/// Draws with the same random numbers are compared in pairs: similar models differ with little variance, and
+/// a model that ignores the changed parameter does not differ at all.
 pub(super) fn compare(
     models: [&dyn Scatterer; 2],
     wo: DVec3,
@@ -35,7 +35,7 @@ pub(super) fn compare(
     let level = crate::statistics::sidak(effort.level, NAMES.len());
     let [a, b] = models.map(|model| fluxes(model, wo, seed));
     let pairs = a.zip(b).take(effort.samples);
-    // Of each moment a, and b − a.
+    // The moments of a, then the paired differences b − a.
     let moments =
         Estimate::of_each(pairs.map(|(a, b)| {
             std::array::from_fn::<_, 10, _>(|i| if i < 5 { a[i] } else { b[i - 5] - a[i - 5] })
@@ -45,7 +45,7 @@ pub(super) fn compare(
     let answer = |i: usize| {
         let half_width = Welch::new(nothing, differences[i]).half_width(level) + effort.tolerance;
         let interval = Interval::around(differences[i].mean, half_width);
-        // What is within the margin is no difference: short of it there is no verdict, only too few samples.
+        // A difference that may lie within the margin is no failure: such an interval needs more samples.
         let verdict = match interval.verdict(0.0, margin) {
             Verdict::Different if interval.meets(0.0, margin) => Verdict::Inconclusive,
             verdict => verdict,

@@ -1,8 +1,8 @@
-//! How much light comes back, and do sampling and evaluation agree on it?
+//! Which share of the light is scattered, and do sampling and evaluation agree on it?
 //!
-//! Three statements: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the
+//! Three conditions: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the
 //! albedo, delta lobes included, is at most 1; and it is 1 if the model claims to be lossless. Weights count
-//! as flux (η² taken out), of which energy conservation speaks. Blind to errors that value and sample share
+//! as flux (η² taken out), to which energy conservation applies. Blind to errors that value and sample share
 //! and that keep the albedo.
 
 use super::{BLURRED, Check, Effort, always, draw, partition::Partition, pilot};
@@ -24,7 +24,7 @@ pub(super) const CHECK: Check = Check {
 
 const BINS: usize = 64;
 
-/// Error of the integral, in samples.
+/// Tolerance of the integral, in units of 1/samples.
 const QUADRATURE: f64 = 1.0;
 
 fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
@@ -37,7 +37,7 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
 
 fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integral: Integral) -> Outcome {
     let laws = scatterer.laws();
-    // Outside delta lobes, and with them.
+    // The weight outside delta lobes, and the weight including them.
     let weights = || {
         let mut stream = Stream::new(seed);
         (0..effort.samples).map(move |_| match draw(scatterer, wo, &mut stream) {
@@ -51,11 +51,12 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
     let [smooth, total] = Estimate::of_each(weights());
     let exact = Estimate { mean: integral.value, variance: 0.0, degrees: f64::INFINITY };
     let welch = Welch::new(exact, smooth);
-    // What quadrature and rounding may be off, in units of albedo; at most as large as the albedo's own
-    // digits allow.
+    // Possible error of quadrature and rounding, in units of albedo. The rounding is that of the albedo
+    // itself.
     let slack = integral.error + effort.tolerance * integral.value.abs();
-    // Draws that carry or lose about 1 may be so rare that an honest model did not show any; no variance
-    // tells.
+    // Draws that carry or lose about 1 may be so rare that none occurs in the sample of a correct model,
+    // which its variance does not show. With confidence 1 − `level` their probability is below
+    // −ln(level)/samples.
     let slack = slack - libm::log(effort.level) / effort.samples as f64;
     let agreement = Interval::around(welch.difference, welch.half_width(effort.level) + slack)
         .verdict(0.0, effort.albedo);
@@ -77,15 +78,15 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
         .figure("sampled", total.mean)
         .figure("sampled_smooth", smooth.mean)
         .figure("integrated", integral.value);
-    // A constant weight leaves nothing to chance, and Student's distribution speaks of means that are near to
-    // normal.
+    // A constant weight leaves nothing to chance, and Student's distribution holds for means that are nearly
+    // normal only.
     let by_chance =
         integral.error + effort.tolerance * integral.value.abs() <= BLURRED * welch.standard_error;
     let normal = || nearly_normal(weights().map(|[smooth, _]| smooth), &smooth, effort.samples as f64);
     if by_chance && normal() { outcome.p_value(welch.p_value()) } else { outcome }
 }
 
-/// Whether the mean of these weights is.
+/// Whether the mean of these weights is nearly normal.
 fn nearly_normal(weights: impl Iterator<Item = f64>, mean: &Estimate, count: f64) -> bool {
     let deviation = (mean.variance * count).sqrt();
     let [third, fourth] = weights
@@ -94,12 +95,12 @@ fn nearly_normal(weights: impl Iterator<Item = f64>, mean: &Estimate, count: f64
     near_normal(third / count, fourth / count - 3.0, count)
 }
 
-/// True if noise and slack explain the difference: a visible one is a fault even where it is small.
+/// True if noise and slack explain the difference: a significant difference is a fault even if it is small.
 fn within_noise(welch: &Welch, slack: f64, level: f64) -> bool {
     welch.difference.abs() <= welch.half_width(level) + slack
 }
 
-/// Lossless to within the interval, and the interval narrow enough to say so.
+/// The verdict on a lossless model: its albedo may be 1, and the interval must be narrow enough to claim it.
 fn strict(certain: Interval, effort: &Effort) -> Verdict {
     let widened = Interval { low: certain.low - effort.tolerance, high: certain.high + effort.tolerance };
     if widened.contains(1.0) { widened.verdict(1.0, effort.albedo) } else { Verdict::Different }

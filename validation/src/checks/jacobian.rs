@@ -1,16 +1,15 @@
-//! Is the density the inverse Jacobian of the sampling?
+//! Is the density the inverse Jacobian of the sampling map?
 //!
 //! No statistics: a draw is a map from the unit square (the first number, which chooses the lobe, is held
 //! fixed) to directions, so its density is the share of first numbers that choose this lobe over |∂ω/∂u ×
-//! ∂ω/∂v|. Differences of sixth order give the Jacobian and, by halving their step, its error. Where the
-//! stated density is larger, other lobes must reach the same direction: their preimages are sought
-//! (`preimages`) and their densities added. A stated density that is smaller than one lobe's alone is wrong
-//! at once.
+//! ∂ω/∂v|. Sixth-order differences give the Jacobian and, by halving their step, its error. Where the stated
+//! density is larger, other lobes must reach the same direction: their preimages are found (`preimages`) and
+//! their densities added. A stated density smaller than that of one lobe alone is wrong at once.
 //!
-//! States in which the difference quotient or the density itself has too few digits are left out, counted and
-//! printed; so are those of a mixture whose sum stays short, since a preimage may have been missed. More than
-//! 1 % of either is no answer, or for the sum a fault. Cannot see a wrong weight, nor faults of the map and
-//! its density in common.
+//! States in which the difference quotient or the density itself has too few significant digits are left out,
+//! counted and printed; so are states of a mixture whose sum stays too small, since a preimage may have been
+//! missed. If either exceeds 1 %, the check is inconclusive, or fails in the case of the sum. Cannot detect a
+//! wrong weight, nor errors that the map and its density have in common.
 
 use super::{
     Check, Effort, always, has_no_digits, pilot,
@@ -30,13 +29,13 @@ pub(super) const CHECK: Check = Check {
     outcomes,
 };
 
-/// The relative error of the density that is one.
+/// Relative error above which the density is wrong.
 const TOLERANCE: f64 = 1e-6;
 
-/// The share of states that may be left out.
+/// Largest share of states that may be left out.
 const LEFT_OUT: f64 = 0.01;
 
-/// States tried, in tests and thoroughly.
+/// Number of states in tests, and with [`Effort::thorough`].
 const STATES: [usize; 2] = [256, 10_000];
 
 #[derive(Default)]
@@ -50,9 +49,9 @@ struct Tally {
 }
 
 enum State {
-    /// The sum of the densities found, and whether all of it is known.
+    /// The sum of the densities found, and whether it is complete.
     Known { found: f64, complete: bool },
-    /// Rounding leaves too few digits.
+    /// Rounding leaves too few significant digits.
     Blurred,
 }
 
@@ -89,7 +88,7 @@ fn judge(map: &Map, preimages: &Preimages, seed: u64, effort: &Effort) -> Outcom
 }
 
 fn look(map: &Map, preimages: &Preimages, lobe: f64, v: [f64; 2], wi: DVec3, stated: f64) -> State {
-    // A density that changes within the rounding of a direction has no digits to compare.
+    // A density that changes within the rounding of a direction has no significant digits to compare.
     if has_no_digits(|wi| map.scatterer.pdf(map.wo, wi), wi, TOLERANCE) {
         return State::Blurred;
     }

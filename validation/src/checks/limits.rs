@@ -1,9 +1,9 @@
-//! Does a model meet another where it should turn into it?
+//! Does a model converge to its limit where a parameter ends?
 //!
 //! A rough surface of vanishing roughness is a smooth one, glass with the index of its surroundings is
-//! nothing at all, and glass without dispersion is plain glass. Lobes of the one may be deltas of the other,
-//! so what is compared is where the flux goes: its total, the part that leaves upward, and its mean
-//! direction. Blind to shapes of lobes.
+//! invisible, and glass without dispersion is plain glass. Lobes of the model may be deltas of its limit, so
+//! flux moments are compared: the total, the part that leaves upward, and the mean direction. Blind to shapes
+//! of lobes.
 
 use super::{Check, Effort, fluxes::compare};
 use crate::{

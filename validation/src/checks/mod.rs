@@ -1,7 +1,8 @@
-//! Checks of one scattering distribution seen from one direction.
+//! Checks of one scattering distribution for one outgoing direction.
 //!
-//! To add one: a file with `pub(super) const CHECK: Check` that opens by saying what it finds and what it
-//! cannot, a line in [`CHECKS`], and a saboteur in `subjects` that this check and no weaker one rejects.
+//! To add one: a file with `pub(super) const CHECK: Check` whose documentation begins with what it finds and
+//! what it cannot find, a line in [`CHECKS`], and a saboteur in `subjects` that this check and no weaker one
+//! rejects.
 
 mod chi2;
 mod finiteness;
@@ -26,28 +27,29 @@ use crate::{
     statistics::{Stream, Verdict, seed_for, sidak},
 };
 
-/// How hard to look and how sure to be.
+/// The effort of a check: sample counts, significance level and tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Directions drawn for statistical checks; deterministic ones use a sixteenth.
     pub samples: usize,
-    /// Probability with which one check may reject an honest model. A caller that runs many divides it with
+    /// Probability with which one check may reject a correct model. A caller that runs many divides it with
     /// [`sidak`].
     pub level: f64,
-    /// Relative difference that deterministic checks take for rounding.
+    /// Relative difference that deterministic checks attribute to rounding.
     pub tolerance: f64,
-    /// Values below this have no digits left, such as those under the normal range of an f32 model, and are
-    /// not compared with one another.
+    /// Values below this have no significant digits left, such as those below the normal range of an f32
+    /// model, and are not compared with one another.
     pub smallest: f64,
     /// The error of an albedo that must be detectable.
     pub albedo: f64,
-    /// Look at more states and more functions than a run of the tests has time for, and ask again while the
-    /// answer is inconclusive.
+    /// Test more states and more functions than a run of the test suite has time for, and repeat with more
+    /// samples while the verdict is inconclusive.
     pub thorough: bool,
 }
 
 impl Default for Effort {
-    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, all values (a model evaluated in f32), albedo to 1 %.
+    /// 2¹⁸ samples, level 10⁻³, tolerance 10⁻⁵, no value too small to compare, albedo to 1 %: for a model
+    /// evaluated in f32.
     fn default() -> Self {
         Self { samples: 1 << 18, level: 1e-3, tolerance: 1e-5, smallest: 0.0, albedo: 0.01, thorough: false }
     }
@@ -58,18 +60,18 @@ pub struct Check {
     pub name: &'static str,
     /// One line: what must hold.
     pub about: &'static str,
-    /// Whether the check has something to say about a model.
+    /// Whether the check applies to a model.
     pub applies: fn(&dyn Scatterer) -> bool,
     outcomes: fn(&dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome>,
 }
 
-/// How often a check is asked at most where the answer is inconclusive, thoroughly.
+/// Largest number of repetitions of an inconclusive check, the first run included, with [`Effort::thorough`].
 const ASKINGS: usize = 4;
 
 impl Check {
-    /// Asks; thoroughly, again while the answer is inconclusive, each time of other samples and four times as
-    /// many. All askings share the level. The p-value is that of the first: which is the last depends on what
-    /// it says.
+    /// Runs the check. With [`Effort::thorough`] it is repeated while the verdict is inconclusive, each time
+    /// with other seeds and four times as many samples. All repetitions share the level. The p-value is that
+    /// of the first run: whether there is another depends on the result.
     pub fn run(&self, scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
         let ask = |seed: u64, effort: &Effort| {
             let outcome = self.repeat(scatterer, wo, &[seed], effort).pop();
@@ -91,7 +93,8 @@ impl Check {
         outcome
     }
 
-    /// Asks once for each seed. What no seed decides, such as integrals, is computed once for all.
+    /// Runs the check once for each seed. Whatever does not depend on the seed, such as integrals, is
+    /// computed once.
     pub fn repeat(
         &self,
         scatterer: &dyn Scatterer,
@@ -117,19 +120,19 @@ pub static CHECKS: &[Check] = &[
     limits::CHECK,
 ];
 
-/// The check called `name`.
+/// The check with this name.
 pub fn find(name: &str) -> Option<&'static Check> {
     CHECKS.iter().find(|check| check.name == name)
 }
 
-/// Runs every check that applies. Each gets a seed of its own from `seed`.
+/// Runs every check that applies, each with its own seed derived from `seed`.
 pub fn run_all(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Vec<Outcome> {
     let applicable = CHECKS.iter().filter(|check| (check.applies)(scatterer));
     applicable.map(|check| check.run(scatterer, wo, seed_for(check.name, seed), effort)).collect()
 }
 
-/// Rejects if the p-value is at most the level (or NaN), else accepts if the test was sharp enough, else says
-/// so.
+/// Rejects if the p-value is at most the level (or NaN), else accepts if the detectable effect is at most the
+/// margin, else is inconclusive.
 fn judge(p_value: f64, level: f64, detectable: f64, margin: f64) -> Verdict {
     if p_value.is_nan() || p_value <= level {
         Verdict::Different
@@ -140,14 +143,14 @@ fn judge(p_value: f64, level: f64, detectable: f64, margin: f64) -> Verdict {
     }
 }
 
-/// The largest error of an expectation, in standard deviations of what is compared with it, that p-values do
-/// not show: in 10⁴ of them Kolmogorov and Smirnov's test at 10⁻³ finds a shift of all by 0.02. Where
-/// quadrature leaves more, there is a verdict, which allows for it, but no p-value. That follows from the
-/// density alone, not from what was drawn.
+/// Largest error of an expectation, in standard deviations of the compared quantity, that does not show in
+/// p-values: in 10⁴ of them, Kolmogorov and Smirnov's test at 10⁻³ finds a common shift of 0.02. Where
+/// quadrature leaves a larger error, there is a verdict, which allows for it, but no p-value. That decision
+/// depends on the density alone, not on the samples.
 const BLURRED: f64 = 0.02;
 
-/// A stream for looking around before the samples that are judged: of the first seed, and independent of all
-/// of them.
+/// The stream of the pilot sample: it depends on the first seed only, and is independent of the judged
+/// samples of all seeds.
 fn pilot(seeds: &[u64]) -> Stream {
     Stream::new(seed_for("pilot", seeds.first().copied().unwrap_or(0)))
 }
@@ -167,7 +170,7 @@ fn relative_difference(a: f64, b: f64) -> f64 {
 }
 
 /// Whether a quantity changes by more than a tenth of the tolerance within the rounding of a direction, as it
-/// does near its zeros and at its jumps: then there is nothing to compare.
+/// does near its zeros and at its jumps: then it has no significant digits to compare.
 fn has_no_digits(quantity: impl Fn(DVec3) -> f64, w: DVec3, tolerance: f64) -> bool {
     let middle = quantity(w);
     let across = w.any_orthonormal_vector();

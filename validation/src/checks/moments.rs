@@ -1,9 +1,9 @@
-//! Do weighted samples carry light where the value says? All low spherical harmonics at once.
+//! Do weighted samples have the directional distribution of the value? All low spherical harmonics at once.
 //!
 //! E[weight · Y_lm(ωi)] against ∫ f |cos θ| Y_lm dω by quadrature, for l ≤ 8 (l ≤ 4 in tests), judged
-//! together by Hotelling's T². Sees what `chi2` (which looks at directions without weights) and `furnace`
-//! (which looks at weights without directions) can only see together, such as light moved from one side to
-//! the other. Blind to what value and sample share, and to errors finer than a few tens of degrees.
+//! together by Hotelling's T². Detects what neither `chi2` (which tests directions without weights) nor
+//! `furnace` (which tests weights without directions) detects alone, such as light moved from one side to the
+//! other. Blind to errors that value and sample share, and to errors finer than a few tens of degrees.
 
 use super::{Check, Effort, always, draw, harmonics::harmonics, judge, partition::Partition, pilot};
 use crate::{
@@ -28,16 +28,16 @@ const MARGIN: f64 = 0.05;
 
 const BINS: usize = 64;
 
-/// Error of the integrals in units of 1/√samples, which is what a mean resolves.
+/// Tolerance of the integrals in units of 1/√samples, the order of a mean's standard error.
 const QUADRATURE: f64 = 1e-4;
 
-/// Error of the expected variances.
+/// Tolerance of the expected variances.
 const ROUGHLY: f64 = 1e-3;
 
-/// At least so many other samples tell what the judged ones may have missed.
+/// Least number of pilot samples that estimate what the judged samples may have missed.
 const OTHERS: usize = 1 << 14;
 
-/// Tests use this share of the samples: harmonics cost more than samples do.
+/// Tests use 1/`SHARE` of the samples, because harmonics cost more than samples do.
 const SHARE: usize = 4;
 
 fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
@@ -61,7 +61,8 @@ fn run_to<const N: usize>(
         let value = scatterer.value(wo, wi);
         if value == 0.0 { [0.0; N] } else { harmonics::<N>(wi).map(|y| y * value) }
     });
-    // E[weight² Y²] = ∫ f² cos² θ Y² / pdf; what quadrature does not know of it counts as nothing.
+    // E[weight² Y²] = ∫ f² cos² θ Y² / pdf. The quadrature error is subtracted, so that the variance is a
+    // lower bound.
     let (squares, blur) = partition.integrate_all::<N>(ROUGHLY, |wi| {
         let (value, pdf) = (scatterer.value(wo, wi), scatterer.pdf(wo, wi));
         if value == 0.0 || pdf == 0.0 {
@@ -79,7 +80,7 @@ fn run_to<const N: usize>(
     let others = Covariance::of((0..samples.max(OTHERS)).map(|_| carried(&mut stream)));
     let expected = Expected { mean: exact, error, variance, others: Some(others) };
     let judge = |&seed: &u64| {
-        // The same samples twice, since the second look depends on the first.
+        // The samples are drawn twice: the second pass depends on the results of the first.
         let again = || {
             let mut stream = Stream::new(seed);
             (0..samples).map(move |_| carried(&mut stream))
@@ -90,7 +91,7 @@ fn run_to<const N: usize>(
     seeds.iter().map(judge).collect()
 }
 
-/// `light`: whether the value has any.
+/// The verdict on the components; `light` tells whether the value is nonzero anywhere.
 fn conclude(found: &Components, light: bool, samples: usize, level: f64) -> Outcome {
     let Components { used, rank, p_value, statistic } = *found;
     if rank == 0 && !p_value.is_nan() {

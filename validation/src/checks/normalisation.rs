@@ -1,8 +1,8 @@
 //! Does the density integrate to the probability of drawing a direction?
 //!
 //! ∫pdf by adaptive quadrature against the share of draws that return a direction outside delta lobes. A
-//! model that sometimes absorbs or takes a delta lobe has ∫pdf < 1, and exactly that share must come back
-//! empty.
+//! model that sometimes absorbs or takes a delta lobe has ∫pdf < 1, and exactly the share 1 − ∫pdf of its
+//! draws must return no such direction.
 
 use std::f64::consts::LN_10;
 
@@ -30,10 +30,10 @@ const MARGIN: f64 = 0.01;
 
 const BINS: usize = 64;
 
-/// Error of the integral, in samples.
+/// Tolerance of the integral, in units of 1/samples.
 const QUADRATURE: f64 = 1.0;
 
-/// Least variance of the count that makes its p-value say anything.
+/// Least variance of the count for which its p-value is meaningful.
 const BY_CHANCE: f64 = 5.0;
 
 fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
@@ -51,13 +51,13 @@ fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, in
     let draws = (0..effort.samples).filter_map(|_| draw(scatterer, wo, &mut stream));
     let drawn = draws.filter(|sample| !sample.delta).count();
     let share = drawn as f64 / effort.samples as f64;
-    // Of all values the integral may have, the one that is kindest to the model; never more than a
-    // probability.
+    // Of all values within the integral's error bound, the one most favourable to the model; never more than
+    // a probability.
     let kindest =
         share.clamp(integral.value - integral.error, integral.value + integral.error).clamp(0.0, 1.0);
     let p_value = binomial_two_sided(drawn as u64, effort.samples as u64, kindest);
     let spread = (kindest * (1.0 - kindest) / effort.samples as f64).sqrt();
-    // Draws that are as rare as this are not met nine times in ten.
+    // Draws of this probability occur in the sample with 90 % probability.
     let unseen = LN_10 / effort.samples as f64;
     let detectable = detectable_difference(spread, effort.level, f64::INFINITY).max(unseen) + integral.error;
     let excess = integral.value - integral.error > 1.0 + effort.tolerance;

@@ -1,10 +1,10 @@
-//! The sphere cut into bins that fit a distribution.
+//! Partitions of the sphere into bins adapted to a distribution.
 //!
-//! Fixed grids are blind to narrow lobes: at α = 0.01 all samples fall into one bin. Here a pilot sample cuts
-//! the (cos θ, φ) rectangle at medians, so that every bin expects about the same count, whatever the
-//! roughness. Within each bin the cuts go on until a handful of pilot samples is left: these cells are where
-//! quadrature starts, so it cannot overlook a lobe that sampling finds. The pilot is independent of the
-//! samples that are tested, which keeps Pearson's test valid.
+//! Fixed grids do not resolve narrow lobes: at α = 0.01 all samples fall into one bin. Here a pilot sample
+//! splits the (cos θ, φ) rectangle at medians, so that every bin has about the same expected count, whatever
+//! the roughness. Within each bin splitting continues until a handful of pilot samples is left: quadrature
+//! starts from these cells, so it cannot miss a lobe that sampling finds. The pilot is independent of the
+//! tested samples, which keeps Pearson's test valid.
 
 use std::f64::consts::PI;
 
@@ -15,25 +15,27 @@ use crate::{
     statistics::Stream,
 };
 
-/// Pilot samples for each bin (between 3/4 and 3/2 of it), and for each cell that quadrature starts from.
+/// Number of pilot samples per bin (between 3/4 and 3/2 of it).
 const PER_BIN: usize = 64;
+/// Number of pilot samples per cell that quadrature starts from.
 const PER_CELL: usize = 8;
 
-/// Cells are no larger than this in cos θ and φ, so that quadrature looks everywhere, samples or not.
+/// Largest extent of a cell in cos θ and φ, so that quadrature covers the sphere also where there are no
+/// samples.
 const LARGEST: [f64; 2] = [0.25, PI / 4.0];
 
-/// A cell with points is no larger than this many times what they cover.
+/// Largest extent of a cell with points over the extent of its points.
 const LOOSE: f64 = 4.0;
 
-/// A cell expects at most this many times the points it has, if the density were everywhere that of any one
-/// of them: the rim of a needle in a cell of a broad lobe must not be overlooked.
+/// Largest ratio of a cell's expected count, if the density were everywhere that of any one of its points, to
+/// its number of points: the rim of a narrow lobe in a cell of a broad one must not be missed.
 const CROWDED: f64 = 16.0;
 
-/// A direction of the pilot sample in (cos θ, φ), and how many others its density makes expect in a
-/// steradian.
+/// A direction of the pilot sample in (cos θ, φ), and the expected number of pilot samples per steradian at
+/// its density.
 type Point = [f64; 3];
 
-/// Evaluations for one bin, at most.
+/// Largest number of evaluations for one bin.
 const BUDGET: usize = 200_000;
 
 enum Node {
@@ -41,15 +43,15 @@ enum Node {
     Bin(usize),
 }
 
-/// A tree of cuts whose leaves are the bins.
+/// A binary tree of splits whose leaves are the bins.
 pub(super) struct Partition {
     nodes: Vec<Node>,
     bins: Vec<Vec<Cell>>,
 }
 
 impl Partition {
-    /// About `bins` bins for the non-delta part of `scatterer` seen from `wo`. The horizon is always a cut,
-    /// since distributions jump there.
+    /// About `bins` bins for the non-delta part of `scatterer` for the direction `wo`. The horizon is always
+    /// a split, since distributions are discontinuous there.
     pub fn adapt(scatterer: &dyn Scatterer, wo: DVec3, stream: &mut Stream, bins: usize) -> Self {
         let pilot = (0..bins * PER_BIN).filter_map(|_| draw(scatterer, wo, stream));
         let directions = pilot.filter(|sample| !sample.delta && sample.wi.is_finite());
@@ -119,11 +121,12 @@ impl Partition {
     }
 }
 
-/// Cuts `cell` into the cells that quadrature starts from: at middles while it is much larger than what its
-/// points cover (so that cells shrink towards a lobe, and none holds the lobe in a corner where no node
-/// falls), at medians while it holds many, and at middles again while it is too large altogether.
+/// Splits `cell` into the cells that quadrature starts from: at midpoints while it is much larger than the
+/// extent of its points (so that cells shrink towards a lobe, and none has the lobe in a corner where no
+/// quadrature point falls), at medians while it contains many points, and at midpoints again while it exceeds
+/// [`LARGEST`].
 ///
-/// `cover` is the extent of the points in the smallest cell around this one that had enough of them to tell.
+/// `cover` is the extent of the points in the smallest enclosing cell with enough of them to estimate it.
 fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cell>) {
     let cover = if points.len() >= PER_CELL { extent(points) } else { cover };
     let area = (cell.high[0] - cell.low[0]) * (cell.high[1] - cell.low[1]);
@@ -133,7 +136,7 @@ fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cel
     } else if let Some(split) = halve(&cell, cover.map(|cover| LOOSE * cover)) {
         Some(split)
     } else if crowd * area > CROWDED * points.len().max(PER_CELL) as f64 {
-        // Towards the needle: across where it is thinner than the cell.
+        // Splits towards the narrow lobe, along the axis on which it is thinner than the cell.
         let needle: Vec<Point> = points.iter().filter(|point| point[2] > 0.1 * crowd).copied().collect();
         halve(&cell, extent(&needle)).or_else(|| halve(&cell, LARGEST.map(|limit| limit * f64::EPSILON)))
     } else if points.len() >= 2 * PER_CELL {
@@ -151,8 +154,8 @@ fn refine(cell: Cell, points: &mut [Point], cover: [f64; 2], cells: &mut Vec<Cel
     refine(high, above, cover, cells);
 }
 
-/// The middle along the axis on which `cell` exceeds `limit` most; `None` if it does not, or can be cut no
-/// finer.
+/// The middle along the axis on which `cell` exceeds `limit` most; `None` if it does not, or cannot be split
+/// further in f64.
 fn halve(cell: &Cell, limit: [f64; 2]) -> Option<(usize, f64)> {
     let excess = [0, 1].map(|axis| (cell.high[axis] - cell.low[axis]) / limit[axis]);
     let axis = usize::from(excess[1] > excess[0]);
@@ -161,7 +164,7 @@ fn halve(cell: &Cell, limit: [f64; 2]) -> Option<(usize, f64)> {
         .then_some((axis, middle))
 }
 
-/// How far `points` spread along each axis.
+/// The extent of `points` along each axis.
 fn extent(points: &[Point]) -> [f64; 2] {
     [0, 1].map(|axis| range(points, axis)).map(|(low, high)| high - low)
 }
@@ -171,13 +174,13 @@ fn range(points: &[Point], axis: usize) -> (f64, f64) {
     (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// The median along the axis on which `points` spread over the larger angle; `None` if it does not separate
+/// The median along the axis on which `points` extend over the larger angle; `None` if it does not separate
 /// them.
 fn median(cell: &Cell, points: &mut [Point]) -> Option<(usize, f64)> {
     let (z, phi) = (range(points, 0), range(points, 1));
     let cosine = 0.5 * (z.0 + z.1);
     let sine_squared = (1.0 - cosine) * (1.0 + cosine);
-    // dθ = dz / sin θ against sin θ dφ.
+    // Compares the angles dθ = dz / sin θ and sin θ dφ.
     let axis = usize::from((phi.1 - phi.0) * sine_squared > z.1 - z.0);
     let middle = points.len() / 2;
     points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));

@@ -6,50 +6,53 @@ use crate::{
     statistics::Stream,
 };
 
-/// Directions nearer than this are the same draw; the map is evaluated twice with the same numbers.
+/// Distance below which directions count as the same draw; the map is evaluated twice with the same numbers.
 const SAME: f64 = 1e-12;
 
-/// What rounding to f64 leaves of a sixth-order difference of directions, in units of 1/step: (45 + 9 + 1)/30
-/// of a coordinate's rounding, thrice for the operations that made it, and as much again for that of a place
-/// in the square times the slope there, which is steep where the disk's rim becomes the horizon.
+/// Rounding error in f64 of a sixth-order difference of directions, in units of 1/step: (45 + 9 + 1)/30 of a
+/// coordinate's rounding, three times for the operations that computed it, and as much again for the rounding
+/// of a point of the square times the slope there, which is steep where the disk's rim becomes the horizon.
 const ROUNDING: f64 = 6.0 * 0.5 * f64::EPSILON;
 
-/// First numbers that are tried to find the lobes at a point of the square.
+/// Number of intervals of the first number whose ends are tried to find the lobes at a point of the square.
 const SCAN: usize = 32;
 
 /// The largest number below 1.
 const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Points of the square in the table that inverses start from, and the most starts from each part of the
-/// first numbers: few are needed but where the map tears between a start and the preimage.
+/// Number of points of the square in the table of start values.
 const TABLE: usize = 4096;
+/// Largest number of start values from each interval of the first number: few are needed except where the map
+/// is discontinuous between a start value and the preimage.
 const STARTS: usize = 40;
 
-/// Preimages in one lobe nearer than this in stretched coordinates are one.
+/// Distance in stretched coordinates below which preimages in one lobe count as the same.
 const NEAR: f64 = 1e-3;
 
-/// The draws from one direction, without delta lobes.
+/// The map from random numbers to directions for one `wo`, without delta lobes.
 pub(super) struct Map<'a> {
     pub scatterer: &'a dyn Scatterer,
     pub wo: DVec3,
 }
 
 impl Map<'_> {
+    /// The direction of the point `v` of the square in the lobe that the first number `lobe` chooses; `None`
+    /// for no draw or a delta lobe.
     pub fn at(&self, lobe: f64, v: [f64; 2]) -> Option<DVec3> {
         let sample = self.scatterer.sample(self.wo, [lobe, v[0], v[1]])?;
         (!sample.delta && sample.wi.is_finite()).then_some(sample.wi)
     }
 
-    /// The density of directions that the lobe of `lobe` makes about its direction of `v`, with a relative
-    /// error.
+    /// The density, with a relative error, of the directions near the one at `v` in the lobe that `lobe`
+    /// chooses.
     pub fn density(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
         let (share, middle) = self.share(lobe, v)?;
         let area = self.area_factor(middle, v)?;
         Some(Integral { value: share / area.value, error: area.error })
     }
 
-    /// How many of all first numbers lead from `v` to the direction that `lobe` leads to, and the middle of
-    /// those about `lobe`.
+    /// The share of all first numbers that lead from `v` to the same direction as `lobe` does, and the
+    /// midpoint of their interval around `lobe`.
     fn share(&self, lobe: f64, v: [f64; 2]) -> Option<(f64, f64)> {
         let target = self.at(lobe, v)?;
         let same = |number: f64| self.at(number, v).is_some_and(|wi| (wi - target).length() <= SAME);
@@ -94,9 +97,9 @@ impl Map<'_> {
     }
 
     /// |∂ω/∂u × ∂ω/∂v| and its relative error. Steps are halved until the sixth-order differences agree or
-    /// rounding makes them disagree more. Two of eighteen quotients may agree by luck, so their error is at
-    /// least what the rounding of directions leaves of them, and a sixty-fourth of that of the quotient
-    /// before; and they agree about a kink, where they are the mean of two slopes, so what the slope jumps by
+    /// rounding makes them disagree more. Two of eighteen quotients may agree by chance, so their error is at
+    /// least the rounding error of directions in them plus a sixty-fourth of the error of the previous
+    /// quotient; and they agree at a kink, where they are the mean of two slopes, so the jump of the slope
     /// counts as error.
     fn area_factor(&self, lobe: f64, v: [f64; 2]) -> Option<Integral> {
         let middle = self.at(lobe, v)?;
@@ -112,8 +115,8 @@ impl Map<'_> {
                     ROUNDING * (along_v * (1.0 + along_u) / steps[0] + along_u * (1.0 + along_v) / steps[1]);
                 let jump = jump_u.cross(dv).length() + du.cross(jump_v).length();
                 let apart = (value - last).abs();
-                // Not `max`, which would take rounding for the error of a first quotient, that nothing has
-                // confirmed.
+                // Not `max`, which ignores the NaN of a first quotient and would take the rounding for its
+                // error.
                 let error = if apart < rounding { rounding } else { apart } + last_apart / 64.0 + jump;
                 let error = (error / value).abs();
                 if error < best.error {
@@ -129,10 +132,9 @@ impl Map<'_> {
         (best.value > 0.0).then_some(best)
     }
 
-    /// ∂ω about `middle` along one axis by (−1, 9, −45, 0, 45, −9, 1)/60, and how much larger it is on one
-    /// side than on the other: the second differences over 1, 2 and 3 steps, each divided by its step,
-    /// extrapolated to no step at all. Without a kink they are odd in the step, and (5, −4, 1)/2 cancels its
-    /// first and third power.
+    /// ∂ω at `middle` along one axis by (−1, 9, −45, 0, 45, −9, 1)/60, and the jump of the slope there: the
+    /// second differences over 1, 2 and 3 steps, each divided by its step, extrapolated to a step of zero.
+    /// Without a kink they are odd in the step, and (5, −4, 1)/2 cancels its first and third power.
     fn slope(&self, middle: DVec3, lobe: f64, v: [f64; 2], axis: usize, step: f64) -> Option<(DVec3, DVec3)> {
         let moved = |by: f64| {
             let mut v = v;
@@ -149,7 +151,8 @@ impl Map<'_> {
     }
 }
 
-/// Where `beyond` begins to hold between `low`, where it does not, and `high`.
+/// The number at which `beyond` becomes true, by bisection between `low`, where it is false, and `high`,
+/// where it is true.
 fn edge(mut low: f64, mut high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -165,7 +168,7 @@ fn edge(mut low: f64, mut high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     0.5 * (low + high)
 }
 
-/// A coordinate of the square stretched over all numbers, so that the ends have room.
+/// Coordinates of the square mapped to the real line by the logit, which spreads out the ends.
 fn stretched(v: [f64; 2]) -> [f64; 2] {
     v.map(|x| libm::log(x / (1.0 - x)))
 }
@@ -180,9 +183,9 @@ struct Entry {
     wi: DVec3,
 }
 
-/// Where directions come from, if more than one lobe makes them.
+/// A table of start values for the preimages of directions; empty if only one lobe makes them.
 pub(super) struct Preimages {
-    /// By the part of the first numbers in which a lobe begins.
+    /// Table entries by the interval of first numbers in which their lobe begins.
     lobes: Vec<Vec<Entry>>,
 }
 
@@ -193,7 +196,7 @@ impl Preimages {
         }
         let mut lobes: Vec<Vec<Entry>> = (0..=SCAN).map(|_| vec![]).collect();
         for i in 0..TABLE {
-            // Half of them evenly, half far into the tails.
+            // Half of the points are uniform, half far in the tails.
             let t = [0, 1].map(|_| match i % 2 {
                 0 => stretched([stream.uniform(); 2])[0],
                 _ => 24.0 * (stream.uniform() - 0.5),
@@ -207,13 +210,13 @@ impl Preimages {
         Self { lobes }
     }
 
-    /// Whether a direction may come from more than one lobe.
+    /// Whether directions may come from more than one lobe.
     pub fn several(&self) -> bool {
         !self.lobes.is_empty()
     }
 
-    /// The density at `wi` of all preimages found, to which `own` at `v` belongs, as soon as it meets
-    /// `stated`.
+    /// The sum of the densities at `wi` of all preimages found, including the known one at `v` with density
+    /// `own`; the search ends as soon as the sum reaches `stated`.
     pub fn sum(&self, map: &Map, wi: DVec3, own: f64, v: [f64; 2], stated: f64, tolerance: f64) -> f64 {
         let mut found = vec![(stretched(v), own)];
         let starts: Vec<Vec<&Entry>> = self.lobes.iter().map(|entries| nearest(entries, wi)).collect();
@@ -221,8 +224,8 @@ impl Preimages {
             (0..STARTS).flat_map(|rank| starts.iter().filter_map(move |lobe| lobe.get(rank).copied()));
         for entry in in_turn {
             let Some(t) = invert(map, entry, wi) else { continue };
-            // The same place, and this lobe leads from there to the same direction: where two lobes spread
-            // equally far, each has a preimage nearby that the other only nearly meets.
+            // The same point, from which this lobe leads to the same direction: where two lobes spread
+            // equally far, each has a preimage nearby that maps to `wi` only approximately in the other.
             let same = |other: [f64; 2]| {
                 (0..2).all(|i| (other[i] - t[i]).abs() < NEAR)
                     && map
@@ -263,9 +266,9 @@ fn nearest(entries: &[Entry], wi: DVec3) -> Vec<&Entry> {
     best.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// How near a preimage comes to its direction, in units of what the slopes say, but never more: where the map
-/// tears, the quotient across the tear makes a slope of any size, and places beside it would pass for
-/// preimages.
+/// Largest distance of a preimage's direction from the target, in units of the slopes but never above 1:
+/// where the map is discontinuous, a difference quotient across the discontinuity is arbitrarily large, and
+/// points beside it would pass for preimages.
 const ARRIVED: f64 = 1e-7;
 
 /// Newton's method with halved steps in stretched coordinates, from a table entry to the preimage of `wi`.
@@ -310,7 +313,7 @@ fn invert(map: &Map, entry: &Entry, wi: DVec3) -> Option<[f64; 2]> {
         };
         match better {
             Some((next, moved)) => (t, rest) = (next, moved),
-            // As near as rounding lets it come, or stuck.
+            // The iteration has either converged to rounding or stagnated.
             None => return arrived.then_some(t),
         }
     }

@@ -1,7 +1,7 @@
-//! Does light take the same way back?
+//! Is the distribution reciprocal?
 //!
-//! f(wo, wi) / η(wo)² = f(wi, wo) / η(wi)² (Veach 1997, eq. 5.14), pair by pair, for directions that the
-//! model samples and for directions all over the sphere.
+//! f(wo, wi) / η(wo)² = f(wi, wo) / η(wi)² (Veach 1997, eq. 5.14), for individual pairs of directions, both
+//! sampled from the model and uniform over the sphere.
 
 use std::f64::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         let wi = sampled.filter(|_| turn % 2 == 0).map_or(uniform, |sample| sample.wi);
         let one_way = reduced(scatterer, &laws, wo, wi);
         let other_way = reduced(scatterer, &laws, wi, wo);
-        // Finite and without digits: nothing to compare.
+        // Finite, but without significant digits to compare.
         if worst_of(one_way, other_way) < effort.smallest {
             silent &= one_way == 0.0 && other_way == 0.0;
             continue;
@@ -53,9 +53,9 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         }
     }
     let verdict = match (wrong, checked) {
-        // Some light, and none of it enough to compare.
+        // There is light, but never enough to compare.
         (0, 0) if !silent => Verdict::Inconclusive,
-        // As near a critical angle, where the Fresnel factor changes with every digit of a cosine.
+        // For example near a critical angle, where the Fresnel factor changes with every digit of a cosine.
         (0, _) if 100 * blurred > checked => Verdict::Inconclusive,
         (0, _) => Verdict::Equivalent,
         _ => Verdict::Different,

@@ -1,8 +1,8 @@
-//! Does the value at a wavelength depend on the company it travels in?
+//! Does the value at a wavelength depend on the other wavelengths of the path?
 //!
-//! A path carries several wavelengths at once. What it says about one of them must not depend on the others:
-//! values must be the same number, and so must the flux that samples carry in expectation, although lobes may
-//! be chosen with other probabilities. Blind to models that know one wavelength only.
+//! A path carries several wavelengths at once. Results at one of them must not depend on the others: values
+//! must be identical, and so must the expected flux of samples, although lobes may be chosen with other
+//! probabilities. Blind to errors of models that know one wavelength only.
 
 use super::{Check, Effort, draw, fluxes::compare, relative_difference, show};
 use crate::{
@@ -20,10 +20,11 @@ pub(super) const CHECK: Check = Check {
     },
 };
 
-/// The difference of a flux that is none.
+/// Largest difference of a flux moment that counts as equivalent.
 const MARGIN: f64 = 0.0025;
 
-/// Thoroughly, this many times the samples of other checks: dispersion ends all wavelengths but one of eight.
+/// Factor on the number of samples with [`Effort::thorough`]: dispersion ends all wavelengths but one of
+/// eight.
 const LANES: usize = 8;
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {

@@ -1,4 +1,4 @@
-//! The checks on trial: honest models pass, saboteurs are rejected by the check that is there for them.
+//! Tests of the checks: correct models pass, and each saboteur is rejected by the check designed for it.
 
 use super::{CHECKS, Effort, find, run_all};
 use crate::{
@@ -18,7 +18,7 @@ fn run(check: &str, scatterer: &dyn Scatterer, wo: DVec3) -> Outcome {
     find(check).unwrap().run(scatterer, wo, seed_for(check, 0), &effort())
 }
 
-/// Steep, oblique, grazing, and from below.
+/// Normal, oblique and grazing incidence, and incidence from below.
 fn directions() -> [DVec3; 4] {
     [DVec3::Z, direction(0.7, 0.4), direction(0.05, 2.0), direction(-0.6, -1.0)]
 }
@@ -56,7 +56,7 @@ fn honest_models_pass_every_check_at_every_roughness() {
         for (number, wo) in (0..).zip(directions()) {
             for outcome in run_all(subject.as_ref(), wo, seed_for(name, number), &effort) {
                 println!("{name} {number} {}: {}", outcome.check, outcome.message);
-                // Harmonics of low degree have nothing to say about lobes as narrow as a needle.
+                // Harmonics of low degree cannot resolve the narrowest lobes.
                 let silent = outcome.check == "moments" && outcome.figures.get("components") == Some(&0.0);
                 let expected = if silent { Verdict::Inconclusive } else { Verdict::Equivalent };
                 assert_eq!(outcome.verdict, expected, "{name} {wo}: {outcome:?}");
@@ -106,7 +106,8 @@ fn what_is_inconclusive_is_asked_again_of_more_samples() {
     let (once, again) = (ask(&hasty), ask(&Effort { thorough: true, ..hasty }));
     assert_eq!([once.verdict, again.verdict], [Verdict::Inconclusive, Verdict::Equivalent]);
     assert_ne!(once.figures["sampled"], again.figures["sampled"]);
-    // Whether to ask again depends on the answer, so the p-value of the last would not be uniform.
+    // Whether there is a repetition depends on the result, so the p-value of the last run would not be
+    // uniform.
     assert_eq!(once.p_value, again.p_value);
 }
 
@@ -152,7 +153,8 @@ fn p_values_of_honest_models_are_uniform() {
         let p_values: Vec<f64> = (0..200).filter_map(|number| run(number).p_value).collect();
         let uniform = uniformity(&p_values);
         println!("{check}: {} p-values, uniformity p = {uniform:.3}", p_values.len());
-        // These two have none where quadrature is not far better than the samples.
+        // These two checks give no p-value where the quadrature error is not far below the noise of the
+        // samples.
         let enough = p_values.len() >= 150 || ["normalisation", "furnace"].contains(&check);
         assert!(enough && uniform > 1e-3, "{check}: {} {uniform}", p_values.len());
     }

@@ -1,8 +1,8 @@
 //! Is the weight of each sample f |cos θ| / pdf?
 //!
-//! Holds for every single sample, so no statistics: `weight` × `pdf` must be `value`, and the density that
-//! comes with the sample must be the one the model states for that direction. A χ² test of directions cannot
-//! see either.
+//! Holds for every single sample, so no statistics: `weight` × `pdf` must be `value`, and the density
+//! returned with the sample must be the one the model states for that direction. A χ² test of directions
+//! detects neither error.
 
 use super::{Check, Effort, always, draw, has_no_digits, relative_difference, show};
 use crate::{
@@ -27,7 +27,7 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     for _ in 0..effort.samples.div_ceil(16) {
         let Some(sample) = draw(scatterer, wo, &mut stream).filter(|sample| !sample.delta) else { continue };
         let (value, pdf) = (scatterer.value(wo, sample.wi), scatterer.pdf(wo, sample.wi));
-        // Neither has digits to compare.
+        // Neither weight nor value has significant digits to compare.
         if worst_of(sample.weight * pdf, value) < effort.smallest
             && relative_difference(sample.pdf, pdf) <= effort.tolerance
         {

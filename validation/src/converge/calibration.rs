@@ -1,21 +1,21 @@
-//! Is what [`ratio`] calls different, different, and does it find what is there?
+//! The calibration of [`ratio`]: its rate of false positives and its power.
 //!
-//! A pool of pairs, each rendered one after the other by the same renderer with two seeds, holds the true
-//! scatter of errors and times of a machine at work. A trial draws a few pairs and exchanges the two of a
-//! pair at random: then none is more efficient. Multiplying the times of one side makes it less efficient by
-//! a known factor.
+//! A pool of pairs, each rendered one after the other by the same renderer with two seeds, has the true
+//! distribution of errors and times on a busy machine. A trial draws a few pairs and exchanges the two
+//! renders of a pair at random: then neither side is more efficient. Multiplying the times of one side makes
+//! it less efficient by a known factor.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Rung, ratio};
 use crate::statistics::Stream;
 
-/// Error and seconds on every rung, of both pictures.
+/// Two renders of the same scene: for each, error and seconds of every rung.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pair(pub [Vec<[f64; 2]>; 2]);
 
-/// The share of `trials` of `seeds` pairs in which the sides are called different, where the second takes
-/// `factor` times as long as it does. `None` if the pool has too few pairs, or an error is not positive.
+/// The share of `trials` of `seeds` pairs in which the sides are called different, when the times of the
+/// second side are multiplied by `factor`. `None` if the pool has too few pairs, or an error is not positive.
 pub fn share_called_different(
     pool: &[Pair],
     seeds: usize,
@@ -30,7 +30,7 @@ pub fn share_called_different(
     let mut order: Vec<usize> = (0..pool.len()).collect();
     for _ in 0..trials {
         let mut ladders = [vec![], vec![]];
-        // The beginning of a shuffle (Fisher and Yates).
+        // The first steps of Fisher and Yates's shuffle.
         for k in 0..seeds {
             let left = order.len() - k;
             let other = k + ((stream.uniform() * left as f64) as usize).min(left - 1);
@@ -68,10 +68,10 @@ mod tests {
         let mut stream = Stream::named("calibration", 0);
         let quiet = pool(0.02);
         let mut share = |factor: f64| share_called_different(&quiet, 8, factor, 2000, &mut stream).unwrap();
-        // Half a per cent is the level; three standard errors of it in 2000 trials are 0.47 %.
+        // The level is 0.5 %; three standard errors of it in 2000 trials are 0.47 %.
         assert!(share(1.0) <= 0.0097);
         assert!(share(1.05) >= 0.9);
-        // Where the scatter is ten times as large, 5 % cannot be seen.
+        // If errors scatter ten times as much, 5 % cannot be detected.
         let loud = pool(0.2);
         assert!(share_called_different(&loud, 8, 1.05, 500, &mut stream).unwrap() < 0.1);
         assert!(share_called_different(&loud, 201, 1.05, 1, &mut stream).is_none());

@@ -1,6 +1,6 @@
-//! How much more efficient is one renderer than another?
+//! The ratio of the efficiencies of two renderers.
 //!
-//! Efficiency is 1 / (error · seconds). The ratio is studied in logarithms, seed by seed and paired, since
+//! Efficiency is 1 / (error · seconds). The ratio is estimated in logarithms, paired by seed, since
 //! interleaved renders share the state of the machine: dᵢ = mean over rungs of log(errorᵢ secondsᵢ) of B
 //! minus that of A, and Student's interval of the mean of d. A percentile bootstrap of as few as eight values
 //! would be too narrow.
@@ -14,20 +14,20 @@ use crate::statistics::distributions::{student_quantile, student_two_sided};
 /// Efficiency of A over that of B.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Ratio {
-    /// Above 1 where A is better, with a 95 % interval.
+    /// The ratio with its 95 % interval; above 1 if A is more efficient.
     pub ratio: Interval,
-    /// Of the hypothesis that they are equally efficient.
+    /// p-value of the hypothesis that both are equally efficient.
     pub p_value: f64,
-    /// The hypothesis is rejected at half a per cent.
+    /// Whether the hypothesis is rejected at the level of 0.5 %.
     pub different: bool,
 }
 
-/// The level at which efficiencies are called different: half of the one per cent that is promised, so that
-/// an experiment can show the promise kept.
+/// The level at which efficiencies are called different: half of the promised one per cent, so that an
+/// experiment can confirm the promise.
 const LEVEL: f64 = 0.005;
 
-/// Compares ladders of the same sample counts and seeds. `None` if they are not, if there are fewer than
-/// three seeds, or if the reference's noise has swallowed an error.
+/// Compares ladders of the same sample counts and seeds. `None` if they do not match, if there are fewer than
+/// three seeds, or if an error is not positive because the reference's noise exceeds it.
 pub fn ratio(a: &[Rung], b: &[Rung]) -> Option<Ratio> {
     let count = a.first()?.errors.len();
     let whole = |r: &Rung| {
@@ -53,7 +53,7 @@ pub fn ratio(a: &[Rung], b: &[Rung]) -> Option<Ratio> {
     Some(Ratio { ratio: Interval { value, low, high }, p_value, different: p_value <= LEVEL })
 }
 
-/// The mean of independent values with Student's interval; `None` of fewer than two.
+/// The mean of independent values with Student's interval; `None` for fewer than two.
 pub fn mean(values: &[f64]) -> Option<Interval> {
     (values.len() > 1).then(|| student(&Estimate::of(values.iter().copied())))
 }
@@ -68,8 +68,8 @@ mod tests {
     use super::*;
     use crate::statistics::Stream;
 
-    /// A synthetic renderer: the error of a picture of many pixels scatters by 2 %, the time by 2 % around a
-    /// common drift.
+    /// A synthetic renderer: the error of a picture of many pixels scatters by 2 %, and the time by 2 %
+    /// around a common drift.
     fn pair(stream: &mut Stream, seeds: usize, faster: f64) -> [Vec<Rung>; 2] {
         let mut ladders = [vec![], vec![]];
         for samples in [16u32, 64, 256] {
@@ -98,7 +98,7 @@ mod tests {
         };
         let found = called(&mut stream, 1.05);
         assert!(found >= 0.9, "found {found}");
-        // Half a per cent, and three standard errors of it in 2000 trials: 0.47 %.
+        // The level of 0.5 %, and three standard errors of it in 2000 trials: 0.47 %.
         let false_alarms = called(&mut stream, 1.0);
         assert!(false_alarms <= 0.0097, "false alarms {false_alarms}");
     }

@@ -2,17 +2,19 @@
 //! intervals, or Student's by the jackknife where seeds are few.
 //!
 //! Both (Efron 1979, expanded percentile intervals; Tukey 1958) draw or leave out whole seeds: the rungs of a
-//! seed are rendered one after the other and share whatever the machine did then.
+//! seed are rendered one after the other and share the state of the machine.
 
 use serde::Serialize;
 
 use crate::statistics::distributions::{normal_two_sided, student_quantile};
 use crate::statistics::{Estimate, Stream};
 
-/// Resamplings; the 2.5 % and 97.5 % quantiles of so many are known to about half a per cent of level.
+/// Number of resamplings; the 2.5 % and 97.5 % quantiles of that many are known to about half a per cent of
+/// level.
 pub const RESAMPLINGS: usize = 2000;
 
-/// Of fewer seeds the percentiles that are wanted lie beyond all resamplings.
+/// Least number of seeds for bootstrap intervals: with fewer, the required percentiles lie beyond all
+/// resamplings.
 const ENOUGH: usize = 8;
 
 /// A value with its 95 % interval.
@@ -23,7 +25,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// One sample count: error and seconds of each seed.
+/// One sample count, with the error and the seconds of each seed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rung {
     pub samples: u32,
@@ -31,25 +33,26 @@ pub struct Rung {
     pub seconds: Vec<f64>,
 }
 
-/// What a ladder says.
+/// The results of a ladder of sample counts.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
-    /// Mean error and mean seconds of each rung.
+    /// Mean error of each rung.
     pub errors: Vec<Interval>,
+    /// Mean seconds of each rung.
     pub seconds: Vec<Interval>,
     /// Geometric mean over rungs of 1 / (error · seconds): larger is better.
     pub efficiency: Interval,
     /// d log error / d log seconds by least squares; −1 for independent samples.
     pub slope: Option<Interval>,
-    /// Seconds to an error of 10⁻² and of 10⁻³, by the line of the slope.
+    /// Seconds to reach each error of [`TARGETS`], from the line fitted for the slope.
     pub seconds_to: Vec<Option<Interval>>,
 }
 
-/// The errors to which times are given.
+/// The errors for which times are estimated.
 pub const TARGETS: [f64; 2] = [1e-2, 1e-3];
 
-/// Efficiency of resampled seeds: −mean over rungs of log(mean error · mean seconds). NaN where an error is
-/// not positive.
+/// Logarithm of the efficiency of resampled seeds: −mean over rungs of log(mean error · mean seconds). NaN
+/// where an error is not positive.
 fn log_efficiency(rungs: &[Rung], seeds: &[usize]) -> f64 {
     let product = |r: &Rung| libm::log(mean(&r.errors, seeds) * mean(&r.seconds, seeds));
     -rungs.iter().map(product).sum::<f64>() / rungs.len() as f64
@@ -74,7 +77,7 @@ pub fn curve(rungs: &[Rung], seed: u64) -> Option<Curve> {
     })
 }
 
-/// [`RESAMPLINGS`] draws with replacement of `count` seeds.
+/// [`RESAMPLINGS`] draws of `count` seeds with replacement.
 fn resamplings(count: usize, seed: u64) -> Vec<Vec<usize>> {
     let mut stream = Stream::new(seed);
     let mut one = || (0..count).map(|_| (stream.uniform() * count as f64) as usize).collect();
@@ -89,9 +92,9 @@ fn interval(statistic: impl Fn(&[usize]) -> f64, count: usize, draws: &[Vec<usiz
     }
     let mut values: Vec<f64> = draws.iter().map(|draw| statistic(draw)).collect();
     values.sort_by(f64::total_cmp);
-    // Resampling n seeds scatters by √((n − 1)/n) of what it should, and knows nothing of Student's tails:
-    // both are put right by taking wider percentiles (Hesterberg 2015, "What teachers should know about the
-    // bootstrap", §5.2).
+    // The bootstrap distribution of n seeds is narrower than that of the statistic by the factor √((n −
+    // 1)/n), and lacks Student's tails: wider percentiles correct both (Hesterberg 2015, "What teachers
+    // should know about the bootstrap", §5.2).
     let number = count as f64;
     let reach = student_quantile(0.05, number - 1.0) * (number / (number - 1.0)).sqrt();
     let tail = 0.5 * normal_two_sided(reach);
@@ -99,8 +102,9 @@ fn interval(statistic: impl Fn(&[usize]) -> f64, count: usize, draws: &[Vec<usiz
     Interval { value: statistic(&all), low: at(tail), high: at(1.0 - tail) }
 }
 
-/// A statistic of all seeds with Student's interval: it scatters by (n − 1)/√n times what it scatters by with
-/// one seed left out each time. What is positive is looked at in logarithms, so that its interval is positive.
+/// A statistic of all seeds with Student's interval. Its standard error is (n − 1)/√n times the standard
+/// deviation of the statistic with one seed left out. Positive statistics are transformed to logarithms, so
+/// that their intervals are positive.
 fn jackknife(statistic: impl Fn(&[usize]) -> f64, all: &[usize]) -> Interval {
     let others = |i: &usize| all.iter().copied().filter(|other| other != i).collect::<Vec<_>>();
     let mut without: Vec<f64> = all.iter().map(|i| statistic(&others(i))).collect();
@@ -173,7 +177,7 @@ mod tests {
                 low < 1.0 && 1.0 < high
             };
             let share = (0..TRIALS).filter(|trial| holds(*trial)).count() as f64 / TRIALS as f64;
-            // Three standard errors, and a hundredth for percentiles of few.
+            // Three standard errors, and 0.01 for percentiles of few seeds.
             assert!((share - 0.95).abs() < 0.021 + 0.01, "{seeds}: {share}");
         }
     }

@@ -1,43 +1,43 @@
 //! The error of a picture against the mean of other pictures of the same renderer.
 //!
-//! With a reference m̂ = m + e of variance σ²_m in a value, E (x − m̂)² = MSE(x) + σ²_m as long as x is no
-//! part of m̂; so σ²_m, estimated from the spread of the reference's own pictures, is subtracted value by
-//! value. relMSE divides by m̂² + ε² with ε one per cent of the picture's mean, the same for every picture of
-//! a renderer.
+//! With a reference m̂ = m + e of variance σ²_m in a value, E (x − m̂)² = MSE(x) + σ²_m as long as x is
+//! independent of m̂; so σ²_m, estimated from the variance of the reference's own pictures, is subtracted
+//! value by value. relMSE divides by m̂² + ε² with ε one per cent of the picture's mean, the same for every
+//! picture of a renderer.
 
 use serde::{Deserialize, Serialize};
 
 /// A picture: all channels of all pixels in a fixed order.
 pub type Picture = Vec<f64>;
 
-/// The mean of pictures and the variance of that mean.
+/// The mean of pictures and the variance of that mean, value by value.
 pub struct Reference {
     pub mean: Picture,
     pub variance: Picture,
 }
 
-/// Errors relative to the reference's values.
+/// Errors of a picture, relative to the reference's values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Mean over all values, the reference's variance subtracted.
+    /// Mean relative squared error of all values, the reference's variance subtracted.
     pub relative_mse: f64,
-    /// The same without the 0.1 % of values with the largest errors.
+    /// The same mean without the 0.1 % of values with the largest errors.
     pub trimmed: f64,
-    /// The median; the reference's variance is not subtracted.
+    /// Median relative squared error; the reference's variance is not subtracted.
     pub median: f64,
-    /// Mean squared error, in the pictures' unit squared.
+    /// Mean squared error, in the square of the pictures' unit.
     pub mse: f64,
-    /// The mean of all values over the reference's.
+    /// The mean of all values over the reference's mean.
     pub brightness: f64,
 }
 
-/// The share of values that the trimmed error leaves out.
+/// The share of values, those with the largest errors, that the trimmed mean leaves out.
 const TRIM: f64 = 1e-3;
 
-/// The share of the picture's mean below which values count as dark.
+/// The share ε of the picture's mean that is added in quadrature to the reference in denominators.
 const DARK: f64 = 0.01;
 
-/// Mean and its variance of at least two pictures of one size; `None` else.
+/// The mean of at least two pictures of one size, and its variance; `None` otherwise.
 pub fn reference(pictures: &[Picture]) -> Option<Reference> {
     let first = pictures.first().filter(|_| pictures.len() > 1)?;
     if pictures.iter().any(|p| p.len() != first.len()) {
@@ -53,7 +53,7 @@ pub fn reference(pictures: &[Picture]) -> Option<Reference> {
     Some(Reference { variance: variance.collect(), mean })
 }
 
-/// Errors of a picture that is no part of the reference.
+/// The errors of a picture that is independent of the reference.
 pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
     let count = picture.len() as f64;
     let dark = reference.dark();
@@ -74,14 +74,15 @@ pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
     }
 }
 
-/// Relative squared differences from the reference, value by value, its own noise included.
+/// Relative squared differences from the reference, value by value; the reference's variance is not
+/// subtracted.
 pub fn relative_squares(picture: &Picture, reference: &Reference) -> Vec<f64> {
     let dark = reference.dark();
     picture.iter().zip(&reference.mean).map(|(x, m)| (x - m) * (x - m) / (m * m + dark)).collect()
 }
 
 impl Reference {
-    /// What is added to squares of dark values before they divide.
+    /// ε², which is added to the squares of the reference's values in denominators.
     fn dark(&self) -> f64 {
         let dark = DARK * self.mean.iter().sum::<f64>() / self.mean.len() as f64;
         dark * dark
@@ -98,10 +99,11 @@ mod tests {
         let mut stream = Stream::named("reference noise", 0);
         let mut noisy =
             |deviation: f64| -> Picture { (0..40_000).map(|_| 2.0 + deviation * stream.normal()).collect() };
-        // A reference as noisy as the picture: without subtraction the error would be twice as large.
+        // The reference is as noisy as the picture: without the subtraction the error would be twice as
+        // large.
         let pictures: Vec<Picture> = (0..4).map(|_| noisy(0.2)).collect();
         let found = errors(&noisy(0.1), &reference(&pictures).unwrap());
-        // 0.01 of squared error; its standard error is 0.01 · 2 · √(2/40000) = 1.4e-4.
+        // The squared error is 0.01; its standard error is 0.01 · 2 · √(2/40000) = 1.4e-4.
         assert!((found.mse - 0.01).abs() < 5e-4, "{found:?}");
         assert!((found.relative_mse - 0.01 / 4.0004).abs() < 2e-4, "{found:?}");
     }

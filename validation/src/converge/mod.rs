@@ -1,15 +1,18 @@
-//! Error against run time, whatever rendered: docs/convergence.md.
+//! Error against run time of any renderers: docs/convergence.md.
 //!
-//! - [`error`]: the error of one picture against a noisy reference, without the reference's share.
-//! - [`mod@curve`]: replicates over a ladder of sample counts become a curve with an efficiency and a slope.
-//! - [`compare`]: two renderers' efficiency ratio with its interval.
-//! - [`plot`] and [`page`]: drawings and tables.
-//! - [`calibration`]: whether what is called different is.
+//! - [`error`]: the error of one picture against a noisy reference, with the reference's variance subtracted.
+//! - [`mod@curve`]: replicates over a ladder of sample counts, summarised by a curve with an efficiency and a
+//!   slope.
+//! - [`compare`]: the efficiency ratio of two renderers with its interval.
+//! - [`plot`], [`forest`] and [`page`]: drawings, with [`axis`] in common, and tables.
+//! - [`calibration`]: the rate of false positives and the power of that comparison.
 
+pub mod axis;
 pub mod calibration;
 pub mod compare;
 pub mod curve;
 pub mod error;
+pub mod forest;
 pub mod page;
 pub mod plot;
 

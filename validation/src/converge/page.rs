@@ -1,19 +1,22 @@
-//! Pages about error and time: their frame and their tables. Everything is inside; nothing comes from a
-//! network.
+//! HTML pages about error and time: their frame and their tables. They are self-contained and load nothing
+//! from a network.
 
 use super::plot::{legend, plot};
 use super::{Curve, Interval, Ratio};
 use crate::html::escape;
 
-/// A renderer's curves, and how much more efficient the first one is.
+/// A renderer's curves, and the ratios of the first renderer's efficiency to its own.
 pub struct Line<'a> {
     pub name: &'a str,
+    /// Curve of the trimmed error.
     pub trimmed: Option<&'a Curve>,
+    /// Curve of the mean over all values.
     pub whole: Option<&'a Curve>,
     pub ratio_trimmed: Option<&'a Ratio>,
     pub ratio_whole: Option<&'a Ratio>,
-    /// Whose converged mean it is held against, and how bright it is beside that.
+    /// The renderer whose converged mean is the reference.
     pub mean_of: &'a str,
+    /// Mean of the pictures over that of the reference.
     pub brightness: Option<Interval>,
     /// Mean start-up in seconds.
     pub startup: Option<f64>,
@@ -81,7 +84,7 @@ pub fn curves(lines: &[Line]) -> String {
     )
 }
 
-/// Names and reasons, if there are any.
+/// A list of names with reasons, or nothing if it is empty.
 pub fn missing(entries: &[(String, String)]) -> String {
     let rows: String = entries.iter().map(|(name, why)| row(&[escape(name), escape(why)])).collect();
     if rows.is_empty() {
@@ -94,7 +97,7 @@ pub fn missing(entries: &[(String, String)]) -> String {
     }
 }
 
-/// A row of cells that are HTML already.
+/// A table row of cells that are already HTML.
 pub fn row(cells: &[String]) -> String {
     let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
     format!("<tr>{cells}</tr>")

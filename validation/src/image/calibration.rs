@@ -1,5 +1,4 @@
-//! Does the comparison keep its level, and does it find what it promises? On synthetic images with known
-//! truth.
+//! Level and power of the comparison, on synthetic images with known truth.
 
 use super::{
     Comparison, Image, Settings, compare,
@@ -19,7 +18,8 @@ fn judge(a: &Image, b: &Image) -> Comparison {
     compare(a, b, &Settings::default()).unwrap()
 }
 
-/// Share of `TRIALS` comparisons of two honest images, with these samples a pixel, that are called different.
+/// Share of `TRIALS` comparisons of two images of the same scene, with these sample counts per pixel, that
+/// are called different.
 fn false_alarms(noise: Noise, samples: [usize; 2]) -> f64 {
     let scene = scene();
     let rejected = (0..TRIALS).filter(|&trial| {
@@ -32,7 +32,7 @@ fn false_alarms(noise: Noise, samples: [usize; 2]) -> f64 {
     share
 }
 
-/// The shares that 1000 trials at exactly 1 % leave once in 290 suites.
+/// Fails outside the range of shares that 1000 trials at exactly 1 % leave once in 290 runs of the suite.
 fn assert_calibrated(share: f64) {
     assert!((0.003..=0.021).contains(&share), "{share}");
 }
@@ -57,7 +57,7 @@ fn fireflies_do_not_raise_the_alarm() {
     assert!(false_alarms(Noise::Firefly, [64, 16]) <= 0.021);
 }
 
-/// Scales the pixels `selected` by their column and row.
+/// Scales the pixels that `selected` accepts by their column and row.
 fn scaled(mut scene: Vec<f64>, factor: f64, selected: impl Fn(usize, usize) -> bool) -> Vec<f64> {
     for (index, value) in scene.iter_mut().enumerate() {
         if selected(index % WIDTH, index / WIDTH) {
@@ -69,21 +69,21 @@ fn scaled(mut scene: Vec<f64>, factor: f64, selected: impl Fn(usize, usize) -> b
 
 #[test]
 fn two_percent_loss_in_the_noisy_half_is_found() {
-    // At 512 samples a pixel the mean's standard error is √(2/512)/48 · 1.15 (contrast) = 0.15 %; the loss is
-    // 1.5 % of it.
+    // At 512 samples per pixel the mean's standard error is √(2/512)/48 · 1.15 (contrast) = 0.15 %; the loss
+    // is 1.5 % of it.
     let loss = scaled(scene(), 0.98, |x, _| x >= WIDTH / 2);
     let found = (0..40).filter(|&trial| {
         let a = render(WIDTH, &scene(), Noise::Exponential, 512, "loss a", trial);
         let b = render(WIDTH, &loss, Noise::Exponential, 512, "loss b", trial);
         judge(&a, &b).verdict == Verdict::Different
     });
-    // 40 of 40 has a 95 % lower bound of 92.8 %.
+    // A success rate of 40 of 40 has a 95 % lower bound of 92.8 %.
     assert_eq!(found.count(), 40);
 }
 
 #[test]
 fn one_wrong_tile_is_found_where_it_is() {
-    // At 512 samples a pixel a tile's standard error is √(2/512)/16 = 0.4 %; the fault is 5 %.
+    // At 512 samples per pixel a tile's standard error is √(2/512)/16 = 0.4 %; the fault is 5 %.
     let wrong = scaled(scene(), 0.95, |x, y| x / 16 == 2 && y / 16 == 1);
     for trial in 0..20 {
         let a = render(WIDTH, &scene(), Noise::Exponential, 512, "tile a", trial);
@@ -123,7 +123,7 @@ fn a_value_that_is_not_finite_fails_and_is_named() {
     let found = judge(&a, &b);
     assert_eq!(found.verdict, Verdict::Different);
     assert!(found.message.contains("pixel (3, 5) channel Y"), "{}", found.message);
-    // The same value on both sides is no excuse.
+    // A faulty value is a fault even if both images have the same.
     assert_eq!(judge(&b, &b).verdict, Verdict::Different);
 }
 

@@ -1,4 +1,5 @@
-//! The comparison as a whole: levels shared out, findings put into one sentence.
+//! The whole comparison: how the level is divided among tests, and how findings are summarised in one
+//! sentence.
 
 use serde::Serialize;
 
@@ -14,35 +15,36 @@ use crate::{
     statistics::{Verdict, multiplicity::smallest_of, sidak},
 };
 
-/// What is asked of two images.
+/// Level and margins of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Settings {
     /// Probability with which two images of the same scene may be called different.
     pub level: f64,
-    /// The ratio of the means must lie within 1 ± this.
+    /// The ratio of the means must lie within 1 ± `margin`.
     pub margin: f64,
-    /// A tile that agrees within this, relative to the larger of its and the image's mean, is the same,
-    /// however sure the difference.
+    /// A tile's difference within this margin, relative to the larger of its and the image's mean, counts as
+    /// none even if it is significant.
     pub tile_margin: f64,
-    /// Whether a tile too noisy to tell leaves the whole undecided. If not, it is enough that no tile is
-    /// beyond its noise.
+    /// Whether a tile too noisy to decide makes the whole comparison inconclusive. If not, it suffices that
+    /// no tile differs significantly.
     pub tiles_settled: bool,
     /// Pixels along a tile's side.
     pub tile_size: usize,
-    /// Noiseless pixels may differ by this, relatively.
+    /// Largest relative difference of noiseless pixels that counts as none.
     pub rounding: f64,
 }
 
 impl Settings {
     /// The default with another margin of the mean, and 8 times that for tiles: in an image of 8×8 tiles a
-    /// tile's mean has 8 times the standard error of the whole, so one sample count settles both.
+    /// tile's mean has 8 times the standard error of the whole, so one sample count decides both.
     pub fn with_margin(margin: f64) -> Self {
         // Four units in the last place of an f32.
         let rounding = 4.0 * 0.5 * f64::from(f32::EPSILON);
         Self { level: 0.01, margin, tile_margin: 8.0 * margin, tiles_settled: true, tile_size: 16, rounding }
     }
 
-    /// The same, but of tiles it is asked only that none is beyond its noise and this margin.
+    /// The same settings, but no tile may differ significantly and by more than the margin of the mean; a
+    /// tile too noisy to decide is accepted.
     pub fn with_tiles_within_noise(self) -> Self {
         Self { tile_margin: self.margin, tiles_settled: false, ..self }
     }
@@ -55,7 +57,7 @@ impl Default for Settings {
     }
 }
 
-/// What was found in one channel.
+/// The results for one channel.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelComparison {
     pub name: String,
@@ -64,24 +66,23 @@ pub struct ChannelComparison {
     pub errors: Errors,
 }
 
-/// Everything found about two images.
+/// The results for two images.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     pub verdict: Verdict,
-    /// One sentence: why, and where.
+    /// One sentence that gives the reason for the verdict, and the place of a difference.
     pub message: String,
-    /// Of "both are unbiased images of the same scene"; compare with the level.
+    /// p-value of "both are unbiased images of the same scene", to be compared with the level.
     pub p_value: f64,
-    /// How many times more samples, on both sides, would settle an inconclusive comparison nine times in ten;
+    /// Factor by which more samples, on both sides, would decide an inconclusive comparison with 90 % power;
     /// absent if samples would not help.
     pub more_samples: Option<f64>,
-    /// The compared values are the same bit for bit: one image, not two pieces of evidence.
+    /// Whether the compared values are identical bit for bit: one image, not two independent ones.
     pub identical: bool,
     pub faults: Faults,
     pub channels: Vec<ChannelComparison>,
     pub tiles: TileComparison,
-    /// Channels that only one image has; they were not compared, and without them the images are not
-    /// equivalent.
+    /// Channels that only one image has. They are not compared, and images that have any are not equivalent.
     pub uncompared: Vec<String>,
     pub settings: Settings,
 }
@@ -89,9 +90,9 @@ pub struct Comparison {
 /// Compares `b` with the reference `a`, on all channels they share.
 ///
 /// Half of the level goes to the means (shared by channels), half to the tiles. Different if either rejects
-/// and the difference is not inside its margin, or if [`Faults`] has a failure; equivalent if all intervals
-/// lie inside their margins, or the values are identical, and both have the same channels; else inconclusive.
-/// Errors: different sizes, no common channel.
+/// and the difference is not inside its margin, or if [`Faults`] contains a failure; equivalent if all
+/// intervals lie inside their margins, or the values are identical, and both have the same channels; else
+/// inconclusive. Errors: different sizes, no common channel.
 pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, ImageError> {
     let (pairs, uncompared) = comparable(a, b)?;
     let faults = Faults::find(&pairs, settings.rounding);
@@ -183,7 +184,8 @@ impl Comparison {
         (Verdict::all([means, self.tiles.verdict]), message)
     }
 
-    /// Nothing is said of a channel that only one image has.
+    /// Adds the channels that only one image has to the message, and downgrades equivalence to inconclusive
+    /// because of them.
     fn incomplete(&self, (verdict, message): (Verdict, String)) -> (Verdict, String) {
         if self.uncompared.is_empty() {
             return (verdict, message);

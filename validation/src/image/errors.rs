@@ -1,4 +1,4 @@
-//! Error metrics as papers report them, with `a` as the reference.
+//! Error metrics as in publications, with `a` as the reference.
 
 use serde::Serialize;
 
@@ -6,11 +6,11 @@ use super::pair::Pair;
 use super::similarity::similarity;
 
 /// Share of the largest squared errors that the trimmed mean leaves out, as is common to keep fireflies from
-/// deciding.
+/// dominating.
 const TRIM: f64 = 0.001;
 
 /// Part of the reference's mean that is added in denominators. Usual definitions add an absolute 0.01, which
-/// makes the figure depend on the unit of radiance; this one does not.
+/// makes the metric depend on the unit of radiance; this one does not.
 const SOFTENING: f64 = 0.01;
 
 /// Errors of b against a over pixels where both are finite. All are means over pixels.
@@ -20,11 +20,12 @@ pub struct Errors {
     pub bias: f64,
     /// (b − a)².
     pub mse: f64,
-    /// What noise alone would make `mse`: the sum of both variances. NaN where unknown.
+    /// Expectation of `mse` if both images have the same expectation: the sum of both variances. NaN where
+    /// unknown.
     pub expected_mse: f64,
     /// (b − a)² / (a² + (0.01 mean a)²).
     pub relative_mse: f64,
-    /// The same without the largest 0.1 %.
+    /// `relative_mse` without the largest 0.1 % of squared errors.
     pub relative_mse_trimmed: f64,
     /// |b − a| / (|a| + 0.01 mean |a|).
     pub mape: f64,
@@ -37,7 +38,8 @@ pub(super) fn errors(pair: &Pair) -> Errors {
     let count = pixels().count() as f64;
     let mean = |term: &dyn Fn(super::pair::Pixel) -> f64| pixels().map(term).sum::<f64>() / count;
     let soft = SOFTENING * mean(&|pixel| pixel.a.abs());
-    // An exact match is no error, even where the reference is black everywhere and the quotient would be 0/0.
+    // An exact match has no error, even where the reference is black everywhere and the quotient would be
+    // 0/0.
     let quotient = |error: f64, scale: f64| if error == 0.0 { 0.0 } else { error / scale };
     let square = |value: f64| value * value;
     let relative =

@@ -1,4 +1,4 @@
-//! OpenEXR in: channels by name, variances from `variance.<channel>`.
+//! Reads OpenEXR files: channels by name, variances from `variance.<channel>`.
 
 use std::{io::Cursor, path::Path};
 
@@ -6,10 +6,10 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 
 use super::{Channel, Image, ImageError};
 
-/// The attribute of Etalon's files whose pixels share what their paths find.
+/// The attribute that Etalon writes to files whose pixels share paths.
 const CORRELATED: &str = "etalon.reuse";
 
-/// What the name of a variance channel starts with.
+/// The prefix of the names of variance channels.
 const VARIANCE: &str = "variance.";
 
 /// Reads the EXR file at `path`. Errors name the file.
@@ -20,20 +20,20 @@ pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
     from_exr(&bytes).map_err(|error| fail(error.0))
 }
 
-/// Reads an EXR file's bytes: every channel of every part, half and integer widened. Channels of a named part
-/// are called `part.channel`. A channel `variance.X` becomes the variance of channel `X`, unless the file
-/// says that its pixels are correlated: then variances of pixels are not enough to compare by, and are left
-/// out.
+/// Reads an EXR file's bytes: every channel of every part, half and integer values converted to f64. Channels
+/// of a named part are called `part.channel`. A channel `variance.X` becomes the variance of channel `X`,
+/// unless the file declares that its pixels are correlated: then variances of pixels do not suffice for a
+/// comparison, and are left out.
 ///
-/// A file that claims more samples than one of its length can hold is refused before memory is taken for
-/// them.
+/// A file that declares more samples than one of its length can hold is refused before memory is allocated
+/// for them.
 pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
     let head = exr::block::read(Cursor::new(bytes), false).map_err(|error| ImageError(error.to_string()))?;
     let claims = |header: &exr::meta::header::Header| {
         let size = header.layer_size;
         size.width() as u128 * size.height() as u128 * header.channels.bytes_per_pixel as u128
     };
-    // No method of the format stores a byte of samples in less than 1/4096 of one.
+    // No compression method of the format stores a byte of samples in less than 1/4096 of a byte.
     if head.headers().iter().any(|header| claims(header) > 4096 * bytes.len() as u128) {
         return Err(ImageError(format!("a file of {} bytes cannot hold its pixels", bytes.len())));
     }

@@ -1,4 +1,4 @@
-//! Pictures of the comparison: where the images differ, in standard errors.
+//! Difference maps: where two images differ, in standard errors.
 
 use std::io::Cursor;
 
@@ -6,11 +6,11 @@ use image::{ImageFormat, Rgb, RgbImage};
 
 use super::{Image, ImageError, Settings, pair::Pair, tiles};
 
-/// Scores of this size and beyond have the full colour.
+/// Magnitude of the z-score from which colours are fully saturated.
 const FULL: f64 = 5.0;
 
-/// The bytes of a PNG with each pixel's signed z-score, of its worst channel: red where b is brighter, blue
-/// where darker, white where they agree, black where a value is not finite or the variance unknown.
+/// The bytes of a PNG with the signed z-score of each pixel's worst channel: red where b is brighter, blue
+/// where it is darker, white where they agree, black where a value is not finite or the variance unknown.
 pub fn difference_map(a: &Image, b: &Image, settings: &Settings) -> Result<Vec<u8>, ImageError> {
     let (pairs, _) = comparable(a, b)?;
     let size = settings.tile_size.max(1);
@@ -23,7 +23,7 @@ pub fn difference_map(a: &Image, b: &Image, settings: &Settings) -> Result<Vec<u
     draw(a, score)
 }
 
-/// The same of each tile's signed z-score.
+/// The same map of the tiles' signed z-scores.
 pub fn tile_map(a: &Image, b: &Image, settings: &Settings) -> Result<Vec<u8>, ImageError> {
     let (pairs, _) = comparable(a, b)?;
     let size = settings.tile_size.max(1);
@@ -33,7 +33,8 @@ pub fn tile_map(a: &Image, b: &Image, settings: &Settings) -> Result<Vec<u8>, Im
     draw(a, score)
 }
 
-/// The channels both images have; an error if the sizes differ or there are none.
+/// The channels that both images have, and the names of those that only one has. Errors: different sizes, no
+/// common channel.
 pub(super) fn comparable<'a>(a: &'a Image, b: &'a Image) -> Result<(Vec<Pair<'a>>, Vec<String>), ImageError> {
     if (a.width, a.height) != (b.width, b.height) {
         let sizes = format!("{}×{} and {}×{}", a.width, a.height, b.width, b.height);

@@ -14,16 +14,17 @@ use crate::statistics::{
 pub struct MeanComparison {
     pub mean_a: f64,
     pub mean_b: f64,
-    /// mean_b / mean_a.
+    /// `mean_b` / `mean_a`.
     pub ratio: f64,
-    /// Fieller's confidence interval of the ratio; infinite ends where mean_a cannot be told from zero.
+    /// Fieller's confidence interval of the ratio; its ends are infinite if `mean_a` does not differ
+    /// significantly from zero.
     pub interval: Interval,
-    /// Of "the means are equal".
+    /// p-value of "the means are equal".
     pub p_value: f64,
     pub verdict: Verdict,
-    /// Smallest true deviation of the ratio from 1 that would be found at 90 % power.
+    /// Smallest true deviation of the ratio from 1 that the test detects with 90 % power.
     pub detectable: f64,
-    /// How many times more samples would settle the question, if it is open.
+    /// Factor by which more samples would decide an inconclusive comparison.
     pub more_samples: Option<f64>,
 }
 
@@ -35,7 +36,7 @@ pub(super) struct Sums {
     pub b: Side,
 }
 
-/// One side of [`Sums`].
+/// The sums of one image in [`Sums`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Side {
     pub mean: f64,
@@ -51,10 +52,10 @@ impl Side {
     }
 
     /// The mean of `count` pixels. Each pixel's variance counts as one degree of freedom, however many
-    /// samples made it, so Welch and Satterthwaite's ν = (ΣV)²/ΣV² is the number of pixels that effectively
-    /// carry the noise: hundreds where the noise is even, few where a firefly dominates. Its n−1 degrees
-    /// would hold for normal samples only; with heavy tails the variance estimate of a single pixel is worth
-    /// little, and unusual values are rightly no longer significant.
+    /// samples it was estimated from, so Welch and Satterthwaite's ν = (ΣV)²/ΣV² is the number of pixels that
+    /// effectively contribute the noise: hundreds where the noise is even, few where a firefly dominates. The
+    /// n−1 degrees of freedom of a pixel would hold for normal samples only; with heavy tails the variance
+    /// estimate of a single pixel is unreliable, and unusual values are rightly no longer significant.
     pub fn estimate(&self, count: f64) -> Estimate {
         let degrees = self.variance * self.variance / self.squared_variance;
         let degrees = if self.squared_variance > 0.0 { degrees } else { f64::INFINITY };
@@ -73,7 +74,7 @@ impl Sums {
     }
 }
 
-/// Compares the means of `pair`: equivalent if the `level` interval of the ratio lies within 1 ± `margin`,
+/// Compares the means of `pair`: equivalent if the interval of the ratio at `level` lies within 1 ± `margin`,
 /// else different if equality is rejected at `corrected`, the level left after correction for the other tests
 /// of the same images.
 pub(super) fn compare(pair: &Pair, level: f64, corrected: f64, margin: f64) -> MeanComparison {

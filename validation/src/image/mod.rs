@@ -1,21 +1,21 @@
-//! Are two noisy images the same picture?
+//! Comparison of two noisy images of the same scene.
 //!
-//! [`Image`] holds means and the variances of those means; [`compare`] answers with a
-//! [`Verdict`](crate::Verdict) and says where and in which channel. The verdict rests on two levels whose
-//! false alarms are controlled:
+//! [`Image`] holds means and the variances of those means; [`compare`] returns a [`Verdict`](crate::Verdict)
+//! with the place and the channel of a difference. The verdict is based on two levels whose false positive
+//! rates are controlled:
 //!
 //! - **image**: the ratio of the means of each channel, with its confidence interval against a margin
 //!   (`mean.rs`);
 //! - **tiles**: the difference of each 16×16 tile's mean, Šidák-corrected over tiles × channels (`tiles.rs`).
 //!
 //! Single pixels are *reported* (`pixels.rs`) but do not decide: a pixel's mean is far from normal in the
-//! tail that a correction for 10⁶ tests asks for, so a firefly would fail an honest renderer. Three things
-//! fail at any pixel, because they need no statistics: a value that is not finite, a variance that is not a
-//! number or negative, and two noiseless values that differ.
+//! tail that a correction for 10⁶ tests requires, so a firefly would make a correct renderer fail. Three
+//! conditions fail at any pixel, because they need no statistics: a value that is not finite, a variance that
+//! is not a number or negative, and two noiseless values that differ.
 //!
 //! The noise of different pixels must be independent: use a box filter, or filter importance sampling.
 //! Reconstruction filters that share samples between pixels make tile variances too small; `pixels.rs`
-//! reports the correlation of neighbours so that this shows.
+//! reports the correlation of neighbours, which shows this.
 
 #[cfg(test)]
 mod calibration;
@@ -41,7 +41,7 @@ pub use pair::{Faults, Place};
 pub use pixels::PixelFigures;
 pub use tiles::{Tile, TileComparison};
 
-/// Why images could not be read or compared; each says what and where.
+/// The reason why images could not be read or compared; it names the file, pixel or channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageError(pub String);
 
@@ -58,8 +58,8 @@ impl std::error::Error for ImageError {}
 pub struct Channel {
     pub name: String,
     pub mean: Vec<f64>,
-    /// Variance of each pixel's mean. +infinity marks a pixel whose variance is unknown; `None`, that all
-    /// are.
+    /// Variance of each pixel's mean. +∞ marks a pixel whose variance is unknown; `None` means that all are
+    /// unknown.
     pub variance: Option<Vec<f64>>,
 }
 
@@ -72,9 +72,9 @@ pub struct Image {
 }
 
 impl Image {
-    /// The mean of independent images of the same scene (different seeds), its variance estimated from their
-    /// spread. Variances the images may carry are not used. At least two are needed, of the same size and
-    /// channels.
+    /// The mean of independent images of the same scene (different seeds), with its variance estimated from
+    /// theirs. Variance channels of the images are not used. Errors: fewer than two images, different sizes
+    /// or channels.
     pub fn from_replicates(images: &[Image]) -> Result<Image, ImageError> {
         let [first, .., _] = images else {
             return Err(ImageError("the variance needs at least two images".into()));
@@ -97,7 +97,7 @@ impl Image {
         Ok(Image { width: first.width, height: first.height, channels: channels.collect() })
     }
 
-    /// The same image, declared free of noise: for closed forms.
+    /// The same image, declared free of noise, for closed forms.
     pub fn exact(mut self) -> Image {
         for channel in &mut self.channels {
             channel.variance = Some(vec![0.0; channel.mean.len()]);
@@ -105,7 +105,7 @@ impl Image {
         self
     }
 
-    /// The same image with the variances of its means taken from the equally named channels of a separate
+    /// The same image with the variances of its means taken from the channels of the same names of a separate
     /// image. (A file of *sample* variances must be divided by the number of samples first.)
     pub fn with_variance(mut self, variances: &Image) -> Result<Image, ImageError> {
         if (self.width, self.height) != (variances.width, variances.height) {
@@ -124,8 +124,8 @@ impl Image {
     /// channel `m2_X` is the mean of squares of `X` over `samples` samples, so X's mean has the variance (m2
     /// − X²)/(samples − 1).
     ///
-    /// The subtraction cannot resolve a variance below the rounding of an f32 m2, so no less than that is
-    /// assumed.
+    /// The subtraction cannot resolve a variance below the rounding of an f32 m2, so that rounding is a lower
+    /// bound.
     pub fn with_second_moments(mut self, samples: usize) -> Result<Image, ImageError> {
         if samples < 2 {
             return Err(ImageError("the variance needs at least two samples".into()));
@@ -138,7 +138,7 @@ impl Image {
             let variance = |(mean, square): (&f64, &f64)| {
                 let resolved = f64::from(f32::EPSILON) * square;
                 let spread = square - mean * mean;
-                // A comparison that keeps NaN, unlike `max`.
+                // Not `max`, which would drop a NaN.
                 let spread = if spread < resolved { resolved } else { spread };
                 spread / (samples - 1) as f64
             };

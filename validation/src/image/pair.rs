@@ -1,10 +1,10 @@
-//! One channel of both images, pixel by pixel, and what can be wrong with a pixel before any statistics.
+//! One channel of both images, pixel by pixel, and the faults of pixels that need no statistics.
 
 use serde::Serialize;
 
 use super::{Channel, Image};
 
-/// A pixel and channel, named in every finding.
+/// A pixel and a channel, the place of a finding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Place {
     pub x: usize,
@@ -18,7 +18,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// A pixel of both images with the variances of both means.
+/// A pixel of both images with the variances of their means.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pixel {
     pub a: f64,
@@ -41,8 +41,9 @@ impl Pixel {
         if self.difference() == 0.0 { 0.0 } else { self.difference() / self.variance().sqrt() }
     }
 
-    /// The same pixel with each variance at least what the other side predicts, b being `ratio` times as
-    /// noisy as a: an image with few samples that missed a rare event does not know of it (see `tiles`).
+    /// The same pixel with each variance at least the one that the other image predicts, b being `ratio`
+    /// times as noisy as a: an image with few samples that missed a rare event underestimates its variance
+    /// (see `tiles`).
     pub fn informed(mut self, ratio: Option<f64>) -> Self {
         if let Some(ratio) = ratio {
             let (a, b) = (self.variance_a, self.variance_b);
@@ -52,12 +53,12 @@ impl Pixel {
         self
     }
 
-    /// Both values finite, both variances numbers ≥ 0 (infinite allowed: unknown).
+    /// Both values are finite, and both variances are numbers ≥ 0 (or infinite: unknown).
     fn is_sound(&self) -> bool {
         self.a.is_finite() && self.b.is_finite() && self.variance_a >= 0.0 && self.variance_b >= 0.0
     }
 
-    /// Sound, and both variances known.
+    /// Both values are sound and both variances known.
     pub fn is_testable(&self) -> bool {
         self.is_sound() && self.variance().is_finite()
     }
@@ -73,7 +74,7 @@ pub(super) struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// The channels both images have, by name in the order of `a`, and the names only one of them has.
+    /// The channels that both images have, in the order of `a`, and the names of those that only one has.
     pub fn all(a: &'a Image, b: &'a Image) -> (Vec<Pair<'a>>, Vec<String>) {
         let find = |image: &'a Image, name: &str| image.channels.iter().find(|channel| channel.name == name);
         let pair = |channel: &'a Channel| {
@@ -98,7 +99,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Every pixel with its coordinates, row by row.
+    /// Every pixel with its coordinates, in row-major order.
     pub fn pixels(&self) -> impl Iterator<Item = (usize, usize, Pixel)> {
         (0..self.height).flat_map(move |y| (0..self.width).map(move |x| (x, y, self.pixel(x, y))))
     }
@@ -108,17 +109,19 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// What needs no statistics. Each list is in reading order and holds every such pixel's place.
+/// Faults that need no statistics. Each list is in row-major order and holds the places of all pixels with
+/// the fault.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Faults {
-    /// A value that is not finite, or a variance that is negative or not a number. Always a failure.
+    /// Pixels with a value that is not finite, or a variance that is negative or not a number. Always a
+    /// failure.
     pub not_finite: Vec<Place>,
-    /// All variances of the channel are zero in both images, so the values are exact, yet they differ by more
-    /// than rounding. Always a failure: with no noise there is nothing to explain the difference.
+    /// Pixels whose values differ by more than rounding although all variances of the channel are zero in
+    /// both images. Always a failure: there is no noise to explain the difference.
     pub exact_but_different: Vec<Place>,
-    /// The values differ and a variance is unknown, or both are zero in a noisy channel, which few samples of
-    /// a value that is mostly the same estimate now and then: nothing can be said, so the verdict is at best
-    /// inconclusive.
+    /// Pixels whose values differ although a variance is unknown or both are zero in a noisy channel, as few
+    /// samples of a value that is mostly constant sometimes estimate. Nothing can be concluded from them, so
+    /// the verdict is at best inconclusive.
     pub unknown_variance: Vec<Place>,
 }
 

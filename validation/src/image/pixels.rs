@@ -1,12 +1,12 @@
-//! Pixel level: an indication, with the reason why it does not decide.
+//! Pixel level: an indication that does not decide, for the following reason.
 //!
-//! A pixel's mean is far from normal in the tail that a correction for 10⁶ tests looks at, and its own
-//! variance knows nothing of what it missed: with 16 exponential samples against a reference of 1024, 0.5 %
-//! of honest pixels lie beyond 5 standard errors (8,000 times the normal share), with a light hit once in 40
-//! samples, 64 against 1024, 11 %. So each side's variance is raised to what the other side predicts; then
-//! none of 400,000 such pixels lay beyond 5, and the share with p < 1 % stayed below 0.4 %. That is safe but
-//! conservative, and how conservative depends on the noise, hence no part of the verdict: the share is called
-//! suspicious above 1 % plus three standard errors.
+//! A pixel's mean is far from normal in the tail that a correction for 10⁶ tests requires, and its own
+//! variance does not include what it missed: with 16 exponential samples against a reference of 1024, 0.5 %
+//! of the pixels of a correct image lie beyond 5 standard errors (8,000 times the normal share), with a light
+//! hit once in 40 samples, 64 against 1024, 11 %. So each image's variance is raised to what the other image
+//! predicts; then none of 400,000 such pixels lay beyond 5, and the share with p < 1 % stayed below 0.4 %.
+//! That is safe but conservative, to a degree that depends on the noise, and therefore no part of the
+//! verdict: the share is called suspicious above 1 % plus three standard errors.
 
 use serde::Serialize;
 
@@ -19,26 +19,27 @@ use crate::statistics::distributions::{chi_square_upper, normal_two_sided};
 /// Bins of the histogram of p-values.
 const BINS: usize = 20;
 
-/// The z-scores of one channel's pixels, those with noise only.
+/// Statistics of the z-scores of one channel's pixels, of those with noise only.
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelFigures {
+    /// Number of pixels with noise and known variances.
     pub tested: usize,
-    /// How many p-values fall into each twentieth of \[0, 1\]; even if the noise is normal and the images
-    /// agree.
+    /// Number of p-values in each twentieth of \[0, 1\]; uniform if the noise is normal and the images agree.
     pub histogram: Vec<usize>,
-    /// p-value of the histogram's evenness (χ²). Only an indication: heavy tails bend it in honest images
-    /// too.
+    /// p-value of a χ² test of the histogram's uniformity. Only an indication: heavy tails make it small for
+    /// correct images too.
     pub evenness: f64,
     /// Share of pixels with p < 1 %.
     pub share_beyond: f64,
-    /// `share_beyond` exceeds 1 % by three standard errors.
+    /// Whether `share_beyond` exceeds 1 % by three standard errors.
     pub suspicious: bool,
-    /// The largest |z| and where.
+    /// The largest |z|.
     pub worst_z: f64,
+    /// The pixel of `worst_z`.
     pub worst: Option<Place>,
-    /// Correlation of the z-scores of horizontal neighbours. Far from 0 (in units of 1/√n) it says that
-    /// pixels share samples, and that tile and image levels are too sure; or that the images differ in
-    /// patches.
+    /// Correlation of the z-scores of horizontal neighbours. A value far from 0 (in units of 1/√n) means that
+    /// pixels share samples, so that tile and image levels are overconfident; or that the images differ in
+    /// connected regions.
     pub neighbour_correlation: f64,
 }
 
@@ -71,7 +72,7 @@ pub(super) fn figures(pair: &Pair, tile_size: usize) -> PixelFigures {
     }
 }
 
-/// The score of a pixel that has noise.
+/// The z-score of a pixel; `None` without noise.
 fn score(pixel: Pixel, ratio: Option<f64>) -> Option<f64> {
     let noisy = pixel.is_testable() && pixel.variance() > 0.0;
     noisy.then(|| pixel.informed(ratio).z())
@@ -81,7 +82,7 @@ fn scores(pair: &Pair, ratio: Option<f64>) -> impl Iterator<Item = (usize, usize
     pair.pixels().filter_map(move |(x, y, pixel)| score(pixel, ratio).map(|z| (x, y, z)))
 }
 
-/// Scores are cut at ±3, so that one firefly does not make the correlation.
+/// Correlation of neighbours; scores are clamped to ±3, so that a single firefly does not dominate it.
 fn neighbour_correlation(pair: &Pair, ratio: Option<f64>) -> f64 {
     let score = |x: usize, y: usize| score(pair.pixel(x, y), ratio).map(|z| z.clamp(-3.0, 3.0));
     let (mut products, mut squares) = (0.0, 0.0);

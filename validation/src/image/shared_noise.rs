@@ -1,15 +1,16 @@
-//! Noise that neighbouring pixels share because a reconstruction filter gives them the same samples.
+//! Noise that is correlated between neighbouring pixels because a reconstruction filter shares samples
+//! between them.
 
 use super::Image;
 use crate::statistics::Estimate;
 
-/// Edge of the squares within which the noise is looked at, in pixels.
+/// Edge length in pixels of the tiles within which the correlation is measured.
 const TILE: usize = 16;
 
 impl Image {
-    /// For each channel how much larger the variance of a tile's mean is in these replicates than if the noise
-    /// of its pixels were independent; at least 1. The sum over all tiles is known well even from a few
-    /// replicates, of which no single tile's variance is.
+    /// For each channel the variance of a tile's mean in these replicates over what it would be if the noise
+    /// of pixels were independent; at least 1. The sum over all tiles is accurate even with few replicates,
+    /// although the variance of a single tile is not.
     pub fn shared_noise(replicates: &[Image]) -> Vec<(String, f64)> {
         let Some(first) = replicates.first() else { return vec![] };
         let variance = |channel: usize, pixels: &[usize]| {
@@ -25,7 +26,8 @@ impl Image {
         first.channels.iter().enumerate().map(|(i, channel)| (channel.name.clone(), factor(i))).collect()
     }
 
-    /// The same of the mean of this whole image, for the channels of whose means standard errors are given.
+    /// The same ratio for the mean of the whole image, for those channels whose mean has a given standard
+    /// error.
     pub fn shared_noise_of_means<'a>(
         &self,
         errors: impl IntoIterator<Item = (&'a String, &'a f64)>,
@@ -40,7 +42,7 @@ impl Image {
         errors.into_iter().filter_map(factor).collect()
     }
 
-    /// The same image with the variances of the channels that are named times a factor.
+    /// The same image with the variances of the named channels multiplied by the given factors.
     pub fn with_variances_times(mut self, factors: &[(String, f64)]) -> Image {
         for channel in &mut self.channels {
             let factor =
@@ -50,7 +52,7 @@ impl Image {
         self
     }
 
-    /// The pixels of each tile.
+    /// The pixel indices of each tile.
     fn tiles(&self) -> Vec<Vec<usize>> {
         let corners = |extent: usize| (0..extent).step_by(TILE);
         let tile = |x: usize, y: usize| {
@@ -67,7 +69,7 @@ mod tests {
     use crate::image::Channel;
     use crate::statistics::Stream;
 
-    /// Replicates of which each pixel is the mean of its own noise and that of the `reach` after it.
+    /// Replicates in which each pixel is the mean of its own noise and that of the `reach` pixels after it.
     fn blurred(reach: usize) -> Vec<Image> {
         let mut stream = Stream::named("shared noise", reach as u64);
         let (width, height) = (64, 48);
@@ -82,7 +84,7 @@ mod tests {
     #[test]
     fn a_filter_shows_and_independent_noise_does_not() {
         let [alone, two] = [0, 1].map(|reach| Image::shared_noise(&blurred(reach))[0].1);
-        // Of 16 pixels in a row, 15 pairs share half their variance: 1 + 2 · 15/16 · 1/2.
+        // In a row of 16 pixels, 15 pairs share half their variance: 1 + 2 · 15/16 · 1/2.
         assert!((1.0..1.15).contains(&alone), "{alone}");
         assert!((1.7..2.15).contains(&two), "{two}");
     }

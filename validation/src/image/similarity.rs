@@ -1,23 +1,25 @@
-//! Structural similarity: how alike two images look, apart from how far their values are.
+//! Structural similarity of two images.
 
 use super::pair::Pair;
 
-/// Standard deviation and reach of the window, in pixels.
+/// Standard deviation of the Gaussian window, in pixels.
 const DEVIATION: f64 = 1.5;
+/// Half width of the window, in pixels.
 const REACH: usize = 5;
 
-/// What keeps quotients of dark or flat windows from noise: (0.01 L)² and (0.03 L)² of values within L = 1.
+/// Constants that stabilise the quotients of dark or flat windows: (0.01 L)² and (0.03 L)² for a range of L =
+/// 1.
 const FLOORS: [f64; 2] = [1e-4, 9e-4];
 
-/// Sums under a window: of its weights, of a, b, a², b² and ab.
+/// Sums over a window: of its weights, of a, b, a², b² and ab.
 type Sums = [f64; 6];
 
 /// The mean over pixels of the structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, "Image Quality
 /// Assessment", eq. 13) under a Gaussian window; 1 for equal images.
 ///
-/// It is defined for values within a range, which radiance has not. Values v are taken as v/(|v| + m), with
-/// the mean m of the reference a: so the figure does not depend on the unit. Pixels that are not finite are
-/// left out.
+/// The similarity is defined for values within a range, which radiance lacks. Values v are mapped to v/(|v| +
+/// m), with the mean m of the reference a, so that the result does not depend on the unit. Pixels that are
+/// not finite are left out.
 pub(super) fn similarity(pair: &Pair) -> f64 {
     let finite = || pair.pixels().map(|(_, _, pixel)| pixel).filter(|pixel| pixel.difference().is_finite());
     let count = finite().count() as f64;
@@ -43,7 +45,7 @@ fn of_window(&[weight, a, b, aa, bb, ab]: &Sums) -> f64 {
         / ((a * a + b * b + light) * (of_a.max(0.0) + of_b.max(0.0) + contrast))
 }
 
-/// Sums under a Gaussian along one axis; what lies outside the image has no weight.
+/// Sums over a Gaussian window along one axis; pixels outside the image have no weight.
 fn blurred(sums: &[Sums], width: usize, height: usize, [dx, dy]: [usize; 2]) -> Vec<Sums> {
     let kernel: Vec<f64> = (0..=2 * REACH)
         .map(|i| (i as f64 - REACH as f64) / DEVIATION)
@@ -72,7 +74,7 @@ mod tests {
         similarity(&Pair::all(a, b).0[0])
     }
 
-    /// Squares of light and dark.
+    /// A checkerboard of a dark and a light value.
     fn board(low: f64, high: f64) -> Image {
         let values: Vec<f64> =
             (0..32 * 32).map(|i| if (i / 4 + i / 128) % 2 == 0 { low } else { high }).collect();
@@ -89,7 +91,7 @@ mod tests {
         assert!(near > 0.8 && near < 0.99 && (near - tiny).abs() < 1e-9, "{near} {tiny}");
     }
 
-    /// A pixel of fire spoils its neighbourhood, one that is not finite is left out.
+    /// A firefly lowers the similarity of its neighbourhood; a pixel that is not finite is left out.
     #[test]
     fn what_is_wrong_in_one_place_counts_there() {
         let a = board(1.0, 3.0);
@@ -102,7 +104,7 @@ mod tests {
         assert!((spoilt(f64::NAN) - 1.0).abs() < 1e-12);
     }
 
-    /// Two flat images differ in light only: (2ab + C)/(a² + b² + C) of what is within the range.
+    /// Two flat images differ in luminance only: (2ab + C)/(a² + b² + C) of the mapped values.
     #[test]
     fn flat_images_follow_the_formula() {
         let [a, b] = [2.0, 6.0].map(|value| grey(8, &[value; 64], 0.0));

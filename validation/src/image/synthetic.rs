@@ -1,16 +1,17 @@
-//! Images with known truth, for the tests of this module.
+//! Synthetic images with known truth, for the tests of this module.
 
 use super::{Channel, Image};
 use crate::statistics::{Estimate, Stream};
 
-/// The distribution of a sample whose mean is 1.
+/// The distribution of a sample with mean 1.
 #[derive(Clone, Copy, Debug)]
 pub enum Noise {
-    /// Standard deviation 1.
+    /// Normal, with standard deviation 1.
     Normal,
-    /// Standard deviation 1, skewness 2.
+    /// Exponential, with standard deviation 1 and skewness 2.
     Exponential,
-    /// 20 with probability 1/40, else 20/39: a light seldom hit; standard deviation 3, skewness 6.
+    /// 20 with probability 1/40, else 20/39, as of a light that is rarely hit; standard deviation 3, skewness
+    /// 6.
     Firefly,
 }
 
@@ -30,15 +31,15 @@ impl Noise {
     }
 }
 
-/// One channel `Y` with the same variance everywhere.
+/// An image of one channel `Y` with the same variance everywhere.
 pub fn grey(width: usize, mean: &[f64], variance: f64) -> Image {
     let channel =
         Channel { name: "Y".into(), mean: mean.to_vec(), variance: Some(vec![variance; mean.len()]) };
     Image { width, height: mean.len() / width, channels: vec![channel] }
 }
 
-/// `scene` seen through `samples` samples a pixel with estimated variances; `name` and `number` give the
-/// seed.
+/// `scene` rendered with `samples` samples per pixel and estimated variances; `name` and `number` determine
+/// the seed.
 pub fn render(width: usize, scene: &[f64], noise: Noise, samples: usize, name: &str, number: u64) -> Image {
     let mut stream = Stream::named(name, number);
     let mut image = grey(width, scene, 0.0);

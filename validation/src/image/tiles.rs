@@ -9,22 +9,26 @@ use super::{
 };
 use crate::statistics::{Interval, Verdict, Welch, power::more_samples, sidak};
 
-/// One tile of one channel.
+/// The comparison of one tile of one channel.
 #[derive(Clone, Debug, Serialize)]
 pub struct Tile {
     pub channel: String,
-    /// Position in the grid of tiles.
+    /// Column in the grid of tiles.
     pub column: usize,
+    /// Row in the grid of tiles.
     pub row: usize,
-    /// First pixel and extent.
+    /// Column of the first pixel.
     pub x: usize,
+    /// Row of the first pixel.
     pub y: usize,
+    /// Width in pixels.
     pub width: usize,
+    /// Height in pixels.
     pub height: usize,
-    /// (mean_b − mean_a) relative to the larger of the tile's and the whole image's mean, so that a dark tile
-    /// is not asked for an accuracy nobody sees.
+    /// (mean_b − mean_a) relative to the larger of the tile's and the whole image's mean, so that no
+    /// invisible accuracy is required of a dark tile.
     pub difference: f64,
-    /// Of `difference`.
+    /// Standard error of `difference`.
     pub standard_error: f64,
     /// Welch's signed statistic.
     pub z: f64,
@@ -51,14 +55,14 @@ impl std::fmt::Display for Tile {
     }
 }
 
-/// All tiles of all channels.
+/// The comparison of all tiles of all channels.
 #[derive(Clone, Debug, Serialize)]
 pub struct TileComparison {
     pub columns: usize,
     pub rows: usize,
-    /// Tiles × channels with at least one pixel of known variance.
+    /// Number of tested tiles × channels: those with at least one pixel of known variance.
     pub tested: usize,
-    /// The level at which each was tested, so that all together keep theirs.
+    /// The significance level of each test, corrected for their number.
     pub level: f64,
     pub smallest_p_value: f64,
     pub verdict: Verdict,
@@ -66,11 +70,11 @@ pub struct TileComparison {
     pub worst: Option<Tile>,
     /// Every tile that differs, most significant first.
     pub different: Vec<Tile>,
-    /// How many times more samples would settle the noisiest tile, if one is open.
+    /// Factor by which more samples would decide the noisiest tile, if one is inconclusive.
     pub more_samples: Option<f64>,
 }
 
-/// The tiles of one channel, untested: place and sums.
+/// A tile of one channel before its test: place and sums.
 struct Raw {
     column: usize,
     row: usize,
@@ -90,13 +94,14 @@ fn cut(pair: &Pair, size: usize) -> Vec<Raw> {
     (0..rows).flat_map(|row| (0..columns).map(move |column| tile(column, row))).collect()
 }
 
-/// How many times noisier b is than a in a typical tile; `None` without noise.
+/// The typical ratio of the noise of b to that of a, as variances, over tiles of this size; `None` without
+/// noise.
 pub(super) fn noise_ratio_of(pair: &Pair, size: usize) -> Option<f64> {
     noise_ratio(&cut(pair, size))
 }
 
-/// Median over tiles of variance_b / variance_a: how much noisier b is in a typical place. `None` without
-/// noise.
+/// Median over tiles of variance_b / variance_a, the typical ratio of the noise of b to that of a. `None`
+/// without noise.
 fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
     let ratio = |tile: &Raw| tile.sums.b.variance / tile.sums.a.variance;
     let mut ratios: Vec<f64> =
@@ -107,9 +112,10 @@ fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
 
 /// The side's variance, or what the other side's variance predicts for it if that is larger.
 ///
-/// An image in which a rare event has not happened yet (no caustic hit the tile) has a mean that is too low
-/// *and* a variance that knows nothing of it; against a converged reference it would differ by many of its
-/// own standard errors although nothing is wrong. The better-informed side tells what the noise ought to be.
+/// An image in which a rare event has not occurred yet (no caustic path in the tile) has a mean that is too
+/// low *and* a variance that does not include the event; against a converged reference it would differ by
+/// many of its own standard errors although nothing is wrong. The image with more information tells how large
+/// the variance should be.
 fn informed(side: Side, other: Side, ratio: f64) -> Side {
     if other.variance * ratio <= side.variance {
         return side;
@@ -118,9 +124,9 @@ fn informed(side: Side, other: Side, ratio: f64) -> Side {
     Side { mean: side.mean, variance: other.variance * ratio, squared_variance }
 }
 
-/// Tests every tile at the Šidák level of all, which together are to keep the level `corrected`; equivalent
-/// if each tile's interval at the level of the settings lies within ± their margin for tiles. Equivalence of
-/// all needs no correction: it is claimed only if every single test accepts (intersection–union).
+/// Tests every tile at the Šidák level at which all tests together have the level `corrected`; equivalent if
+/// each tile's interval at the level of the settings lies within ± their margin for tiles. Equivalence of all
+/// needs no correction: it is claimed only if every single test accepts (intersection–union).
 pub(super) fn compare(pairs: &[Pair], settings: &Settings, corrected: f64) -> TileComparison {
     let size = settings.tile_size.max(1);
     let cuts: Vec<Vec<Raw>> = pairs.iter().map(|pair| cut(pair, size)).collect();
@@ -210,7 +216,7 @@ fn summarise(
     }
 }
 
-/// Welch's z of each tile of `pair`, row by row, for drawing.
+/// Welch's z of each tile of `pair`, in row-major order, for drawing.
 pub(super) fn scores(pair: &Pair, size: usize) -> Vec<f64> {
     let cut = cut(pair, size);
     let ratio = noise_ratio(&cut);
@@ -243,7 +249,7 @@ mod tests {
     #[test]
     fn a_missed_rare_event_is_no_difference() {
         // The reference saw the caustic in the last tile (variance 0.01 each pixel); b, with 100 times fewer
-        // samples and so 100 times the variance elsewhere, did not.
+        // samples and so 100 times the variance elsewhere, missed it.
         let a = grey(64, &[vec![1.0; 64 * 15], vec![1.5; 64]].concat(), 1e-4);
         let mut a = a;
         let mut b = grey(64, &[1.0; 64 * 16], 1e-2);
@@ -260,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_picture_the_wrong_way_round_is_different_however_noisy_tiles_may_be() {
-        // Bright above, dark below; the mean over all is the same the other way round.
+        // Bright at the top, dark at the bottom; turned upside down, the mean over all pixels is the same.
         let picture = |first: f64, second: f64, variance: f64| {
             grey(32, &[vec![first; 32 * 16], vec![second; 32 * 16]].concat(), variance)
         };
@@ -271,7 +277,7 @@ mod tests {
         };
         let (upright, turned) = (picture(1.5, 0.5, 0.1), picture(0.5, 1.5, 0.1));
         assert_eq!(verdict(&upright, &turned), Verdict::Different);
-        // Too noisy for the margin, and one standard error apart.
+        // Noisier than the margin, and one standard error apart.
         let error = (2.0 * 0.1 / 256.0f64).sqrt();
         assert_eq!(verdict(&upright, &picture(1.5 + error, 0.5, 0.1)), Verdict::Equivalent);
     }

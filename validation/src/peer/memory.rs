@@ -1,20 +1,22 @@
-//! Checks ask one question at a time; another program answers thousands at the price of one.
+//! Checks evaluate one query at a time, while another program answers thousands at the cost of one.
 //!
-//! So a check is run against a memory of answers. A question without an answer is noted and gets a
-//! placeholder; after the run all noted questions go to the peer in one batch, and the check runs again.
-//! Checks are functions of the answers they get, so the run that misses nothing is the run they would have
-//! made by themselves, and each pass answers at least the first question that the one before got wrong.
+//! So a check runs against a cache of answers. A query without an answer is recorded and gets a placeholder;
+//! after the run all recorded queries go to the peer in one batch, and the check runs again. Checks are
+//! deterministic functions of the answers they get, so a run in which no answer is missing is the run they
+//! would have made directly, and each pass answers at least the first query that got a placeholder in the one
+//! before.
 
 use std::{cell::RefCell, collections::HashMap, f64::consts::FRAC_1_PI};
 
 use super::{Lines, Peer, PeerError};
 use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
-/// Passes after which a check is taken to ask without end. The checks need about as many as quadrature has
+/// Number of passes after which a check counts as endless. The checks need about as many as quadrature has
 /// levels.
 const MOST_PASSES: usize = 2000;
 
-/// Runs a check on a configuration of `peer`, given by its index.
+/// Runs a check on a configuration of `peer`, given by its index. Errors: the peer's, and a check that never
+/// ends.
 pub fn judge<L: Lines, T>(
     peer: &mut Peer<L>,
     configuration: usize,
@@ -37,7 +39,7 @@ pub fn judge<L: Lines, T>(
 /// ωo and the three numbers of a sample.
 type Draw = (DVec3, [f64; 3]);
 
-/// The bits of a question: two directions, or a direction and three numbers.
+/// The bits of a query: two directions, or a direction and three numbers.
 type Key = [u64; 6];
 
 #[derive(Default)]
@@ -55,7 +57,7 @@ struct Memory {
 }
 
 impl Memory {
-    /// The questions noted since the last call.
+    /// Takes the queries recorded since the last call.
     fn unknown(&self) -> (Vec<[DVec3; 2]>, Vec<Draw>) {
         let Answers { unknown_pairs, unknown_draws, .. } = &mut *self.answers.borrow_mut();
         (std::mem::take(unknown_pairs), std::mem::take(unknown_draws))
@@ -80,10 +82,10 @@ impl Memory {
         Ok(())
     }
 
-    /// The placeholder is a density everywhere on the sphere, so that checks go on and quadrature does not
-    /// refine.
+    /// The placeholder is the uniform density over the sphere, so that checks continue and quadrature does
+    /// not refine.
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> [f64; 2] {
-        // A direction that is none has no density, and the peer need not know how to read it.
+        // A direction that is not finite has no density, and the peer need not be able to parse it.
         if !(wo.is_finite() && wi.is_finite()) {
             return [f64::NAN; 2];
         }

@@ -1,7 +1,7 @@
 //! Scattering distributions in other programs, in any language: docs/peer-protocol.md.
 //!
-//! - [`Process`] carries lines to another program and back, and never waits for ever.
-//! - [`Peer`] speaks the protocol over such lines.
+//! - [`Process`] exchanges lines with another program, within a time limit.
+//! - [`Peer`] implements the protocol over such lines.
 //! - [`judge`] runs a check of this crate on one configuration of a peer.
 
 mod memory;
@@ -12,7 +12,7 @@ pub use memory::judge;
 pub use process::{Process, words};
 pub use protocol::{Configuration, Hello, Lines, Peer};
 
-/// Why a peer could not be asked: one sentence for a person.
+/// The reason why a peer gave no answer, in one sentence for a person.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeerError(pub String);
 

@@ -1,7 +1,7 @@
-//! Another program, one line in, one line out.
+//! Another program that answers each line with a line.
 //!
 //! Reading and writing have a thread each, so that a program that does not read, does not answer, or answers
-//! without end costs at most the time limit.
+//! without end costs no more than the time limit.
 
 use std::{
     io::{BufRead, BufReader, Read, Write},
@@ -13,10 +13,10 @@ use std::{
 
 use super::{Lines, PeerError};
 
-/// A longer line is no answer but a fault.
+/// Largest length of a line in bytes; a longer one is an error.
 const LONGEST_LINE: u64 = 1 << 26;
 
-/// A running program. It is ended when this is dropped.
+/// A running program. It is killed when this is dropped.
 pub struct Process {
     child: Child,
     requests: Sender<String>,
@@ -26,7 +26,8 @@ pub struct Process {
 
 impl Process {
     /// Starts `command`: a program and its arguments, separated by spaces; quotes (' or ") hold spaces
-    /// together. Its standard error stays that of this process. Each answer may take as long as `limit`.
+    /// together. Its standard error is that of this process. `limit` is the time limit of each answer.
+    /// Errors: an open quote, an empty command, a program that does not start.
     pub fn start(command: &str, limit: Duration) -> Result<Self, PeerError> {
         let words =
             words(command).ok_or_else(|| PeerError(format!("a quote is not closed in: {command}")))?;
@@ -42,7 +43,7 @@ impl Process {
             return Err(PeerError("the peer has no standard input or output".into()));
         };
         let (requests, pending) = channel();
-        // One line ahead of what is read, so that a flood fills no memory.
+        // At most one line is read ahead, so that endless output does not fill the memory.
         let (answers, replies) = sync_channel(1);
         spawn(move || write_lines(stdin, &pending));
         spawn(move || read_lines(stdout, &answers));
@@ -67,7 +68,7 @@ impl Lines for Process {
             let message = format!("the peer wrote a line that nobody asked for: {}", beginning(&line));
             return Err(PeerError(message));
         }
-        // The writer is gone only if the program is; the reader then says so.
+        // Sending fails only if the program has ended, which the reader then reports.
         let _gone = self.requests.send(request);
         match self.replies.recv_timeout(self.limit) {
             Ok(Ok(line)) => Ok(line),

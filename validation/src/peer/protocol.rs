@@ -1,4 +1,4 @@
-//! What harness and peer say to each other: docs/peer-protocol.md.
+//! The messages of harness and peer: docs/peer-protocol.md.
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -8,10 +8,10 @@ use crate::scatterer::{DVec3, Laws, Sample};
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;
 
-/// Queries a request carries at most.
+/// Largest number of queries in a request.
 const BATCH: usize = 4096;
 
-/// Something that answers a line with a line.
+/// A channel that answers a line with a line.
 pub trait Lines {
     fn exchange(&mut self, request: String) -> Result<String, PeerError>;
 }
@@ -24,7 +24,7 @@ enum Request {
     Sample { configuration: usize, wo: Vec<[f64; 3]>, u: Vec<[f64; 3]> },
 }
 
-/// Who the peer is and what it offers.
+/// The peer's introduction: its name and its configurations.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Hello {
@@ -54,7 +54,7 @@ fn single_precision() -> f64 {
     1e-5
 }
 
-/// What a configuration claims, beyond that it is consistent with itself.
+/// The laws that a configuration claims to obey, in addition to being consistent.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct Claims {
@@ -65,7 +65,7 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// As the checks know them.
+    /// The same claims as [`Laws`].
     pub fn laws(&self) -> Laws {
         Laws { reciprocal: self.reciprocal, lossless: self.lossless, eta: self.eta }
     }
@@ -97,7 +97,8 @@ pub struct Peer<L> {
 }
 
 impl<L: Lines> Peer<L> {
-    /// Says hello. Fails if the answer is not one, or offers nothing.
+    /// Sends the greeting. Errors: no valid answer, another version of the protocol, no configurations, or
+    /// values out of range.
     pub fn meet(mut lines: L) -> Result<Self, PeerError> {
         let hello: Hello = ask(&mut lines, &Request::Hello { protocol: PROTOCOL })?;
         if hello.protocol != PROTOCOL {

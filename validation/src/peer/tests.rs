@@ -1,4 +1,4 @@
-//! Peers without a process (a function from line to line), and processes that misbehave.
+//! Tests with peers without a process (a function from line to line), and with processes that misbehave.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ use crate::{
     subjects::{Conductor, Fault, Sabotaged},
 };
 
-/// Answers lines with a subject of this crate, through the protocol's text.
+/// A peer that answers with a subject of this crate, through the text of the protocol.
 struct Local<'a>(&'a dyn Scatterer);
 
 fn vectors(value: &Value) -> Vec<[f64; 3]> {
@@ -71,7 +71,7 @@ fn a_saboteur_is_found_through_the_protocol() {
     assert_eq!(through_lines(&subject, "normalisation").verdict, Verdict::Different);
 }
 
-/// Says hello and then always the same.
+/// A peer that greets and then always gives the same answer.
 struct Parrot(&'static str);
 
 impl Lines for Parrot {
@@ -102,7 +102,7 @@ fn null_is_not_a_number_and_is_judged() {
     assert!(answers[0][0].is_nan() && answers[1] == [1.0, 1.0]);
 }
 
-/// The error of a shell script that is no peer. Scripts that would run for ever must not make this test do
+/// The error of a shell script that is no peer. Scripts that would run without end must not make this test do
 /// so.
 #[cfg(unix)]
 fn fails(script: &str) -> String {

@@ -1,8 +1,9 @@
-//! The binomial distribution, exactly: tails of counts so rare that no normal or Poisson limit will do.
+//! The exact binomial distribution, for tails of counts so rare that neither a normal nor a Poisson
+//! approximation suffices.
 
 /// Probabilities of fewer than, exactly and more than `hits` out of `trials` at `probability` each.
 ///
-/// The mass at `hits` by Γ, its neighbours by their ratios.
+/// The probability of `hits` is computed by Γ, its neighbours by their ratios.
 fn tails(hits: u64, trials: u64, probability: f64) -> [f64; 3] {
     if hits > trials || probability.is_nan() {
         return [f64::NAN; 3];
@@ -23,13 +24,13 @@ fn tails(hits: u64, trials: u64, probability: f64) -> [f64; 3] {
     [below.min(1.0), at.min(1.0), above.min(1.0)]
 }
 
-/// Σ of the terms after `first`, each the one before times `ratio`, until nothing is added.
+/// Sum of the terms after `first`, each the previous one times `ratio`, until they are negligible.
 fn series(first: f64, ratio: impl Fn(f64) -> f64) -> f64 {
     let (mut sum, mut term, mut i) = (0.0, first, 0.0);
     loop {
         let ratio = ratio(i);
         term *= ratio;
-        // Ratios only ever shrink, so that once below 1 they end it.
+        // Ratios decrease monotonically, so once they are below 1 the series converges.
         if term <= 0.0 || (ratio < 1.0 && term < f64::EPSILON * 1e-3 * sum) {
             return sum;
         }
@@ -39,15 +40,16 @@ fn series(first: f64, ratio: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// Two-sided p-value of `hits` out of `trials` when each trial hits with probability `probability`: twice the
-/// smaller tail, what was observed included. NaN stays NaN.
+/// smaller tail, including the observed count. NaN stays NaN.
 pub fn binomial_two_sided(hits: u64, trials: u64, probability: f64) -> f64 {
     let [below, at, above] = tails(hits, trials, probability);
     let tail = if below < above { below } else { above };
     if (tail + at).is_nan() { f64::NAN } else { (2.0 * (tail + at)).min(1.0) }
 }
 
-/// The same, made uniform: what was observed counts to the share `u`, uniform on \[0, 1), which chance
-/// decides. Without that a discrete test's p-values are larger than uniform ones, and a ledger of them bends.
+/// The randomised p-value, which is uniform: the observed count is included in the tail with the weight `u`,
+/// uniform on \[0, 1). Without randomisation p-values of a discrete test are larger than uniform ones, and a
+/// ledger of them would fail.
 pub fn binomial_randomised(hits: u64, trials: u64, probability: f64, u: f64) -> f64 {
     let [below, at, above] = tails(hits, trials, probability);
     let [low, high] = [below + u * at, above + (1.0 - u) * at];
@@ -78,7 +80,7 @@ mod tests {
         }
         assert_eq!(binomial_two_sided(10, 10, 1.0), 1.0);
         assert_eq!(binomial_two_sided(9, 10, 1.0), 0.0);
-        // With the continuity that a normal tail lacks: half a hit of 50.
+        // With a continuity correction of half a hit, at a standard deviation of 50 hits.
         close(binomial_two_sided(5100, 10_000, 0.5), normal_two_sided(1.99), 2e-3);
         assert!(
             binomial_two_sided(1, 10, f64::NAN).is_nan()

@@ -2,7 +2,7 @@
 
 use statrs::function::{beta, erf, gamma};
 
-/// Above this many degrees of freedom Student's t goes through Wallace's normal approximation: the continued
+/// Degrees of freedom above which Student's t is computed by Wallace's normal approximation: the continued
 /// fraction of the incomplete beta function has a fixed number of terms, too few for large arguments.
 const MANY_DEGREES: f64 = 1000.0;
 

@@ -1,27 +1,28 @@
-//! Equivalence instead of non-rejection: an answer with three values.
+//! Equivalence tests with three verdicts, instead of mere non-rejection.
 
 use serde::{Deserialize, Serialize};
 
-/// What a test concludes. "Not shown to differ" is [`Verdict::Inconclusive`] unless the interval lies in the
-/// margin.
+/// The conclusion of a test. "Not shown to differ" is [`Verdict::Inconclusive`] unless the interval lies in
+/// the margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Shown to agree within the stated margin.
     Equivalent,
-    /// Too little evidence for either answer.
+    /// Too little evidence for either verdict.
     Inconclusive,
     /// Shown to differ.
     Different,
 }
 
 impl Verdict {
-    /// The verdict on several questions that must all hold: the worst of them. None at all is inconclusive.
+    /// The verdict on several conditions that must all hold: the worst of them; inconclusive if there are
+    /// none.
     pub fn all(verdicts: impl IntoIterator<Item = Verdict>) -> Verdict {
         verdicts.into_iter().max().unwrap_or(Verdict::Inconclusive)
     }
 
-    /// Process exit code: 0 holds, 1 different, 3 inconclusive.
+    /// Process exit code: 0 equivalent, 1 different, 3 inconclusive.
     pub fn exit_code(self) -> u8 {
         match self {
             Verdict::Equivalent => 0,
@@ -65,14 +66,14 @@ impl Interval {
         target - margin <= self.low && self.high <= target + margin
     }
 
-    /// True if some of the interval lies within `target` ± `margin`; false if an end is NaN.
+    /// True if part of the interval lies within `target` ± `margin`; false if an end is NaN.
     pub fn meets(&self, target: f64, margin: f64) -> bool {
         self.low <= target + margin && target - margin <= self.high
     }
 
     /// Equivalent if inside the margin, else different if it excludes the target, else inconclusive. A
-    /// difference that is visible but smaller than the margin is therefore equivalent; an interval with NaN
-    /// is different.
+    /// difference that is significant but smaller than the margin is therefore equivalent; an interval with
+    /// NaN is different.
     pub fn verdict(&self, target: f64, margin: f64) -> Verdict {
         if self.within(target, margin) {
             Verdict::Equivalent

@@ -1,44 +1,48 @@
-//! Is the mean of a random vector what it should be? Hotelling's T².
+//! Hotelling's T² test of the mean of a random vector.
 
 use statrs::function::beta;
 
-/// What became of the components of a vector.
+/// The result of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Components {
-    /// Components that vary independently of those before them.
+    /// Number of components that are linearly independent of those before them.
     pub rank: usize,
-    /// Those whose mean is near enough to normal, and whose expected mean is known well enough, to be judged.
+    /// Number of those that are tested: their mean is near enough to normal, and their expected mean is known
+    /// accurately enough.
     pub used: usize,
-    /// n Σ z², z being the means of the used components in standard deviations.
+    /// n Σ z², where z are the means of the tested components in standard deviations.
     pub statistic: f64,
     pub p_value: f64,
 }
 
-/// Variance left to a component by those before it, relative to its own, below which it is one of their sums.
+/// Conditional variance of a component given those before it, relative to its own variance, below which it
+/// counts as a linear combination of them.
 const DEPENDENT: f64 = 1e-4;
 
-/// Largest skewness and excess kurtosis of a *mean* that counts as normal: third and fourth cumulants over
-/// n^½ and n. The second says that at least some 500 samples carry the variance.
+/// Largest skewness of a *mean* that counts as normal: the third standardised cumulant over n^½.
 const SKEWED: f64 = 0.05;
+/// Largest excess kurtosis of a *mean* that counts as normal: the fourth standardised cumulant over n. It
+/// implies that at least some 500 samples contribute to the variance.
 const HEAVY: f64 = 0.002;
 
-/// Most that the error of the expected mean may add to the statistic of a component, which is 1 in
-/// expectation.
+/// Largest contribution of the error of the expected mean to the statistic of a component, whose expectation
+/// is 1.
 const BLURRED: f64 = 0.01;
 
-/// A component whose variance is this many times that of the samples has events that the samples have missed;
-/// where skewness and kurtosis are small, variances of samples are known far better.
+/// Ratio of a component's expected variance to its sample variance from which the samples have missed rare
+/// events; where skewness and kurtosis are small, sample variances are far more accurate than that.
 const MISSED: f64 = 1.5;
 
-/// What the mean and the variances of vectors should be.
+/// The expected mean and variances of the vectors.
 #[derive(Clone, Debug)]
 pub struct Expected<const N: usize> {
     pub mean: [f64; N],
-    /// Of each component of the mean.
+    /// Bound on the error of each component of the mean.
     pub error: f64,
-    /// At least this, or 0 where it is not known.
+    /// Lower bound on the variance of each component; 0 where it is unknown.
     pub variance: [f64; N],
-    /// Of other samples, many more: what these have met that the judged ones have missed.
+    /// Covariance of other, more numerous samples, which contain rare events that the tested samples may have
+    /// missed.
     pub others: Option<Covariance>,
 }
 
@@ -63,14 +67,14 @@ impl Covariance {
 
 /// Tests whether the vectors that `samples` yields (the same ones at each call) have the expected mean.
 ///
-/// A pivoted Cholesky factor of the sample covariance turns the components into uncorrelated ones of unit
-/// variance. Those whose means are far from normal, because few samples carry all of their variance, are left
-/// out: their T² would reject honest subjects. The choice looks at variance, skewness and kurtosis and not at
-/// the mean. Samples that have missed a rare event look normal, and have a wrong mean and too small a
-/// variance: so T² is divided by how many times larger the expected variance is. Of what is left of a
-/// component when the others have explained most of it, that says nothing: there other samples are asked, and
-/// where they vary more it is left out as well. Then T²(n − p)/(p(n − 1)) follows Fisher's F with p and n − p
-/// degrees of freedom (Hotelling 1931).
+/// A pivoted Cholesky factor of the sample covariance whitens the components: they become uncorrelated and
+/// have unit variance. Those whose means are far from normal, because few samples contribute all of their
+/// variance, are left out: their T² would reject correct subjects. The selection depends on variance,
+/// skewness and kurtosis and not on the mean. Samples that have missed a rare event look normal, and have a
+/// wrong mean and too small a variance: so T² is divided by the ratio of the expected to the sample variance.
+/// For the remainder of a component that the others mostly explain, that ratio is not informative: there the
+/// other samples are used, and if their variance is larger the component is left out as well. Then T²(n −
+/// p)/(p(n − 1)) follows Fisher's F with p and n − p degrees of freedom (Hotelling 1931).
 pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
     samples: impl Fn() -> I,
     expected: &Expected<N>,
@@ -96,7 +100,7 @@ pub fn hotelling<const N: usize, I: Iterator<Item = [f64; N]>>(
             powers[1] += z * z * z * z;
         }
     }
-    // Column j of what whitens is that of the unit vector along j.
+    // Column j of the whitening matrix is the whitened unit vector along j.
     let columns: Vec<Vec<f64>> =
         (0..N).map(|j| whiten(&std::array::from_fn(|i| f64::from(u8::from(i == j))))).collect();
     let elsewhere = |z: usize| {
@@ -129,7 +133,8 @@ fn upper(statistic: f64, used: f64, count: f64) -> f64 {
     }
     // With F = T²(n − p)/(p(n − 1)) the argument d₂/(d₂ + d₁F) is (n − 1)/(n − 1 + T²).
     let x = (count - 1.0) / (count - 1.0 + statistic);
-    // For so many degrees of freedom the beta function's fraction ends too early; χ² differs by O(p/n) there.
+    // For that many degrees of freedom the continued fraction of the beta function has too few terms; χ²
+    // differs by O(p/n) there.
     if count - used > 2000.0 {
         let shrunk = (count - used) * -libm::log(x);
         return super::distributions::chi_square_upper(shrunk, used);
@@ -137,7 +142,7 @@ fn upper(statistic: f64, used: f64, count: f64) -> f64 {
     beta::beta_reg(0.5 * (count - used), 0.5 * used, x)
 }
 
-/// How much independent errors of size `error` in all components change the whitened ones.
+/// Standard deviation of the whitened components if all components have independent errors of size `error`.
 fn reach(factor: &[Vec<f64>], rank: usize, error: f64) -> Vec<f64> {
     let mut z = vec![0.0f64; rank];
     for i in 0..rank {
@@ -162,8 +167,8 @@ fn covariance<const N: usize>(samples: impl Iterator<Item = [f64; N]>) -> (f64, 
     (count, mean, sums)
 }
 
-/// The order of pivots and the rows of the lower factor in that order, until what is left depends on what was
-/// taken.
+/// The order of pivots and the rows of the lower factor in that order, up to the components that are linear
+/// combinations of the chosen ones.
 fn cholesky(covariance: Vec<Vec<f64>>) -> (Vec<usize>, Vec<Vec<f64>>) {
     let size = covariance.len();
     let at = |i: usize, j: usize| if i >= j { covariance[i][j] } else { covariance[j][i] };
@@ -202,7 +207,7 @@ mod tests {
             let mut stream = Stream::named("hotelling", seed);
             (0..count).map(move |_| {
                 let [a, b, c] = [stream.normal(), stream.normal(), stream.exponential() - 1.0];
-                // The last is a sum of others, and must not count.
+                // The last component is a linear combination of others, and must not count.
                 [a + shift, 0.9 * a + 0.1 * b, 5.0 * c, a + shift + 5.0 * c]
             })
         };
@@ -220,7 +225,8 @@ mod tests {
 
     #[test]
     fn a_shift_is_found_through_the_correlation() {
-        // A fifth of a standard deviation of `a`, but twice that of what `b` leaves unexplained.
+        // The shift is a fifth of a standard deviation of `a`, but twice the conditional standard deviation
+        // given the second component.
         assert!(correlated(1, 3000, 0.2).p_value < 1e-9);
     }
 
@@ -237,14 +243,14 @@ mod tests {
             (found.used > 0).then_some(found.p_value)
         };
         let judged: Vec<f64> = (0..400).filter_map(|seed| p_value(seed, 1.001)).collect();
-        // The event is missed by e⁻¹ of them.
+        // A share e⁻¹ of the runs misses the event.
         assert!(judged.len() > 100 && judged.iter().all(|p| *p > 0.01), "{judged:?}");
-        // A mean that is wrong by ten of what all events together scatter.
+        // The mean is wrong by ten standard deviations of the events' total contribution.
         assert!((0..400).filter_map(|seed| p_value(seed, 1.011)).all(|p| p < 1e-9));
     }
 
-    /// The second component is the first but for a rare event, of which neither variance nor kurtosis of
-    /// those that missed it tells.
+    /// The second component equals the first except for a rare event, which neither the variance nor the
+    /// kurtosis of samples that missed it shows.
     #[test]
     fn what_others_explain_may_hide_what_is_rare() {
         let draws = |seed: u64, count: usize| {

@@ -1,4 +1,4 @@
-//! Many tests at once: what each must show so that all together keep the stated level.
+//! Corrections for many tests, so that all together keep the stated level.
 
 /// Level of each of `count` tests so that, independent or positively dependent, at least one rejects with
 /// probability at most `level` (Šidák 1967): 1 − (1 − α)^(1/n).
@@ -11,7 +11,7 @@ pub fn smallest_of(p_value: f64, count: usize) -> f64 {
     if p_value >= 1.0 { 1.0 } else { -libm::expm1(libm::log1p(-p_value) * count.max(1) as f64) }
 }
 
-/// Indices of `p_values` in ascending order; NaN first, since a test that broke must not look insignificant.
+/// Indices of `p_values` in ascending order; NaN first, since a failed test must not look insignificant.
 fn ascending(p_values: &[f64]) -> Vec<usize> {
     let key = |index: usize| if p_values[index].is_nan() { -1.0 } else { p_values[index] };
     let mut order: Vec<usize> = (0..p_values.len()).collect();

@@ -1,21 +1,21 @@
-//! What a test would have found: minimum detectable effects at 90 % power.
+//! Minimum detectable effects at 90 % power.
 
 use super::distributions::{chi_square_upper, normal_quantile, student_quantile};
 
-/// The probability with which a "minimum detectable effect" is found.
+/// The probability with which a "minimum detectable effect" is detected.
 pub const POWER: f64 = 0.9;
 
-/// Smallest true difference, in the unit of `standard_error`, that a two-sided test at `level` finds with
-/// [`POWER`], if the standard error was estimated with these degrees of freedom; infinitely many if it is
-/// known.
+/// Smallest true difference, in the unit of `standard_error`, that a two-sided test at `level` detects with
+/// [`POWER`], if the standard error was estimated with `degrees` degrees of freedom (infinity if it is
+/// known).
 pub fn detectable_difference(standard_error: f64, level: f64, degrees: f64) -> f64 {
     (student_quantile(level, degrees) + student_quantile(2.0 * (1.0 - POWER), degrees)) * standard_error
 }
 
-/// How many times more samples make a comparison with no true difference equivalent with [`POWER`]: the
+/// Factor by which more samples make a comparison without a true difference equivalent with [`POWER`]: the
 /// interval's half width shrinks with √k and must leave room for the noise of its centre on both sides.
 ///
-/// `parts` questions must be settled together, each at `level`. The answer is at least 2, since less would
+/// `parts` comparisons must be decided together, each at `level`. The factor is at least 2, since less would
 /// hardly change the outcome.
 pub fn more_samples(standard_error: f64, level: f64, margin: f64, parts: usize) -> f64 {
     let miss = (1.0 - POWER) / parts.max(1) as f64;
@@ -24,7 +24,7 @@ pub fn more_samples(standard_error: f64, level: f64, margin: f64, parts: usize) 
 }
 
 /// Smallest root mean square relative error of the expected bin probabilities (Cohen's w) that Pearson's test
-/// with `samples` samples and `degrees` degrees of freedom finds with [`POWER`] at `level`.
+/// with `samples` samples and `degrees` degrees of freedom detects with [`POWER`] at `level`.
 ///
 /// The statistic is then non-central χ² with λ = n w², mean k + λ and variance 2(k + 2λ), taken as normal.
 pub fn detectable_chi_square(samples: f64, degrees: f64, level: f64) -> f64 {
@@ -73,7 +73,8 @@ mod tests {
             let estimate = Estimate::of((0..12).map(|_| stream.normal() + effect));
             estimate.mean.abs() > critical * estimate.variance.sqrt()
         });
-        // The sum of two of Student's quantiles is an approximation; with the normal ones it would be 0.75.
+        // The sum of two of Student's quantiles is an approximation; with the normal quantiles the share
+        // would be 0.75.
         let share = found.count() as f64 / 4000.0;
         assert!((share - 0.9).abs() < 0.035, "{share}");
     }
@@ -87,7 +88,7 @@ mod tests {
         let found = (0..2000).filter(|_| {
             let normals: Vec<f64> = (0..bins).map(|_| stream.normal()).collect();
             let mean = normals.iter().sum::<f64>() / bins as f64;
-            // Half of the bins too large, half too small: w = effect, and the total is kept.
+            // Half of the bins are too large, half too small: w = effect, and the total is kept.
             let sign = |bin| if bin < bins / 2 { 1.0 } else { -1.0 };
             let statistic: f64 =
                 normals.iter().enumerate().map(|(b, z)| z - mean + sign(b) * shift).map(|z| z * z).sum();

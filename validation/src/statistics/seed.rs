@@ -1,9 +1,9 @@
-//! Seeds that nobody picked: each follows from a test's name and one number.
+//! Seeds derived from a test's name and a number, so that nobody picks them.
 
 use rand_pcg::{Pcg64Mcg, rand_core::Rng};
 
-/// A seed for the test called `name`, the `number`-th of its kind: FNV-1a over the name's bytes and the
-/// number's, then splitmix64's finaliser (Steele, Lea and Flood 2014), so that neighbours differ in all bits.
+/// A seed for the test called `name`, the `number`-th of its kind: FNV-1a over the bytes of the name and the
+/// number, then splitmix64's finaliser (Steele, Lea and Flood 2014), so that neighbours differ in all bits.
 pub fn seed_for(name: &str, number: u64) -> u64 {
     let bytes = name.bytes().chain(number.to_le_bytes());
     let hash = bytes
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn seeds_never_change() {
-        // By an implementation of the two hashes in another language.
+        // Values computed by an implementation of the two hashes in another language.
         let known = [
             ("", 0, 0x5ba3_14b8_cfda_3b6b),
             ("chi2", 1, 0x4447_da0c_a2c9_e570),

@@ -1,4 +1,4 @@
-//! Are these p-values uniform? The check on the checks.
+//! The uniformity of p-values, which tests the checks themselves.
 
 /// p-value of Kolmogorov and Smirnov's test of `values` against the uniform distribution on \[0, 1\].
 ///
@@ -22,7 +22,7 @@ pub fn uniformity(values: &[f64]) -> f64 {
 }
 
 fn kolmogorov_upper(lambda: f64) -> f64 {
-    // The alternating series converges too slowly where the probability is 1 to ten digits anyway.
+    // The alternating series converges slowly there, and the probability is 1 to ten digits.
     if lambda < 0.2 {
         return 1.0;
     }

@@ -19,7 +19,7 @@ impl Estimate {
         estimate
     }
 
-    /// The same of several quantities in one pass.
+    /// Estimates of several quantities in one pass.
     pub fn of_each<const N: usize>(samples: impl IntoIterator<Item = [f64; N]>) -> [Self; N] {
         let (mut count, mut mean, mut squares) = (0.0, [0.0; N], [0.0; N]);
         for sample in samples {
@@ -67,7 +67,7 @@ impl Welch {
         student_two_sided(self.statistic(), self.degrees)
     }
 
-    /// Half the width of the confidence interval that misses with probability `level`.
+    /// Half the width of the confidence interval that excludes the true value with probability `level`.
     pub fn half_width(&self, level: f64) -> f64 {
         if self.standard_error == 0.0 {
             0.0

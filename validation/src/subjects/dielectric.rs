@@ -1,11 +1,11 @@
-//! Two lossless interfaces that scale radiance by η²: one of delta lobes, one that forgets all directions.
+//! Two lossless interfaces that scale radiance by η²: one of delta lobes, one diffuse on both sides.
 
 use std::f64::consts::PI;
 
 use super::cosine_weighted;
 use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
-/// A smooth interface with a fixed reflectance, which is all the checks of delta lobes need.
+/// A smooth interface with a fixed reflectance, which suffices for the checks of delta lobes.
 pub struct SmoothDielectric {
     pub eta: f64,
     pub reflectance: f64,

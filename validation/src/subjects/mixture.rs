@@ -1,14 +1,14 @@
-//! A mixture of lobes that overlap, which is where densities are forgotten.
+//! A mixture of overlapping lobes, in whose density one is easily forgotten.
 
 use super::{Conductor, Lambert};
 use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
-/// A conductor in `share` of the draws, else a diffuse reflector.
+/// A conductor in the share `share` of the draws, else a diffuse reflector.
 pub struct Mixture {
     pub conductor: Conductor,
     pub lambert: Lambert,
     pub share: f64,
-    /// The stated density leaves out the diffuse lobe.
+    /// Whether the stated density leaves out the diffuse lobe, as a fault.
     pub forgetful: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Honest models and saboteurs: who tests the tests?
+//! Correct models and saboteurs, which test the checks.
 
 mod conductor;
 mod dielectric;

@@ -1,12 +1,13 @@
-//! Models with relatives: what they tend to, and the company their wavelength keeps.
+//! Models with a limit, and models with companions at other wavelengths.
 
 use super::Lambert;
 use crate::scatterer::{DVec3, Laws, Limit, Sample, Scatterer};
 
-/// A model that claims to be near another.
+/// A model that claims to be near its limit.
 pub struct Near<'a> {
     pub model: &'a dyn Scatterer,
     pub limit: &'a dyn Scatterer,
+    /// Largest difference of a flux moment from that of `limit`.
     pub within: f64,
 }
 
@@ -32,12 +33,14 @@ impl Scatterer for Near<'_> {
     }
 }
 
-/// A diffuse reflector whose albedo rises with the wavelength, on a path that carries another wavelength
-/// beside it.
+/// A diffuse reflector whose albedo increases with the wavelength, on a path that carries another wavelength.
 pub struct Coloured {
+    /// Wavelength in nm.
     pub nm: f64,
+    /// The path's other wavelength in nm.
     pub beside: f64,
-    /// How much of the albedo is taken at the other wavelength, in the value and in the weights of samples.
+    /// Share of the albedo that is taken at the other wavelength, in the value and in the weights of samples:
+    /// the fault.
     pub leak: [f64; 2],
 }
 

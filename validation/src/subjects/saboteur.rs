@@ -1,8 +1,8 @@
-//! An honest model with one thing wrong.
+//! A correct model with one fault.
 
 use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
-/// What is wrong.
+/// The fault.
 #[derive(Clone, Copy, Debug)]
 pub enum Fault {
     /// The density is 2 % too large everywhere, and weights follow it.
@@ -17,7 +17,7 @@ pub enum Fault {
     AzimuthMirrored,
     /// Sampled directions are turned by 0.02 rad around the normal.
     Turned,
-    /// The value depends 1 % on the azimuth of wi, and weights follow it.
+    /// The value has the factor 1 + 0.01 wi.x, and weights follow it.
     OneWay,
     /// The value ignores η² on crossing, and weights follow it.
     NoRadianceScaling,
@@ -27,11 +27,11 @@ pub enum Fault {
     TooBright,
     /// One draw in a hundred is lost although the density promises it.
     DrawsLost,
-    /// The value is 1 % larger than what weights follow.
+    /// The value is 1 % larger than the one that weights follow.
     ValueScaled,
-    /// The density is wrong by 10⁻⁵ times the azimuth's cosine, and weights follow it.
+    /// The density has the factor 1 + 10⁻⁵ wi.x, and weights follow it.
     PdfTilted,
-    /// Weights grow and shrink by 2 % across the azimuth; value and density are right.
+    /// Weights have the factor 1 + 0.02 wi.x; value and density are right.
     WeightTilted,
 }
 

@@ -1,4 +1,4 @@
-//! Where cameras look: shares of the film that something covers.
+//! Projections of cameras: shares of the film that an object covers.
 
 use super::ClosedForm;
 use crate::stage::*;
@@ -54,7 +54,7 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// A lit square seen by a film of 3 × 2, and the axis that the field of view is along.
+/// A luminous square seen by a film of 3 × 2, for each axis to which the field of view may refer.
 fn field_of_view() -> Vec<ClosedForm> {
     let half = libm::tan(f64::to_radians(0.5 * FOV));
     let square = shape(
@@ -63,7 +63,7 @@ fn field_of_view() -> Vec<ClosedForm> {
         &area(1.0),
     );
     let place = look_at([0.0; 3], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
-    // Half the width of the film at distance 1; its half height is 2/3 of that.
+    // Half the width of the film at distance 1; half its height is 2/3 of that.
     let widths = [
         ("x", half),
         ("y", 1.5 * half),

@@ -4,13 +4,13 @@ use super::{ClosedForm, Measure, mean};
 use crate::stage::*;
 use std::sync::LazyLock;
 
-/// What images are normalised by (Mitsuba 3.9's constant; see the renderer's `observer`).
+/// The normalisation of images (Mitsuba 3.9's constant; see the renderer's `observer`).
 const Y_INTEGRAL: f64 = 106.750_259_399_414_06;
 
 /// A function of wavelength in nm.
 type Spectrum = fn(f64) -> f64;
 
-/// Rows of a CSV table of 5 nm steps from 360 nm.
+/// The rows of a CSV table with steps of 5 nm from 360 nm.
 type Table = Vec<Vec<f64>>;
 
 fn read(csv: &str) -> Table {
@@ -23,7 +23,7 @@ static OBSERVER: LazyLock<Table> =
 static DAYLIGHT: LazyLock<Table> =
     LazyLock::new(|| read(include_str!("../../../../src/spectrum/data/d65.csv")));
 
-/// Linear between the rows, 0 outside.
+/// Linear interpolation between the rows; 0 outside the table.
 fn look_up(table: &Table, column: usize, nm: f64) -> f64 {
     let place = (nm - 360.0) / 5.0;
     if !(0.0..=94.0).contains(&place) {
@@ -34,22 +34,22 @@ fn look_up(table: &Table, column: usize, nm: f64) -> f64 {
     table[row][column] * (1.0 - t) + table[row + 1][column] * t
 }
 
-/// D65 of luminance 1.
+/// D65 with luminance 1.
 pub fn d65(nm: f64) -> f64 {
     look_up(&DAYLIGHT, 1, nm)
 }
 
-/// ∫ over what the eye sees, 360 to 830 nm.
+/// Integral over the visible range, 360 to 830 nm.
 fn integral(f: impl Fn(f64) -> f64) -> f64 {
     integral_from(360.0, 9400, f)
 }
 
-/// ∫ over so many steps of 0.05 nm, by the midpoint rule.
+/// Integral over this number of steps of 0.05 nm from `start`, by the midpoint rule.
 fn integral_from(start: f64, steps: u32, f: impl Fn(f64) -> f64) -> f64 {
     (0..steps).map(|i| f(start + 0.05 * (f64::from(i) + 0.5)) * 0.05).sum()
 }
 
-/// X, Y, Z of a radiance.
+/// X, Y, Z of a radiance spectrum.
 pub fn color(radiance: Spectrum) -> [f64; 3] {
     [1, 2, 3].map(|column| integral(|nm| radiance(nm) * look_up(&OBSERVER, column, nm)) / Y_INTEGRAL)
 }
@@ -61,15 +61,17 @@ fn planck(kelvin: f64, nm: f64) -> f64 {
     1e-9 * 1.191_042_972e-16 / (m5 * libm::expm1(1.438_776_877e-2 / (metres * kelvin)))
 }
 
-/// The triangular reflectance of a narrow line.
+/// A narrow triangular reflectance.
 fn line(nm: f64) -> f64 {
     (1.0 - (nm - 560.0).abs() / 10.0).max(0.0)
 }
 
 pub fn cases() -> Vec<ClosedForm> {
     let planck_source = "∫ B(λ, T) ȳ dλ with Planck's law (CODATA 2018 constants; CIE 1931 observer)";
+    // By default a body is dark beyond the visible range.
     let body = |kelvin: f64| {
-        format!("<spectrum name=\"radiance\" type=\"blackbody\">{}</spectrum>", float("temperature", kelvin))
+        let parameters = float("temperature", kelvin) + &float("wavelength_max", 1200.0);
+        format!("<spectrum name=\"radiance\" type=\"blackbody\">{parameters}</spectrum>")
     };
     let daylight = "∫ D65 x̄ȳz̄ dλ = white";
     let uniform =
@@ -123,7 +125,7 @@ pub fn cases() -> Vec<ClosedForm> {
         let expected = integral(|nm| planck(5000.0, nm) * response(nm));
         cases.push(in_band(name, 5000.0, visible, expected).measure(measure));
     }
-    // Beyond what the eye sees wavelengths are drawn from a wider range.
+    // Outside the visible range wavelengths are drawn from a wider range.
     let heat = "<spectrum name=\"heat\" value=\"900:0, 1000:1, 1100:0\"/>";
     let expected = integral_from(900.0, 4000, |nm| planck(1500.0, nm) * (1.0 - (nm - 1000.0).abs() / 100.0));
     let beyond = in_band("band_beyond_the_visible", 1500.0, heat, expected);
@@ -131,7 +133,7 @@ pub fn cases() -> Vec<ClosedForm> {
     cases.into_iter().map(ClosedForm::spectral).collect()
 }
 
-/// X, Y, Z of the image, by the inverse of the matrix that made it.
+/// X, Y, Z of the image, by the inverse of the matrix that converted them to RGB.
 fn xyz(image: &validation::image::Image) -> [f64; 3] {
     let rgb = ["R", "G", "B"].map(|channel| mean(image, channel));
     let to_xyz =
@@ -139,7 +141,7 @@ fn xyz(image: &validation::image::Image) -> [f64; 3] {
     to_xyz.map(|row| row.iter().zip(rgb).map(|(a, b)| a * b).sum())
 }
 
-/// x of x, y, z.
+/// The chromaticity coordinate x.
 fn chromaticity(image: &validation::image::Image) -> f64 {
     xyz(image)[0] / xyz(image).iter().sum::<f64>()
 }
@@ -150,7 +152,7 @@ fn wall(radiance: &str) -> String {
     scene(&[&path(1), &pointed([0.0, 0.0, 3.0], [0.1, 0.2, 0.0]), &wall])
 }
 
-/// A card in daylight of irradiance π.
+/// A card under D65 with irradiance π.
 fn card(reflectance: &str) -> String {
     let card = shape("rectangle", &[], &bsdf("diffuse", reflectance));
     let light = "<vector name=\"direction\" x=\"0\" y=\"0\" z=\"-1\"/>".to_string();

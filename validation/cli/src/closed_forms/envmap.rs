@@ -15,7 +15,7 @@ pub fn cases() -> Vec<ClosedForm> {
         ClosedForm::new(name, source, scene, shown(irradiance(to_map))).samples(1 << 14)
     };
     vec![
-        // World z up; the map's own up is y.
+        // World up is z; the map's up is y.
         case("upright", &[rotate('x', 90.0)], |w| DVec3::new(w.x, w.z, -w.y)),
         case("lying", &[], |w| w),
         case("turned", &[rotate('y', 130.0)], |w| {
@@ -25,7 +25,7 @@ pub fn cases() -> Vec<ClosedForm> {
     ]
 }
 
-/// NaN, which no verdict passes, if the map cannot be read.
+/// The irradiance from the map; NaN, which no verdict passes, if the map cannot be read.
 fn irradiance(to_map: fn(DVec3) -> DVec3) -> f64 {
     let file = crate::references::folder().join("scenes/textures/sky.exr");
     let Ok(image) = validation::image::load(&file) else { return f64::NAN };
@@ -44,7 +44,7 @@ fn irradiance(to_map: fn(DVec3) -> DVec3) -> f64 {
         for j in 0..2 * STEPS {
             let (s, c) = libm::sincos(PI * (j as f64 + 0.5) / STEPS as f64);
             let w = to_map(DVec3::new(sin * c, sin * s, cos));
-            // The middle of the image lies towards −z, and columns go on towards +x.
+            // The middle of the image is towards −z, and columns increase towards +x.
             let turn = libm::atan2(w.x, -w.z) / (2.0 * PI) + 1.0;
             let x = turn * width as f64 + width as f64 - 0.5;
             let y = libm::acos(w.y.clamp(-1.0, 1.0)) / PI * (height - 1) as f64;

@@ -43,8 +43,8 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// M interfaces one behind the other, each reflecting r of what arrives, together reflect R = Mr/(1 + (M −
-/// 1)r) (Stokes 1862, for a pile of plates).
+/// M parallel interfaces, each reflecting the share r of the arriving light, together reflect R = Mr/(1 + (M
+/// − 1)r) (Stokes 1862, for a pile of plates).
 fn stacks(glass: &str) -> Vec<ClosedForm> {
     let source = "R = Mr/(1 + (M − 1)r) of M interfaces, without interference (Stokes 1862, pile of plates)";
     let mut cases = vec![];
@@ -60,7 +60,7 @@ fn stacks(glass: &str) -> Vec<ClosedForm> {
         for (what, light, expected) in [("reflect", SKY, reflected), ("transmit", GROUND, 1.0 - reflected)] {
             let name = format!("{panes}_thin_panes_{what}");
             let case = ClosedForm::new(name, source, stage(degrees, light, &stack), expected);
-            // One path in many crosses many panes.
+            // Few paths cross many panes.
             cases.push(case.margin(0.0025).samples((panes as u64) << 15));
         }
     }
@@ -88,21 +88,23 @@ fn pile(interfaces: i32, r: f64) -> f64 {
     m * r / (1.0 + (m - 1.0) * r)
 }
 
-/// A plane of radiance 1 high above, facing down; and one far below, facing up.
+/// A plane of radiance 1 high above, facing down.
 pub const SKY: &str = "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"1000\"/>\
      <rotate x=\"1\" angle=\"180\"/><translate z=\"10\"/></transform>\
      <emitter type=\"area\"><rgb name=\"radiance\" value=\"1\"/></emitter></shape>";
+/// A plane of radiance 1 far below, facing up.
 pub const GROUND: &str = "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"1000\"/>\
      <translate z=\"-10\"/></transform>\
      <emitter type=\"area\"><rgb name=\"radiance\" value=\"1\"/></emitter></shape>";
 
-/// What stands around the origin, seen from 5 away at an angle from +z.
+/// A scene with `what` at the origin, seen from a distance of 5 at an angle from +z.
 pub fn stage(degrees: f64, light: &str, what: &str) -> String {
     let (sin, cos) = libm::sincos(degrees.to_radians());
     scene(&[&path(-1), &pointed([5.0 * sin, 0.0, 5.0 * cos], [0.0; 3]), what, light])
 }
 
-/// The mean over both polarisations, of a ray at this angle in the nearer medium; `eta` = n far / n near.
+/// Reflectance, averaged over both polarisations, for a ray at this angle in the nearer medium; `eta` = n far
+/// / n near.
 ///
 /// r⊥ = sin(θ − θ′)/sin(θ + θ′), r∥ = tan(θ − θ′)/tan(θ + θ′) (Born & Wolf, eq. 1.5.21a); the renderer uses
 /// cosines.

@@ -1,4 +1,4 @@
-//! Light that goes to and fro.
+//! Interreflection in closed rooms and between mirrors.
 
 use super::ClosedForm;
 use super::irradiance::{BSDF_ONLY, EMITTER_ONLY};
@@ -56,14 +56,14 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// A hollow shape, seen from a place inside that is not its middle.
+/// A hollow shape, seen from a point inside other than its centre.
 fn room(kind: &str, radiance: f64, reflectance: f64, depth: i64) -> String {
     let inside = "<boolean name=\"flip_normals\" value=\"true\"/>";
     let wall = shape(kind, &[], &(inside.to_string() + &area(radiance) + &diffuse(reflectance)));
     scene(&[&path(depth), &pointed([0.3, 0.2, -0.1], [0.5, -0.3, 0.7]), &wall])
 }
 
-/// A sphere of radius 2 with a lamp of intensity 1 in its middle.
+/// A sphere of radius 2 with a point light of intensity 1 at its centre.
 fn lit_sphere(reflectance: f64, depth: i64) -> String {
     let inside = "<boolean name=\"flip_normals\" value=\"true\"/>";
     let wall = sphere([0.0; 3], 2.0, &(inside.to_string() + &diffuse(reflectance)));
@@ -71,7 +71,7 @@ fn lit_sphere(reflectance: f64, depth: i64) -> String {
     scene(&[&path(depth), &pointed([0.3, 0.2, -0.1], [0.5, -0.3, 0.7]), &wall, &lamp])
 }
 
-/// Two mirrors of reflectance 0.9 and radiance 1, and a ray at right angles to both.
+/// Two mirrors of reflectance 0.9 and radiance 1, and a ray perpendicular to both.
 fn facing_mirrors(depth: i64) -> String {
     let wears = bsdf("conductor", &grey("specular_reflectance", 0.9)) + &area(1.0);
     let below = shape("rectangle", &[], &wears);
@@ -79,7 +79,7 @@ fn facing_mirrors(depth: i64) -> String {
     scene(&[&path(depth), &pointed([0.1, 0.2, 0.5], [0.1, 0.2, 0.0]), &below, &above])
 }
 
-/// Mirrors of reflectance 0.95 at z = ±½; a ray at 45° meets one each unit of x and then a light across the
+/// Mirrors of reflectance 0.95 at z = ±½; a ray at 45° meets one per unit of x and finally a light across the
 /// corridor.
 fn corridor(bounces: i32) -> String {
     let mirror = bsdf("conductor", &grey("specular_reflectance", 0.95));

@@ -5,7 +5,7 @@ use crate::stage::*;
 use std::f64::consts::PI;
 use validation::scatterer::DVec3;
 
-/// Reflectance of the floor that shows the irradiance: it leaves with radiance ρE/π.
+/// Reflectance of the floor that shows the irradiance E: its radiance is ρE/π.
 const REFLECTANCE: f64 = 0.5;
 
 /// A diffuse floor around the origin, seen at the origin, under these lights.
@@ -14,7 +14,7 @@ pub fn floor_under(lights: &str) -> String {
     scene(&[&path(2), &pointed([-1.5, -2.0, 1.5], [0.0; 3]), &floor, lights])
 }
 
-/// What the floor shows of an irradiance.
+/// The radiance of the floor at an irradiance.
 pub fn shown(irradiance: f64) -> f64 {
     REFLECTANCE / PI * irradiance
 }
@@ -46,7 +46,7 @@ pub(super) const BSDF_ONLY: &str = "<integrator type=\"direct\"><integer name=\"
 pub(super) const EMITTER_ONLY: &str = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"1\"/>\
      <integer name=\"bsdf_samples\" value=\"0\"/></integrator>";
 
-/// 1 × 0.6 at a height of 0.8, one corner over the point.
+/// A light of 1 × 0.6 at height 0.8, with one corner above the point.
 fn parallel() -> String {
     let steps = [scale([0.5, 0.3, 1.0]), rotate('x', 180.0), translate([0.5, 0.3, 0.8])];
     shape("rectangle", &steps, &area(1.0))
@@ -57,7 +57,7 @@ fn parallel_answer() -> f64 {
     lambert::irradiance(&corners.map(|(x, y)| DVec3::new(x, y, 0.8)))
 }
 
-/// In the plane x = 0.5, −0.4 ≤ y ≤ 0.9, 0 ≤ z ≤ 0.7, facing the point.
+/// A light in the plane x = 0.5, −0.4 ≤ y ≤ 0.9, 0 ≤ z ≤ 0.7, facing the point.
 fn wall() -> String {
     let steps = [scale([0.35, 0.65, 1.0]), rotate('y', -90.0), translate([0.5, 0.25, 0.35])];
     shape("rectangle", &steps, &area(1.0))
@@ -70,13 +70,13 @@ fn wall_answer() -> f64 {
 
 const CUBE: (f64, f64, Point) = (0.2, 30.0, [0.3, 0.4, 0.8]);
 
-/// A cube of edge 0.4, turned by 30° about z.
+/// A cube of edge length 0.4, rotated by 30° about z.
 fn cube() -> String {
     let (half, degrees, place) = CUBE;
     shape("cube", &[scale([half; 3]), rotate('z', degrees), translate(place)], &area(1.0))
 }
 
-/// The sum over the faces that look towards the point.
+/// The sum over the faces that face the point.
 fn cube_answer() -> f64 {
     let (half, degrees, place) = CUBE;
     let (sin, cos) = libm::sincos(degrees.to_radians());

@@ -1,4 +1,4 @@
-//! Metals: mirrors, and the albedo of rough ones by quadrature.
+//! Metals: mirrors, and the albedo of rough metals by quadrature.
 
 use super::ClosedForm;
 use super::interfaces::{SKY, stage};
@@ -30,14 +30,14 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// Re and Im.
+/// Real and imaginary part.
 type Complex = (f64, f64);
 
 fn multiply((a, b): Complex, (c, d): Complex) -> Complex {
     (a * c - b * d, a * d + b * c)
 }
 
-/// The principal root.
+/// The principal square root.
 fn root((a, b): Complex) -> Complex {
     let size = (a * a + b * b).sqrt();
     let re = (0.5 * (size + a)).max(0.0).sqrt();
@@ -49,15 +49,16 @@ fn ratio((a, b): Complex, (c, d): Complex) -> f64 {
     ((a - c) * (a - c) + (b - d) * (b - d)) / ((a + c) * (a + c) + (b + d) * (b + d))
 }
 
-/// With n = η − ik: r⊥ = (cos − w)/(cos + w), r∥ = (n²cos − w)/(n²cos + w), w = √(n² − sin²).
+/// The reflectance of a metal, with n = η − ik: r⊥ = (cos − w)/(cos + w), r∥ = (n²cos − w)/(n²cos + w), w =
+/// √(n² − sin²).
 pub fn reflectance(cos: f64, eta: f64, k: f64) -> f64 {
     let n2 = multiply((eta, -k), (eta, -k));
     let w = root((n2.0 - (1.0 - cos * cos), n2.1));
     0.5 * (ratio((cos, 0.0), w) + ratio((n2.0 * cos, n2.1 * cos), w))
 }
 
-/// How much of a uniform hemisphere arrives at `degrees`: over facets m with density D cos θₘ, F G₁G₁
-/// (ω·m)/(cos θ cos θₘ).
+/// The share of a uniform hemisphere's radiance that is reflected at `degrees`: over facets m with density D
+/// cos θₘ, F G₁G₁ (ω·m)/(cos θ cos θₘ).
 fn albedo(ggx: bool, alpha: f64, degrees: f64) -> f64 {
     let (sin, cos) = libm::sincos(f64::to_radians(degrees));
     let wo = DVec3::new(sin, 0.0, cos);

@@ -1,4 +1,4 @@
-//! Materials made of materials.
+//! Materials composed of other materials.
 
 use super::ClosedForm;
 use super::interfaces::stage;

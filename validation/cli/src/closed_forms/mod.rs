@@ -1,9 +1,9 @@
-//! Scenes whose image has an analytic answer.
+//! Scenes whose image has an analytic solution.
 //!
 //! A case is data: a scene, a number computed from a formula by code that shares nothing with the renderer,
-//! and what of the image must equal it. The answer comes from renders with seeds of their own: Student's
-//! interval of their values must lie within the margin (two one-sided tests). So neither the image's own
-//! variance nor the independence of its pixels is relied on.
+//! and the quantity of the image that must equal it. The verdict comes from renders with different seeds:
+//! Student's interval of their values must lie within the margin (two one-sided tests). So neither the
+//! image's own variance nor the independence of its pixels is relied on.
 //!
 //! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line
 //! in [`FAMILIES`]. The formula's source stands in `source`, its derivation beside the code.
@@ -39,30 +39,31 @@ use validation::statistics::distributions::student_quantile;
 use validation::statistics::power::detectable_difference;
 use validation::statistics::{Estimate, Interval, seed_for};
 
-/// Renders of a case.
+/// Number of renders of a case.
 pub const REPLICATES: u64 = 12;
 
-/// The share of intervals that miss the truth.
+/// The probability with which an interval misses the true value.
 pub const LEVEL: f64 = 0.01;
 
-/// A scene and what is true of it.
+/// A scene and its analytic solution.
 #[derive(Clone, Debug)]
 pub struct ClosedForm {
     pub name: String,
-    /// The formula, and where it comes from.
+    /// The formula with its source.
     pub source: &'static str,
     pub scene: String,
     pub mode: ColorMode,
-    /// What is compared, of an image.
+    /// The compared quantity of an image.
     pub measure: Measure,
+    /// The analytic value of that quantity.
     pub expected: f64,
-    /// Largest relative deviation that is none.
+    /// Largest relative deviation that counts as equivalent.
     pub margin: f64,
-    /// Samples a pixel of each render.
+    /// Samples per pixel of each render.
     pub samples: u64,
 }
 
-/// What is compared: a number of an image.
+/// A quantity of an image that is compared.
 pub type Measure = fn(&Image) -> f64;
 
 /// All families, by name.
@@ -91,7 +92,7 @@ pub fn cases() -> Vec<ClosedForm> {
 }
 
 impl ClosedForm {
-    /// The luminance of the whole image, ±0.1 %, of few samples, in RGB mode.
+    /// A case that compares the luminance of the whole image to ±0.1 %, with few samples, in RGB mode.
     pub fn new(name: impl Into<String>, source: &'static str, scene: String, expected: f64) -> Self {
         Self {
             name: name.into(),
@@ -121,7 +122,7 @@ impl ClosedForm {
         Self { samples, ..self }
     }
 
-    /// Renders with `effort` times the samples; `number` draws other seeds.
+    /// Renders with `effort` times the samples and judges; `number` determines the seeds.
     pub fn check(&self, effort: u64, number: u64) -> Result<Outcome, String> {
         let scene = load(&self.scene, self.mode).map_err(|e| format!("{}: {e}", self.name))?;
         let mut images = vec![];
@@ -133,19 +134,20 @@ impl ClosedForm {
         Ok(self.judge_images(&images, LEVEL))
     }
 
-    /// What renders with different seeds say, at this level.
+    /// The verdict on renders with different seeds, at this level.
     pub fn judge_images(&self, images: &[Image], level: f64) -> Outcome {
         self.judge(Estimate::of(images.iter().map(|image| (self.measure)(image) / self.expected)), level)
     }
 
-    /// The scene as a file that may lie anywhere: what it refers to is sought beside the reference scenes.
+    /// The scene as a file that may be in any folder: files that it names are searched beside the reference
+    /// scenes.
     pub fn standing_alone(&self) -> String {
         let place = crate::references::folder().join("scenes");
         let path = format!("><path value=\"{}\"/>", place.display());
         self.scene.replacen('>', &path, 1)
     }
 
-    /// What an estimate of measured / expected says.
+    /// The verdict on an estimate of measured / expected.
     fn judge(&self, ratio: Estimate, level: f64) -> Outcome {
         let error = ratio.variance.sqrt();
         let interval = Interval::around(ratio.mean, student_quantile(level, ratio.degrees) * error);
@@ -164,15 +166,15 @@ impl ClosedForm {
         Outcome { figures, ..outcome.detectable(detectable_difference(error, level, ratio.degrees)) }
     }
 
-    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm
-    /// it.
+    /// The case as a test: it fails if four times the samples with other seeds confirm an inconclusive or
+    /// different verdict.
     pub fn test(&self) -> Result<(), String> {
         confirmed(&TWICE, |effort, number| Ok(fault(&self.check(effort, number)?)))
             .map_err(|message| format!("{message}; {}", self.source))
     }
 }
 
-/// The mean of a channel; NaN, which no verdict passes, if there is none of this name.
+/// The mean of a channel; NaN, which no verdict passes, if there is no such channel.
 pub fn mean(image: &Image, channel: &str) -> f64 {
     let found = image.channels.iter().find(|c| c.name == channel);
     found.map_or(f64::NAN, |c| c.mean.iter().sum::<f64>() / c.mean.len() as f64)

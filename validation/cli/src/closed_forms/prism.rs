@@ -1,4 +1,4 @@
-//! The least deviation of a prism.
+//! The minimum deviation of a prism.
 
 use super::ClosedForm;
 use super::interfaces::reflectance;
@@ -16,16 +16,16 @@ pub fn cases() -> Vec<ClosedForm> {
     vec![case(1.5, 0.0), case(1.5, 0.3), case(1.7, -0.4)]
 }
 
-/// Half the width of the beam, and how far behind the prism the light stands: 10⁻³ of the beam is 5·10⁻⁷ rad.
+/// Half the width of the beam.
 const BEAM: f64 = 0.01;
+/// Distance of the light behind the prism: 10⁻³ of the beam is 5·10⁻⁷ rad.
 const DISTANCE: f64 = 20.0;
 
-/// A parallel beam of rays through two faces with an apex of 60° between them, upon a half-plane of light
-/// whose edge is `offset` half-widths from where the beam's middle must fall. At least deviation the beam
+/// A parallel beam through two faces with an apex angle of 60° between them, onto a half-plane of light whose
+/// edge is `offset` half-widths from where the centre of the beam must arrive. At minimum deviation the beam
 /// keeps its width.
 ///
-/// The apex points to +z, the faces stand symmetrically about x = 0, and the ray inside runs along +x at z =
-/// 0.
+/// The apex points to +z, the faces are symmetric about x = 0, and the ray inside runs along +x at z = 0.
 fn prism(eta: f64, offset: f64) -> (String, f64) {
     const APEX: f64 = 60.0;
     let half = f64::to_radians(0.5 * APEX);
@@ -39,7 +39,7 @@ fn prism(eta: f64, offset: f64) -> (String, f64) {
         let steps = [scale([0.5; 3]), rotate('y', sign * (90.0 - 0.5 * APEX)), translate([sign, 0.0, 0.0])];
         shape("rectangle", &steps, &glass)
     };
-    // The beam comes up towards −x and goes down behind +x, turned by D = 2·bend towards the base.
+    // The beam rises towards −x and descends behind +x, deviated by D = 2·bend towards the base.
     let (from, to) = ([-1.0 - 5.0 * cos, 0.0, -5.0 * sin], [-1.0, 0.0, 0.0]);
     let place = to_world(&[scale([BEAM, BEAM, 1.0]), look_at(from, to, [0.0, 1.0, 0.0])]);
     let camera = format!("<sensor type=\"orthographic\">{place}{}</sensor>", film(1, 1));

@@ -26,7 +26,8 @@ pub fn cases() -> Vec<ClosedForm> {
             ball([0.5, 0.3, 1.0], 0.4),
             shown(cap([0.5, 0.3, 1.0], 0.4)),
         ),
-        // It passes close to the world's origin, where numbers are small and its rounding errors are not.
+        // Its surface passes close to the world's origin, where coordinates are small but its rounding errors
+        // are not.
         ClosedForm::new(
             "sphere_that_nearly_touches",
             "E = πL sin²σ cos θ (Nusselt's analogon of a spherical cap)",
@@ -56,18 +57,18 @@ pub fn cases() -> Vec<ClosedForm> {
     ]
 }
 
-/// Radius r, parallel to the plane at height h, its axis l aside; by Howell's factor for an element and a
-/// parallel disk.
+/// Irradiance from a disk of radius r parallel to the plane at height h, its axis at distance l; by Howell's
+/// factor for an element and a parallel disk.
 fn disk(r: f64, h: f64, l: f64) -> f64 {
     let sum = h * h + l * l + r * r;
     0.5 * PI * (1.0 - (sum - 2.0 * r * r) / (sum * sum - 4.0 * r * r * l * l).sqrt())
 }
 
-/// The cap of half-angle σ, asin(r/d), around a direction ω from the normal.
+/// Irradiance from the cap of half-angle σ = asin(r/d) around a direction at the angle ω from the normal.
 ///
-/// Above the horizon π cos ω sin²σ. Cut by it, with γ = asin(cos σ / sin ω):
-/// G = −2 sin ω cos σ cos γ + π/2 − γ + sin γ cos γ,
-/// H = |cos ω| (cos γ √(sin²σ − cos²γ) + sin²σ asin(cos γ / sin σ)); G − H, plus the whole cap if ω < π/2.
+/// Above the horizon it is π cos ω sin²σ. Cut by the horizon, with γ = asin(cos σ / sin ω): G = −2 sin ω cos
+/// σ cos γ + π/2 − γ + sin γ cos γ, H = |cos ω| (cos γ √(sin²σ − cos²γ) + sin²σ asin(cos γ / sin σ)); it is G
+/// − H, plus the whole cap if ω < π/2.
 fn cap([x, y, z]: Point, r: f64) -> f64 {
     let d2 = x * x + y * y + z * z;
     let (cos, sin2) = (z / d2.sqrt(), r * r / d2);
@@ -80,12 +81,12 @@ fn cap([x, y, z]: Point, r: f64) -> f64 {
     let cosγ = (1.0 - sinγ * sinγ).sqrt();
     let g = -2.0 * sin * cosσ * cosγ + FRAC_PI_2 - libm::asin(sinγ) + sinγ * cosγ;
     let h = cos.abs() * (cosγ * (sin2 - cosγ * cosγ).max(0.0).sqrt() + sin2 * libm::asin(cosγ / sinσ));
-    // What lies above the horizon of the mirrored cap lies below that of this one, and both differ by the
+    // The part of the mirrored cap above the horizon is the part of this one below it, and both differ by the
     // whole.
     if cos > 0.0 { whole + g - h } else { g - h }
 }
 
-/// Of radius 0.3 around an axis along y, over (0.2, 1) in the plane of x and z, 4 long.
+/// Radius 0.3, axis along y through (0.2, 1) in the xz plane, half length 2.
 const CYLINDER: (f64, f64, f64, f64) = (0.3, 0.2, 1.0, 2.0);
 
 fn cylinder() -> String {
@@ -95,11 +96,11 @@ fn cylinder() -> String {
     format!("<shape type=\"cylinder\">{p0}{p1}{radius}{}</shape>", area(1.0))
 }
 
-/// Seen from the origin the wall hides its inside, and the far rims lie behind the near ones.
+/// From the origin the wall hides its inside, and the far rims are behind the near ones.
 fn cylinder_answer() -> f64 {
     let (r, x, z, half) = CYLINDER;
     let distance = (x * x + z * z).sqrt();
-    // Tangent points lie where the radius is at right angles to the line of sight.
+    // At tangent points the radius is perpendicular to the line of sight.
     let reach = libm::acos(r / distance);
     let towards = libm::atan2(-z, -x);
     const STEPS: i32 = 2000;
@@ -138,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_long_cylinder_is_the_infinite_one() {
-        // E = πL r/D · cos of the angle to the axis; the ends take little away.
+        // E = πL r/D · cos of the angle to the axis; the ends reduce it only slightly.
         let (r, x, z, _) = CYLINDER;
         let infinite = PI * r * z / (x * x + z * z);
         let ratio = cylinder_answer() / infinite;

@@ -32,7 +32,8 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// Over (0.6, 0), shining at a point of the floor.
+/// Position above (0.6, 0), cutoff angle and beam width in degrees of a spot directed at a point of the
+/// floor.
 const SPOT: (Point, f64, f64) = ([0.6, 0.0, 1.5], 20.0, 5.0);
 
 fn spot(target: f64) -> String {
@@ -51,7 +52,7 @@ fn spot_answer(target: f64) -> f64 {
     2.0 * fade * z / (d2 * d2.sqrt())
 }
 
-/// The radius of a lamp at height 1.
+/// Radius of a lamp at height 1.
 const LAMP: f64 = 0.0025;
 
 fn lamp(degrees: f64) -> String {

@@ -1,4 +1,4 @@
-//! Uniform surroundings: what is seen in them.
+//! Uniform surroundings, and objects seen in them.
 
 use super::ClosedForm;
 use crate::stage::*;

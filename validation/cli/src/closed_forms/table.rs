@@ -1,6 +1,7 @@
-//! What was measured, as `docs/closed-forms.md` shows it.
+//! The tables of `docs/closed-forms.md`.
 
 use super::ClosedForm;
+use crate::metamorphic::{Alike, Relation};
 use crate::provenance::Provenance;
 use std::fmt::Write;
 use validation::Outcome;
@@ -27,20 +28,24 @@ const RELATIONS: &str = "
 ## Relations between renders
 
 Both sides of a relation are rendered with seeds of their own and compared by the harness's comparison of images: the
-99 % interval of the ratio of means must lie within 1 %, and no tile may be beyond its noise; or, where it says so,
-every mean and variance must be equal to the bit. `--thorough` asks for 0.25 %.
+99 % interval of the ratio of means must lie within the margin, and no tile may be beyond its noise; or, where the
+margin is *bits*, every mean and variance must be equal to the bit. `--thorough` asks for a quarter of the margin.
 
-| relation | finding | verdict |
-|---|---|---|
+| relation | finding | margin | verdict |
+|---|---|--:|---|
 ";
 
-/// A Markdown document, a case or relation a row.
-pub fn markdown(made: &Provenance, cases: &[(ClosedForm, Outcome)], relations: &[Outcome]) -> String {
+/// A Markdown document with a row for each case and relation.
+pub fn markdown(
+    made: &Provenance,
+    cases: &[(ClosedForm, Outcome)],
+    relations: &[(Relation, Outcome)],
+) -> String {
     let mut text = format!("{TITLE} ({made}).\n\n{CASES}");
     for (case, outcome) in cases {
         let figure = |name: &str| {
             let value = outcome.figures.get(name).copied().unwrap_or(f64::NAN);
-            // Neither sign is meant of what rounds to nothing.
+            // A value that rounds to zero has no sign.
             let percent = format!("{:+.4}", 100.0 * (value - 1.0));
             if percent == "-0.0000" || percent == "+0.0000" { "0.0000".to_string() } else { percent }
         };
@@ -49,15 +54,26 @@ pub fn markdown(made: &Provenance, cases: &[(ClosedForm, Outcome)], relations: &
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "| {} | {source} | {:.6} | {deviation} % ({low} to {high}) | {margin} % | {} |",
-            case.name, case.expected, outcome.verdict
+            "| {} | {source} | {} | {deviation} % ({low} to {high}) | {margin} % | {} |",
+            case.name,
+            digits(case.expected),
+            outcome.verdict
         );
     }
     text.push_str(RELATIONS);
-    for outcome in relations {
+    for (relation, outcome) in relations {
         let ratio = ["ratio.G", "ratio.R"].iter().find_map(|name| outcome.figures.get(*name));
         let found = ratio.map_or(outcome.message.clone(), |ratio| format!("ratio of means {ratio:.5}"));
-        let _ = writeln!(text, "| {} | {found} | {} |", outcome.subject, outcome.verdict);
+        let margin = match relation.alike {
+            Alike::Bits => "bits".to_string(),
+            Alike::Expectation(margin) => format!("{} %", 100.0 * margin),
+        };
+        let _ = writeln!(text, "| {} | {found} | {margin} | {} |", outcome.subject, outcome.verdict);
     }
     text
+}
+
+/// Six decimals, or six significant digits where fewer than three would remain.
+fn digits(value: f64) -> String {
+    if value.abs() < 1e-3 && value != 0.0 { format!("{value:.5e}") } else { format!("{value:.6}") }
 }

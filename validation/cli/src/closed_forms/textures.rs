@@ -6,7 +6,7 @@ use etalon::spectrum::observer::luminance;
 
 pub fn cases() -> Vec<ClosedForm> {
     let place = to_world(&[look_at([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0])]);
-    // The film sees the rectangle's unit square of uv exactly.
+    // The film sees exactly the rectangle's unit square of uv.
     let camera = format!("<sensor type=\"orthographic\">{place}{}</sensor>", film(8, 8));
     let card = |texture: &str| {
         let lit = scene(&[&path(2), &camera, &shape("rectangle", &[], &bsdf("diffuse", texture))]);
@@ -41,8 +41,8 @@ pub fn cases() -> Vec<ClosedForm> {
     ]
 }
 
-/// Both halves of the unit square to a side are one colour each; of a square s × t the shares are those of
-/// its corners.
+/// Each half of the unit square along an axis has one colour; of a square s × t the shares are those of its
+/// corners.
 fn cut(s: f64, t: f64) -> f64 {
     let (a, b) = (0.5 / s, 0.5 / t);
     let first = a * b + (1.0 - a) * (1.0 - b);

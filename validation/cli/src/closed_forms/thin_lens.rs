@@ -1,5 +1,5 @@
-//! Blur of a thin lens: rays of a pixel cover, at depth z, a disk of radius b|1 − z/d| (b the aperture's
-//! radius, d the depth of focus).
+//! The blur of a thin lens: at depth z the rays of a pixel cover a disk of radius b|1 − z/d|, where b is the
+//! aperture's radius and d the focus distance.
 
 use super::ClosedForm;
 use crate::stage::*;
@@ -15,7 +15,7 @@ pub fn cases() -> Vec<ClosedForm> {
     let mut cases = vec![];
     for (name, depth) in [("behind", 5.0), ("before", 1.0)] {
         let blur = blur(depth);
-        // The light's outline lies within the blur: every pixel near the axis sees the same share of it.
+        // The light's outline lies within the blur, so every pixel near the axis sees the same share of it.
         let light = shape(
             "disk",
             &[scale([0.4 * blur; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])],
@@ -25,7 +25,7 @@ pub fn cases() -> Vec<ClosedForm> {
         cases
             .push(ClosedForm::new(format!("small_light_{name}_focus"), SOURCE, scene, 0.16).samples(1 << 14));
         for offset in [-0.5, 0.0, 0.3] {
-            // A half-plane of light whose edge lies `offset` blur radii from the axis.
+            // A half-plane of light whose edge is `offset` blur radii from the axis.
             let edge =
                 [scale([100.0; 3]), rotate('x', 180.0), translate([100.0 + offset * blur, 0.0, depth])];
             let scene =
@@ -37,14 +37,14 @@ pub fn cases() -> Vec<ClosedForm> {
                     .samples(1 << 14),
             );
         }
-        // A light of half the blur's radius in a wide film: its image is the two disks' convolution, whose
-        // mean square radius is (a² + c²)/2.
+        // A light of half the blur's radius on a wide film: its image is the convolution of the two disks,
+        // whose mean square radius is (a² + c²)/2.
         let a = 0.5 * blur;
         let light =
             shape("disk", &[scale([a; 3]), rotate('x', 180.0), translate([0.0, 0.0, depth])], &area(1.0));
         let degrees = 2.0 * libm::atan(2.0 * blur / depth).to_degrees();
         let scene = self::scene(&[&path(1), &camera(degrees, &film(64, 64)), &light]);
-        // In pixels of the film 4 blur radii wide, plus 1/12 for each axis that grouping into pixels adds
+        // In pixels of the film, which is 4 blur radii wide, plus 1/12 per axis for the grouping into pixels
         // (Sheppard's correction).
         let pixel = 4.0 / 64.0;
         let expected = 0.5 * (0.25 + 1.0) / (pixel * pixel) + 1.0 / 6.0;
@@ -63,7 +63,7 @@ fn blur(depth: f64) -> f64 {
     APERTURE * (1.0 - depth / FOCUS).abs()
 }
 
-/// At the origin, looking along +z with +x to the left.
+/// A camera at the origin, looking along +z with +x to the left.
 fn camera(degrees: f64, film: &str) -> String {
     pinhole(&look_at([0.0; 3], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]), degrees, film)
         .replace("\"perspective\">", &format!("\"thinlens\">{}", lens()))
@@ -73,7 +73,7 @@ fn lens() -> String {
     float("aperture_radius", APERTURE) + &float("focus_distance", FOCUS)
 }
 
-/// Of the light in the image about its middle, in pixels.
+/// Mean square distance of the light in the image from its centre, in pixels.
 fn mean_square_radius(image: &Image) -> f64 {
     let Some(channel) = image.channels.first() else { return f64::NAN };
     let middle = (0.5 * image.width as f64, 0.5 * image.height as f64);

@@ -1,4 +1,4 @@
-//! Lossless things in uniform light, which must not be seen: to 10⁻⁴, in RGB and in spectral mode, and
+//! Lossless objects in uniform light, which must be invisible: to 10⁻⁴, in RGB and in spectral mode, and
 //! wavelength by wavelength where they disperse.
 
 use super::ClosedForm;
@@ -8,7 +8,7 @@ use validation::microfacet::{Rough, Slopes};
 
 const INVISIBLE: &str = "a lossless body in a furnace of radiance 1 cannot be seen (Kirchhoff)";
 
-/// The largest deviation from the background that is none.
+/// The largest deviation from the background that counts as none.
 const MARGIN: f64 = 1e-4;
 
 pub fn cases() -> Vec<ClosedForm> {
@@ -30,7 +30,8 @@ pub fn cases() -> Vec<ClosedForm> {
         ("diamond_ball", ball(&glass(2.4)), 8),
         ("bubble", ball(&glass(0.75)), 8),
         ("thin_ball", ball(&bsdf("thindielectric", &float("int_ior", 1.5))), 8),
-        // The rougher, the more single scattering loses; at these widths it is below the margin.
+        // The rougher the surface, the more single scattering loses; at these roughnesses the loss is below
+        // the margin.
         ("rough_glass_ball_beckmann", ball(&rough("beckmann", 0.005)), 12),
         ("rough_glass_ball_ggx", ball(&rough("ggx", 0.001)), 12),
     ] {
@@ -43,7 +44,8 @@ pub fn cases() -> Vec<ClosedForm> {
         cases.extend(both(name, scene(&[&path(-1), &place, &panes, &constant(1.0)]), 1 << 8));
     }
     let place = pointed([-3.0, 0.0, 5.0], [0.0, 0.1, 0.05]);
-    // It is there to see what rounding does to so many; roulette would weigh the few that it leaves.
+    // The case tests rounding over that many bounces, so roulette, which leaves few paths of large weight, is
+    // off.
     let whole = path(-1).replace("value=\"5\"", "value=\"65536\"");
     let rod = scene(&[&whole, &place, &rod(&glass(2.4)), &constant(1.0)]);
     cases.extend(both("diamond_rod_of_1000_bounces", rod, 1 << 9));
@@ -52,8 +54,8 @@ pub fn cases() -> Vec<ClosedForm> {
     cases
 }
 
-/// A case in RGB, and one in spectral mode, whose white is the observer's of D65. What noise there is comes
-/// from the wavelengths, of which stratified samples leave little.
+/// A case in RGB, and one in spectral mode, whose white is the observer's response to D65. The only noise is
+/// that of the wavelengths, which stratified samples mostly remove.
 fn both(name: &str, scene: String, samples: u64) -> Vec<ClosedForm> {
     let stratified = scene.replace("</sensor>", "<sampler type=\"multijitter\"/></sensor>");
     let spectral = ClosedForm::new(format!("{name}_spectral"), INVISIBLE, stratified, white()).spectral();
@@ -61,12 +63,12 @@ fn both(name: &str, scene: String, samples: u64) -> Vec<ClosedForm> {
     [rgb, spectral].map(|case| case.margin(MARGIN).samples(samples)).into()
 }
 
-/// A camera that sees a unit sphere at the origin, and some of what is behind.
+/// A camera that sees a unit sphere at the origin, and some of the background.
 fn portrait() -> String {
     pinhole(&look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]), 32.0, &film(8, 8))
 }
 
-/// A wide pane at height `z`; of glass, if it has a thickness.
+/// A wide pane at height `z`; it is a slab of glass if it has a thickness.
 fn pane(wears: &str, z: f64, thickness: Option<f64>) -> String {
     let face = |steps: &[String], z: f64| {
         let steps = [&[scale([100.0, 100.0, 1.0])], steps, &[translate([0.0, 0.0, z])]].concat();
@@ -78,9 +80,9 @@ fn pane(wears: &str, z: f64, thickness: Option<f64>) -> String {
     }
 }
 
-/// A rod along +x, from 0 to 6000, of radius 1, closed by two disks. A ray that enters at 59° to its axis
-/// runs on at asin(sin 59°/2.4) = 21° and meets the wall at least once in 2/tan 21° = 5.2 lengths: 1150
-/// times, always reflected totally, before it comes to the other end; one in six turns back there.
+/// A rod of radius 1 along +x, from 0 to 6000, closed by two disks. A ray that enters at 59° to its axis
+/// continues at asin(sin 59°/2.4) = 21° and meets the wall at least once in 2/tan 21° = 5.2 lengths: 1150
+/// times, always with total reflection, before it reaches the other end; one in six turns back there.
 fn rod(wears: &str) -> String {
     const LENGTH: f64 = 6000.0;
     let wall = format!(
@@ -91,9 +93,10 @@ fn rod(wears: &str) -> String {
     wall + &end(-90.0, 0.0) + &end(90.0, LENGTH)
 }
 
-/// From within a bubble in a ball of SF11, in three bands of wavelengths. Whatever way light comes in, it has
-/// been refracted and its wavelengths separated; and the weight of every path is 1. So an image's value
-/// depends on nothing that is drawn but the wavelength, which a stratified sampler all but integrates.
+/// Seen from within a bubble in a ball of SF11, in three bands of wavelengths. All light has been refracted,
+/// and its wavelengths separated, before it arrives; and the weight of every path is 1. So an image's value
+/// depends on no random number but that of the wavelength, over which a stratified sampler integrates almost
+/// exactly.
 fn dispersing() -> Vec<ClosedForm> {
     let glass = bsdf("dielectric", "<string name=\"dispersion\" value=\"sf11\"/>");
     let inwards = format!("<boolean name=\"flip_normals\" value=\"true\"/>{glass}");
@@ -123,8 +126,8 @@ fn dispersing() -> Vec<ClosedForm> {
     bands.map(case).into()
 }
 
-/// What is not lossless in one bounce: a rough mirror shows what single scattering leaves, by quadrature of
-/// its definition.
+/// Mirrors that are not lossless in one bounce: a rough mirror shows the albedo of single scattering, by
+/// quadrature of its definition.
 fn rough_mirrors() -> Vec<ClosedForm> {
     let source =
         "∫ D G₂/(4 cos θₒ) dω, what single scattering leaves of a furnace (Walter et al. 2007, eq. 20)";

@@ -1,8 +1,8 @@
-//! Does the comparison of images keep its promises on real renders?
+//! The calibration of the image comparison on real renders.
 //!
-//! Two of them. *Level*: pairs of renders of the same scene that differ in nothing but their seed are called
-//! different as often as the level says. *Power*: a loss of 2 % in the noisier half of an image is found, at
-//! the sample budget that Mitsuba's own image tests have (two million a picture, `test_renders.py`).
+//! Two properties are tested. *Level*: pairs of renders of the same scene that differ in their seed only are
+//! called different as often as the level states. *Power*: a loss of 2 % in the noisier half of an image is
+//! detected, at the sample budget of Mitsuba's own image tests (two million per picture, `test_renders.py`).
 
 use crate::provenance::Provenance;
 use crate::references::{Reference, folder, references};
@@ -11,49 +11,51 @@ use validation::Verdict;
 use validation::image::{Image, Settings, compare};
 use validation::statistics::binomial::binomial_two_sided;
 
-/// How much is asked of the comparison.
+/// The effort of the calibration.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Pairs of honest images in all.
+    /// Number of pairs of correct images, over all scenes.
     pub pairs: usize,
-    /// Samples a pixel of these.
+    /// Samples per pixel of these pairs.
     pub samples: u32,
-    /// Renders of a scene at Mitsuba's budget; each is compared with each other, damaged.
+    /// Renders of a scene at Mitsuba's budget; each is compared with a damaged copy of every other.
     pub renders: u64,
 }
 
-/// What the issue of a comparison's calibration is by default.
+/// The default effort.
 pub const EFFORT: Effort = Effort { pairs: 1000, samples: 64, renders: 12 };
 
 /// Samples of an image in Mitsuba's tests.
 const BUDGET: u32 = 2_000_000;
 
-/// What is left of the light of the noisier half.
+/// The share of light that is left in the damaged half.
 const KEPT: f64 = 0.98;
 
-/// Bars: shares of honest pairs that may be rejected; the power that counts, and the share of scenes that
-/// must have it.
+/// Smallest and largest share of correct pairs that may be rejected.
 const REJECTED: [f64; 2] = [0.003, 0.021];
+/// Power that a scene must reach.
 const POWER: f64 = 0.9;
+/// Share of scenes that must reach it.
 const SCENES: f64 = 0.85;
 
-/// What was found on one scene.
+/// The results of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     pub scene: String,
-    /// Honest pairs, and those that were called different.
+    /// Number of pairs of correct images.
     pub pairs: usize,
+    /// Number of those pairs that were called different.
     pub rejected: usize,
-    /// Samples a pixel at Mitsuba's budget.
+    /// Samples per pixel at Mitsuba's budget.
     pub samples: u32,
     /// Share of damaged pairs that were called different.
     pub power: f64,
-    /// The relative standard error of the damaged half's mean luminance-like channel sum, which is what the 2
-    /// % compete with.
+    /// The relative standard error of the mean over the damaged half, in the channel where it is smallest;
+    /// the loss of 2 % must be detected against it.
     pub standard_error: f64,
 }
 
-/// The answer, for a document that is kept.
+/// The result of the calibration, as a document to be committed.
 #[derive(Clone, Debug, Serialize)]
 pub struct Calibration {
     #[serde(flatten)]
@@ -66,12 +68,12 @@ pub struct Calibration {
     pub rows: Vec<Row>,
 }
 
-/// Asks all reference scenes in RGB; `tell` hears of every one.
+/// Calibrates on all reference scenes in RGB; `tell` gets the results of each.
 pub fn calibrate(effort: &Effort, mut tell: impl FnMut(&Row)) -> Result<Calibration, String> {
-    // Before it begins: sources may move on while it renders.
+    // Recorded at the start, since sources may change while it renders.
     let made = Provenance::here()?;
     let mut scenes: Vec<Reference> = references(&folder())?;
-    // Without light there is nothing to lose.
+    // Scenes without light cannot lose any.
     scenes.retain(|scene| scene.name.ends_with("::rgb") && !scene.name.starts_with("depth"));
     let settings = Settings::default();
     let mut rows = vec![];
@@ -98,7 +100,7 @@ fn row(scene: &Reference, pairs: usize, effort: &Effort, settings: &Settings) ->
     }
     let size = colors(scene.render(1, 0)?)?;
     let samples = BUDGET / (size.width * size.height).max(1) as u32;
-    // Seeds that no honest pair has had.
+    // Seeds that no correct pair has used.
     let first = 2 * pairs as u64;
     let images = (0..effort.renders).map(|i| colors(scene.render(samples, first + i)?));
     let images = images.collect::<Result<Vec<Image>, String>>()?;
@@ -121,7 +123,7 @@ fn row(scene: &Reference, pairs: usize, effort: &Effort, settings: &Settings) ->
     })
 }
 
-/// The colours alone: positions and depths neither shine nor fade.
+/// The image with the colour channels only: positions and depths do not change with the light.
 fn colors(mut image: Image) -> Result<Image, String> {
     image.channels.retain(|channel| ["R", "G", "B"].contains(&channel.name.as_str()));
     if image.channels.is_empty() { Err("the image has no colours".into()) } else { Ok(image) }
@@ -140,7 +142,7 @@ fn noisier_half(image: &Image) -> Vec<bool> {
     noisy
 }
 
-/// The image with less light where `chosen`.
+/// The image with the chosen pixels darkened.
 fn dimmed(image: &Image, chosen: &[bool]) -> Image {
     let mut image = image.clone();
     for channel in &mut image.channels {
@@ -152,7 +154,7 @@ fn dimmed(image: &Image, chosen: &[bool]) -> Image {
     image
 }
 
-/// Of the mean over the chosen pixels, in the channel that knows it best.
+/// The relative standard error of the mean over the chosen pixels, in the channel where it is smallest.
 fn relative_error(image: &Image, chosen: &[bool]) -> f64 {
     let sum = |values: &[f64]| -> f64 {
         values.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(value, _)| value).sum()

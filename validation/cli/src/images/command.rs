@@ -34,7 +34,7 @@ pub struct Arguments {
     tile_map: Option<PathBuf>,
 }
 
-/// Compares, or calibrates the comparison.
+/// Compares two images, or calibrates the comparison.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { a, b, calibrate, margin, json, map, tile_map } = arguments;
     check_writable(&[&json, &map, &tile_map])?;

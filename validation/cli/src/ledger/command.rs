@@ -31,7 +31,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-/// Runs what is to be run, and judges the whole file.
+/// Runs the reseeded suites, and judges the whole file.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { file, reseed, batch, samples, checks, json } = arguments;
     let mut suite = suite(samples);
@@ -53,7 +53,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     Ok(summary.report().verdict)
 }
 
-/// Materials, what else is drawn, and their efforts: all trials together share a level of 1 %.
+/// All trials of materials and of other sampled distributions with their efforts; together they share a level
+/// of 1 %.
 fn suite(samples: usize) -> Vec<(Trial, Effort)> {
     let scattered = [materials::trials(None), limits::trials(None)].concat();
     let drawn = sampling::trials(None);

@@ -1,6 +1,6 @@
-//! The ledger: what reseeded runs of the suite found, one JSON object a line, and whether that is what chance
-//! alone would give. A p-value must be uniform, and a suite at level 1 % must reject an honest renderer once
-//! in a hundred runs.
+//! The ledger: results of reseeded runs of the suite, one JSON object per line, and tests of whether they
+//! agree with chance. P-values must be uniform, and a suite at level 1 % must reject a correct renderer in
+//! one of a hundred runs.
 
 pub mod command;
 
@@ -18,7 +18,7 @@ use validation::report::{Outcome, Report};
 use validation::statistics::binomial::binomial_two_sided;
 use validation::statistics::{Verdict, uniformity};
 
-/// Of the p-values of one check, the least probability at which they count as uniform.
+/// Level at which the p-values of one check are called not uniform.
 const LEVEL: f64 = 0.001;
 
 /// The level that all trials of a run share.
@@ -42,24 +42,25 @@ enum Line {
         run: u64,
         trials: usize,
         samples: usize,
-        /// What was called different, and why.
+        /// The outcomes that were called different, with the reason.
         rejected: Vec<String>,
     },
 }
 
-/// What a ledger comes to, for a document that is kept.
+/// Summary of a ledger, as a document to be committed.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     #[serde(flatten)]
     made: Provenance,
-    /// Samples of each trial, by number of runs.
+    /// Number of runs by their samples per trial.
     samples: BTreeMap<usize, usize>,
     p_values: usize,
     /// Share of all p-values in each twentieth of \[0, 1\].
     histogram: Vec<f64>,
     runs: usize,
-    /// Runs in which some trial rejected, and what these trials said.
+    /// Number of runs in which some trial rejected.
     rejecting_runs: usize,
+    /// Messages of the trials that rejected.
     rejected: Vec<String>,
     report: Report,
 }
@@ -69,7 +70,7 @@ pub fn append(path: &Path, outcomes: &[Outcome], number: u64) -> Result<(), Stri
     write(path, outcomes.iter().filter_map(|outcome| p_value(outcome, number)))
 }
 
-/// Runs all trials once for each of `numbers`, and appends the p-values and what was rejected.
+/// Runs all trials once for each of `numbers`, and appends the p-values and the rejections.
 pub fn rerun(path: &Path, trials: &[(Trial, Effort)], numbers: Range<u64>) -> Result<(), String> {
     let mut runs: BTreeMap<u64, Vec<String>> = numbers.clone().map(|number| (number, vec![])).collect();
     let mut lines = vec![];
@@ -87,7 +88,7 @@ pub fn rerun(path: &Path, trials: &[(Trial, Effort)], numbers: Range<u64>) -> Re
     write(path, lines.into_iter().chain(runs.into_iter().map(run)))
 }
 
-/// The number after those of the runs that a file has.
+/// The number after those of the runs in a file.
 pub fn next(path: &Path) -> Result<u64, String> {
     let lines = if path.exists() { read(path)? } else { vec![] };
     let runs =
@@ -97,7 +98,7 @@ pub fn next(path: &Path) -> Result<u64, String> {
 
 fn p_value(outcome: &Outcome, number: u64) -> Option<Line> {
     let (check, subject) = (outcome.check.clone(), outcome.subject.clone());
-    // JSON has no NaN, and what gives one is as wrong as can be.
+    // JSON has no NaN; a test that gives one counts as rejected.
     outcome.p_value.map(|p| Line::PValue { check, subject, number, p: if p.is_nan() { 0.0 } else { p } })
 }
 
@@ -118,7 +119,7 @@ fn read(path: &Path) -> Result<Vec<Line>, String> {
     text.lines().enumerate().map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
 }
 
-/// Fewer p-values or runs than these show nothing.
+/// Least number of p-values or runs for a verdict.
 const ENOUGH: usize = 200;
 
 /// Tests each check's p-values, and all together, for uniformity (Kolmogorov and Smirnov), and the runs for
@@ -131,7 +132,7 @@ pub fn judge(path: &Path) -> Result<Summary, String> {
     for line in read(path)? {
         match line {
             Line::PValue { check, subject, number, p } => {
-                // The same question with the same seed is one piece of evidence, however often it was asked.
+                // The same test with the same seed is one piece of evidence, however often it was run.
                 if known.insert((check.clone(), subject, number)) {
                     for name in [check, "all".to_string()] {
                         checks.entry(name).or_default().push(p);
@@ -169,7 +170,7 @@ pub fn judge(path: &Path) -> Result<Summary, String> {
 }
 
 impl Summary {
-    /// What was asked, and the answers.
+    /// The outcomes of the tests.
     pub fn report(&self) -> &Report {
         &self.report
     }
@@ -193,8 +194,8 @@ fn uniform((check, values): (String, Vec<f64>)) -> Outcome {
     outcome.p_value(uniform).figure("count", values.len() as f64)
 }
 
-/// Whether so many rejecting runs are what the level gives: of 200 at 1 %, six are and seven (once in 230)
-/// are not.
+/// Whether the number of rejecting runs agrees with the level: of 200 at 1 %, six do and seven (with
+/// probability 1/230) do not.
 fn level(runs: usize, rejecting: usize) -> Outcome {
     let p = binomial_two_sided(rejecting as u64, runs as u64, SUITE);
     let excessive = rejecting as f64 > SUITE * runs as f64 && p < 0.01;
@@ -223,7 +224,7 @@ mod tests {
             let outcomes: Vec<Outcome> = p_values.enumerate().map(outcome).collect();
             append(&path, &outcomes, 3).unwrap();
             assert_eq!(judge(&path).unwrap().report.verdict, verdict);
-            // Said again, they are the same evidence.
+            // Appended again, they are the same evidence.
             append(&path, &outcomes, 3).unwrap();
             assert_eq!(judge(&path).unwrap().p_values, 10_000);
             std::fs::remove_file(&path).unwrap();

@@ -1,4 +1,5 @@
-//! Emitter samples by mirrors change the noise and nothing else, whatever the mirror and what it shows.
+//! Relations of emitter samples by mirrors: they change the noise only, whatever the mirror and its
+//! reflection are.
 
 use super::Relation;
 use super::caustics::{ball, block, glass, globe, room, sheet, with_integrator};
@@ -17,7 +18,7 @@ pub fn relations() -> Vec<Relation> {
         "conductor",
         "<texture type=\"checkerboard\" name=\"specular_reflectance\"><float name=\"color0\" value=\"0.2\"/><float name=\"color1\" value=\"0.9\"/></texture>",
     );
-    // The lamp shines at the sheet alone.
+    // The lamp illuminates the sheet only.
     let hidden =
         shape("rectangle", &[scale([0.25; 3]), rotate('y', 90.0), translate([0.2, 0.3, 1.3])], &area(20.0));
     let within = sphere([-0.5, 0.0, 0.8], 0.7, &glass("")) + &sphere([-0.5, 0.0, 0.8], 0.3, &metal());
@@ -56,7 +57,7 @@ pub fn relations() -> Vec<Relation> {
         relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)),
         with_integrator(relation("four_samples", 1.0, &(ball(&metal()) + &sheet(&metal()))), four)
             .at_length(),
-        // By the mirror the lamp is two edges from the floor, and the camera a third.
+        // By way of the mirror the lamp is two edges from the floor, and the camera a third.
         up_to(2, "one_edge_too_far", 0.0, &room(&ball(&metal()))),
         up_to(3, "no_edge_too_far", 1.0, &room(&ball(&metal()))),
         relation(

@@ -1,26 +1,25 @@
-//! Light paths change the noise and nothing else, whatever lens, film, glass and surface they pass.
+//! Relations of light paths: they change the noise only, whatever lens, film, glass and surface they pass.
 
 use super::still_life::*;
 use super::{Relation, Term};
 use crate::stage::*;
 
-/// The integrator with so many light paths to a camera path, and with this longest path.
+/// A path integrator with `share` light paths per camera path, and paths of at most `longest` edges.
 pub(super) fn with_light_paths(share: f64, longest: i64) -> String {
     path(longest).replace("</integrator>", &(float("light_paths", share) + "</integrator>"))
 }
 
-/// The same with emitters sampled through glass and by mirrors at these vertices.
+/// The integrator with emitters sampled through glass and by mirrors at the vertices that `at` names.
 pub(super) fn with_links(integrator: &str, at: &str) -> String {
     integrator.replace("</integrator>", &format!("<string name=\"links\" value=\"{at}\"/></integrator>"))
 }
 
-/// The integrator that finds whatever it finds from the camera, and by no other way than scattering if that
-/// is through glass.
+/// The integrator that finds all light from the camera, and light through glass by scattering only.
 pub(super) fn plain(longest: i64) -> String {
     with_links(&with_light_paths(0.0, longest), "never")
 }
 
-/// What that finds is what this integrator does.
+/// The relation that `integrator` has the expectation of [`plain`].
 pub(super) fn as_plain(
     name: &str,
     longest: i64,
@@ -31,7 +30,7 @@ pub(super) fn as_plain(
     Relation::expectation(name, side(plain(longest)), side(integrator)).samples(4096)
 }
 
-/// A matte floor and wall under a lamp, and this besides.
+/// A matte floor and wall under a lamp, with further objects.
 pub(super) fn room(things: &str) -> String {
     let objects = objects(&[]);
     objects[..2].concat() + &lamp(8.0) + things
@@ -50,7 +49,7 @@ pub(super) fn block(wears: &str) -> String {
     shape("cube", &[scale([0.4, 0.4, 0.5]), rotate('z', 25.0), translate([0.8, 0.2, 0.55])], wears)
 }
 
-/// A mesh with shading normals.
+/// A mesh with shading normals, the shape of a vase.
 pub(super) fn vase(wears: &str) -> String {
     let steps = [scale([0.6; 3]), rotate('x', 90.0), translate([-0.6, 0.0, 0.1])];
     shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/vase.obj\"/>{wears}"))
@@ -66,18 +65,18 @@ pub(super) fn globe() -> String {
     sphere([-0.5, 0.0, 1.0], 0.25, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, &glass(""))
 }
 
-/// Something matte in a ball of glass.
+/// A matte sphere in a ball of glass.
 pub(super) fn within() -> String {
     sphere([-0.5, 0.0, 0.8], 0.7, &glass("")) + &sphere([-0.5, 0.0, 0.8], 0.4, &diffuse(0.6))
 }
 
-/// Matte, and half of all light passes.
+/// A matte material that transmits half of the light unchanged.
 pub(super) fn half_open(albedo: f64) -> String {
     format!("<bsdf type=\"mask\">{}{}</bsdf>", float("opacity", 0.5), diffuse(albedo))
 }
 
-/// Sides that may let light through, and differ: no light path goes where it would have to know from where the
-/// camera comes.
+/// A material with different sides that may transmit light. No light path scatters there, since its BSDF
+/// depends on the side of the camera.
 pub(super) fn two_sided(wears: &str) -> String {
     format!("<bsdf type=\"twosided\"><boolean name=\"allow_transmission\" value=\"true\"/>{wears}</bsdf>")
 }
@@ -88,18 +87,18 @@ fn upright(y: f64, wears: &str) -> String {
     shape("rectangle", &steps, wears)
 }
 
-/// Half hides the objects.
+/// A half-transparent sheet in front of the objects.
 pub(super) fn veil() -> String {
     upright(-1.5, &half_open(0.4))
 }
 
-/// A plate that throws light from above at the wall, with shading normals that are all turned by 20°.
+/// A plate that reflects light from above onto the wall, with shading normals that are all turned by 20°.
 fn turned_plate(wears: &str) -> String {
     let steps = [scale([0.6, 0.6, 1.0]), rotate('x', -30.0), translate([-0.3, 0.0, 0.9])];
     shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/turned_plate.obj\"/>{wears}"))
 }
 
-/// Edges of the longest path, where nothing else is said.
+/// Number of edges of the longest path by default.
 const LONGEST: i64 = 6;
 
 fn relation(name: &str, camera: &str, world: &str) -> Relation {
@@ -110,12 +109,12 @@ fn up_to(longest: i64, name: &str, camera: &str, world: &str) -> Relation {
     as_plain(name, longest, with_light_paths(1.0, longest), (camera, world))
 }
 
-/// The integrator of both sides with an option that ends its element.
+/// The relation with an option appended to the integrator element of both sides.
 pub(super) fn with_integrator(relation: Relation, option: &str) -> Relation {
     replaced(relation, "</integrator>", option)
 }
 
-/// The relation with something else in the scenes of both sides.
+/// The relation with a piece of the scenes of both sides replaced.
 fn replaced(relation: Relation, piece: &str, by: &str) -> Relation {
     let with = |terms: Vec<Term>| {
         let with = |term: Term| Term { scene: term.scene.replace(piece, by), ..term };
@@ -173,7 +172,7 @@ pub fn relations() -> Vec<Relation> {
     let shining_floor = floor(&(diffuse(0.7) + &area(0.1)));
     let polished = bsdf("roughconductor", &float("alpha", 0.1));
     let frosted = bsdf("roughdielectric", &(float("alpha", 0.15) + &float("int_ior", 1.5)));
-    // It shines at the camera and covers all of the view.
+    // The lamp faces the camera and covers all of the view.
     let plate = {
         let steps = [scale([0.4; 3]), rotate('x', 90.0), translate([0.18, -4.1, 1.5])];
         shape("rectangle", &steps, &area(1.0))
@@ -236,7 +235,7 @@ pub fn relations() -> Vec<Relation> {
         relation("two_lamps", &view, &room(&(ball(&mirror()) + &second))).samples(8192).at_length(),
         relation("behind_a_veil", &view, &room(&(ball(&mirror()) + &veil()))),
         hidden(relation("behind_a_hidden_lamp", &view, &room(&(ball(&glass("")) + &plate)))),
-        // A lamp that reflects, too, and that the camera looks through.
+        // A lamp that also reflects, and through which the camera looks.
         hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor))))
             .samples(8192),
         relation("two_sided_glass", &view, &room(&block(&two_sided(&glass(""))))),

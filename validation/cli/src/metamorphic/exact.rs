@@ -1,4 +1,4 @@
-//! What must not change a bit.
+//! Changes of a scene that must not change a bit of the image, except for an exact factor.
 
 use super::still_life::*;
 use super::{Relation, Term};

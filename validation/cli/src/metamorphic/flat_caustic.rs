@@ -1,8 +1,7 @@
-//! An even caustic that hardly anything but light paths can find, so that whatever is wrong with these is
-//! seen in full.
+//! A uniform caustic that practically only light paths find, so that an error of theirs shows fully.
 //!
-//! A flat mirror, upright beside the floor, throws the light of a small and far lamp upon it, and a screen
-//! keeps off what would come straight. Of a million camera paths one meets the lamp by the mirror.
+//! A flat mirror, upright beside the floor, reflects the light of a small and distant lamp onto it, and a
+//! screen blocks the direct light. One of a million camera paths hits the lamp by way of the mirror.
 
 use super::caustics::with_light_paths;
 use super::still_life::INDEPENDENT;
@@ -22,8 +21,9 @@ fn floor(filter: &str) -> String {
         let steps = [scale([half, half, 1.0]), rotate('y', towards), translate([x, 0.0, z])];
         shape("rectangle", &steps, wears)
     };
-    // The lamp's image stands at (90, 0, 90): what lights a place of the floor passes at a third of the way.
-    // The whole lamp is to be seen in the mirror from every place in view, which is 1 to each side.
+    // The lamp's mirror image is at (90, 0, 90), so light on its way to a point of the floor crosses the
+    // mirror at a third of the distance. The whole lamp must be visible in the mirror from every point in
+    // view, which extends 1 to each side.
     const LAMP: f64 = 0.1;
     let mirror = 2.0 / 3.0 + LAMP / 3.0 + 0.01;
     scene(&[
@@ -45,8 +45,8 @@ fn edges(image: &Image) -> Image {
 }
 
 pub fn relations() -> Vec<Relation> {
-    // What is even is the same through any filter, at the edges as well, where filters are cut. Over the
-    // whole film light is only moved about, whatever is wrong with its weights.
+    // A uniform image is the same through any filter, also at the edges, where filters are cut off. Over the
+    // whole film wrong weights only move light about.
     let seen = |filter: &str| vec![Term { view: Some(edges), ..Term::new(floor(filter)) }];
     vec![Relation::expectation("edges_of_a_gaussian_film", seen("box"), seen("gaussian")).samples(3 * 65_536)]
 }

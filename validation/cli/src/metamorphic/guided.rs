@@ -1,4 +1,4 @@
-//! Guided emitter samples change the noise and nothing else, whatever is on the way and however many
+//! Relations of guided emitter samples: they change the noise only, whatever lies between and however many
 //! surfaces.
 
 use super::caustics::{
@@ -9,7 +9,8 @@ use super::still_life::*;
 use super::{Relation, reuse};
 use crate::stage::*;
 
-/// At all vertices without light paths, with them where they cannot help.
+/// Guided samples at all vertices without light paths, and with light paths at the vertices where these do
+/// not help.
 fn relation(name: &str, share: f64, things: &str) -> Relation {
     up_to(6, name, share, things)
 }
@@ -25,9 +26,9 @@ pub fn relations() -> Vec<Relation> {
     let sheet = sheet(&bsdf("twosided", &metal()));
     let plastic = bsdf("plastic", &grey("diffuse_reflectance", 0.5));
     let dull = sphere([0.9, -0.3, 0.4], 0.4, &bsdf("roughplastic", &float("alpha", 0.2)));
-    // All light from the lamp comes by two surfaces.
+    // All light from the lamp passes two surfaces.
     let slab = shape("cube", &[scale([2.9, 2.9, 0.1]), translate([0.0, 0.0, 1.9])], &clear());
-    // Emitters that light goes through and is reflected by.
+    // An emitter that also transmits and reflects light.
     let shining = sphere([0.9, -0.3, 0.4], 0.4, &(clear() + &area(0.5)));
     let four = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
     let flint = "<bsdf type=\"dielectric\"><string name=\"dispersion\" value=\"sf11\"/></bsdf>";

@@ -1,11 +1,11 @@
-//! Things that must not be seen, and adapters that must not matter.
+//! Objects that must be invisible, and adapters that must have no effect.
 
 use super::still_life::*;
 use super::{Relation, Term};
 use crate::stage::*;
 
 pub fn relations() -> Vec<Relation> {
-    // No limit of the path's length: what is invisible lengthens it.
+    // Path lengths are not limited, because invisible surfaces lengthen paths.
     let plain = || vec![Term::new(endless(""))];
     let besides =
         |name: &str, more: &str| Relation::expectation(name, plain(), vec![Term::new(endless(more))]);
@@ -45,7 +45,7 @@ pub fn relations() -> Vec<Relation> {
 const ONE_COLOUR: &str = "<texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" value=\"0.7\"/>\
      <rgb name=\"color1\" value=\"0.7\"/></texture>";
 
-/// Light that meets an invisible surface on its way to a lamp is found by chance only: the lamp is a sky.
+/// Light that meets an invisible surface on its way to a lamp is found by chance only, so the lamp is a sky.
 fn endless(more: &str) -> String {
     with_light(&(constant(1.0) + more)).replace(&path(4), &path(-1))
 }

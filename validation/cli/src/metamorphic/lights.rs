@@ -1,4 +1,4 @@
-//! Light adds up, and may be divided.
+//! Superposition and subdivision of lights.
 
 use super::still_life::*;
 use super::{Relation, Term};
@@ -42,8 +42,8 @@ pub fn relations() -> Vec<Relation> {
     ]
 }
 
-/// An octahedron that shines, smooth or of flat faces: which side of a face shines is no matter of its
-/// shading normal, which looks away from most of what sees the face at a slant.
+/// A luminous octahedron, smooth or with flat faces: which side of a face emits does not depend on its
+/// shading normal, which points away from most points that see the face at a grazing angle.
 fn faceted_lamp(flat: bool) -> String {
     let mesh = format!(
         "<string name=\"filename\" value=\"meshes/octahedron.ply\"/><boolean name=\"face_normals\" value=\"{flat}\"/>"
@@ -55,7 +55,7 @@ fn faceted_lamp(flat: bool) -> String {
     )
 }
 
-/// A lamp at the left, beside the view. Unlit it still casts shadows.
+/// A lamp at the left, outside of the view. Unlit it still casts shadows.
 fn side_lamp(radiance: f64) -> String {
     shape("rectangle", &[scale([0.5; 3]), rotate('y', 90.0), translate([-2.6, -0.5, 1.0])], &area(radiance))
 }

@@ -1,5 +1,5 @@
-//! The light of many emitters is the sum of what each brings alone: which is chosen depends on the place, and
-//! alone there is no choice.
+//! The light of many emitters is the sum of the light of each alone: emitters are selected with probabilities
+//! that depend on the receiver, and a single emitter needs no selection.
 
 use super::caustics::{ball, glass, with_light_paths, with_links};
 use super::reuse::one_of;
@@ -8,14 +8,14 @@ use super::{Relation, Term};
 use crate::stage::*;
 use validation::image::Image;
 
-/// Emitters with a surface, out of view. Those that are not lit are black.
+/// Emitters with a surface, outside of the view. Those that are not lit are black.
 fn lamps(lit: impl Fn(usize) -> bool) -> String {
     let kinds: [(&str, Vec<String>, f64); 5] = [
         ("rectangle", lamp_steps(), 4.0),
         ("sphere", vec![scale([0.1; 3]), translate([-1.2, -0.8, 2.4])], 30.0),
         ("obj", vec![scale([0.1, 0.2, 0.1]), rotate('z', 30.0), translate([0.9, -0.9, 2.4])], 20.0),
         ("cylinder", vec![scale([0.03, 0.03, 0.8]), rotate('y', 90.0), translate([-0.4, 0.6, 2.6])], 20.0),
-        // Level with the objects, and half of the floor is behind it.
+        // At the height of the objects, with half of the floor behind it.
         ("disk", vec![scale([0.3; 3]), rotate('y', -80.0), translate([2.4, 0.2, 0.8])], 20.0),
     ];
     let lamp = |(i, (kind, steps, radiance)): (usize, (&str, Vec<String>, f64))| {
@@ -48,7 +48,8 @@ fn lights() -> [String; 5] {
 
 const LAMPS: usize = 5;
 
-/// What this integrator sees of the lamps and of these lights in a room, together and one by one.
+/// The relation that the integrator's image of a room with all lamps and these lights is the sum of the
+/// images with one of them each.
 fn together(
     name: &str,
     integrator: &str,
@@ -64,7 +65,7 @@ fn together(
     Relation::expectation(name, alone, vec![room(&|_| true, &lights.concat())]).samples(512)
 }
 
-/// All kinds of emitters.
+/// The relation for all kinds of emitters.
 fn all_kinds(name: &str, integrator: &str) -> Relation {
     together(name, integrator, ("", &lights()), None)
 }

@@ -1,4 +1,4 @@
-//! Ways to the same image: integrators, samplers, colour modes.
+//! Different methods for the same image: integrators, samplers, colour modes.
 
 use super::still_life::*;
 use super::{Alike, Relation, Term};
@@ -15,7 +15,8 @@ pub fn relations() -> Vec<Relation> {
     };
     let direct = |emitters: u32, bsdfs: u32| by(&direct_integrator(emitters, bsdfs));
     let short = || by(&path(2));
-    // Lamps whose parts of a texture do not have areas in proportion, or, on the cube, share one.
+    // Lamps on which the areas of a texture's parts are not in proportion, or, on the cube, that share a
+    // texture between faces.
     let checkered = |kind: &str| {
         let board = "<texture type=\"checkerboard\" name=\"radiance\"><rgb name=\"color0\" value=\"0.1, 0.4, 1\"/>\
              <rgb name=\"color1\" value=\"1, 0.4, 0.1\"/><transform name=\"to_uv\"><scale value=\"3\"/></transform></texture>";

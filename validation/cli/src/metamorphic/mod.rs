@@ -1,9 +1,8 @@
 //! Relations between renders that hold whatever the true image is.
 //!
-//! A relation is data: two sides, each a sum of renders, and how alike they must be. What can be
-//! bit-identical is asked to be; everything else must be *equivalent*, by the harness's own comparison of
-//! images: the 99 % interval of the ratio of the means lies within the margin, and no tile is beyond its
-//! noise.
+//! A relation is data: two sides, each a sum of renders, and how they must agree. Renders that can be
+//! bit-identical must be; all others must be *equivalent*, by the harness's own comparison of images: the 99
+//! % interval of the ratio of the means lies within the margin, and no tile differs significantly.
 //!
 //! *How to add one*: an entry in the `relations` of the file it belongs to; for a new family, a file and its
 //! line in [`FAMILIES`].
@@ -41,17 +40,18 @@ use validation::{Outcome, Verdict};
 pub struct Term {
     pub scene: String,
     pub mode: ColorMode,
-    /// The image times this.
+    /// Factor on the image.
     pub factor: f64,
-    /// The image seen in a mirror: columns from the right.
+    /// Whether the image is mirrored: its columns are reversed.
     pub mirrored: bool,
-    /// Render these pixels only.
+    /// Window of the film to render; all if absent.
     pub window: Option<Window>,
-    /// Take these pixels of the whole image.
+    /// Window to cut from the whole image; all if absent.
     pub cut: Option<Window>,
-    /// Render as shards that end at these shares of the samples, and merge them.
+    /// Shares of the samples at which shards end; the shards are rendered separately and merged. Empty for a
+    /// single render.
     pub shards: &'static [f64],
-    /// Compare this of the image.
+    /// The part or function of the image to compare; the whole image if absent.
     pub view: Option<fn(&Image) -> Image>,
 }
 
@@ -113,7 +113,7 @@ fn part(image: &Image, window: Window) -> Image {
     chosen(image, (width, height), inside)
 }
 
-/// The pixels (column, row) that are wanted, in the order of rows, as an image of this width and height.
+/// The pixels (column, row) that `wanted` accepts, in row-major order, as an image of this width and height.
 fn chosen(image: &Image, (width, height): (usize, usize), wanted: impl Fn(usize, usize) -> bool) -> Image {
     let pick = |values: &[f64]| {
         let pixels = values.iter().enumerate();
@@ -128,7 +128,7 @@ fn chosen(image: &Image, (width, height): (usize, usize), wanted: impl Fn(usize,
     Image { width, height, channels }
 }
 
-/// How alike both sides must be.
+/// How both sides must agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alike {
     /// Bit for bit, means and variances; both sides have the same seed.
@@ -138,7 +138,7 @@ pub enum Alike {
 }
 
 impl Alike {
-    /// The largest relative difference that is none.
+    /// The largest relative difference that counts as equivalent.
     pub fn margin(self) -> f64 {
         match self {
             Self::Bits => 0.0,
@@ -147,17 +147,17 @@ impl Alike {
     }
 }
 
-/// Two sums of renders that must be alike.
+/// Two sums of renders that must agree.
 #[derive(Clone, Debug)]
 pub struct Relation {
     pub name: String,
     pub left: Vec<Term>,
     pub right: Vec<Term>,
     pub alike: Alike,
-    /// Samples a pixel of each render.
+    /// Samples per pixel of each render.
     pub samples: u64,
-    /// It takes long and others ask nearly the same: `cargo test` leaves it out unless told not to ignore
-    /// any, `validate scenes` does not.
+    /// Whether the relation takes long and similar ones exist: `cargo test` skips it unless told to run
+    /// ignored tests, `validate scenes` does not.
     pub at_length: bool,
 }
 
@@ -187,7 +187,7 @@ pub fn relations() -> Vec<Relation> {
 }
 
 impl Relation {
-    /// Bit-identical renders.
+    /// A relation of bit-identical renders.
     pub fn bits(name: impl Into<String>, left: Term, right: Term) -> Self {
         Self {
             name: name.into(),
@@ -199,7 +199,7 @@ impl Relation {
         }
     }
 
-    /// Renders equal in expectation, within 1 %.
+    /// A relation of renders equal in expectation, within 1 %.
     pub fn expectation(name: impl Into<String>, left: Vec<Term>, right: Vec<Term>) -> Self {
         Self {
             name: name.into(),
@@ -211,7 +211,7 @@ impl Relation {
         }
     }
 
-    /// The same of spectral renders.
+    /// The same relation of spectral renders.
     pub fn in_spectra(self) -> Self {
         let spectral = |terms: Vec<Term>| {
             terms.into_iter().map(|term| Term { mode: ColorMode::Spectral, ..term }).collect()
@@ -223,12 +223,13 @@ impl Relation {
         Self { samples, ..self }
     }
 
-    /// So many times the samples: where fewer leave the first try undecided, the second costs more than that.
+    /// The same relation with `times` as many samples: where fewer leave the first run inconclusive, the
+    /// second run costs more than that.
     pub fn longer(self, times: u64) -> Self {
         Self { samples: self.samples * times, ..self }
     }
 
-    /// Equal in expectation within this part.
+    /// The same relation within this relative margin.
     pub fn within(self, margin: f64) -> Self {
         Self { alike: Alike::Expectation(margin), ..self }
     }
@@ -237,7 +238,7 @@ impl Relation {
         Self { at_length: true, ..self }
     }
 
-    /// The same, asked four times as finely of 16 times the samples.
+    /// The same relation with a quarter of the margin and 16 times the samples.
     pub fn thorough(self) -> Self {
         let alike = match self.alike {
             Alike::Bits => Alike::Bits,
@@ -246,7 +247,7 @@ impl Relation {
         Self { alike, samples: 16 * self.samples, ..self }
     }
 
-    /// Renders with `effort` times the samples and compares; `number` draws other seeds.
+    /// Renders with `effort` times the samples and compares; `number` determines the seeds.
     pub fn check(&self, effort: u64, number: u64) -> Result<Outcome, String> {
         let terms = self.left.len() as u64;
         let seed = |term: u64| match self.alike {
@@ -274,16 +275,16 @@ impl Relation {
         Ok(comparison.outcome().of(&self.name))
     }
 
-    /// As a test: an undecided or different answer counts if four times the samples, of other seeds, confirm
-    /// it.
+    /// The relation as a test: it fails if four times the samples with other seeds confirm an inconclusive or
+    /// different verdict.
     pub fn test(&self) -> Result<(), String> {
-        // Bits that differ are not a matter of samples.
+        // Different bits do not depend on the number of samples.
         let tries = if self.alike == Alike::Bits { &TWICE[..1] } else { &TWICE };
         confirmed(tries, |effort, number| Ok(fault(&self.check(effort, number)?)))
     }
 }
 
-/// Independent renders add up in mean and variance.
+/// Sum of independent renders, in mean and variance.
 fn add(images: Vec<Image>) -> Image {
     let mut images = images.into_iter();
     let mut sum = images.next().unwrap_or(Image { width: 0, height: 0, channels: vec![] });
@@ -300,8 +301,8 @@ fn add(images: Vec<Image>) -> Image {
     sum
 }
 
-/// Equality of every mean and variance; f64 holds the f32 of the file exactly, and their products with powers
-/// of two.
+/// The outcome of a comparison of every mean and variance. f64 represents the f32 of the file, and its
+/// products with powers of two, exactly.
 fn identical(left: &Image, right: &Image) -> Outcome {
     let values = |image: &Image| {
         let all = image.channels.iter().flat_map(|c| c.mean.iter().chain(c.variance.iter().flatten()));

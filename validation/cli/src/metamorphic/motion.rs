@@ -1,4 +1,4 @@
-//! The whole scene turned, moved or mirrored.
+//! The whole scene rotated, translated or mirrored.
 
 use super::still_life::*;
 use super::{Relation, Term};
@@ -13,7 +13,7 @@ pub fn relations() -> Vec<Relation> {
     let seen = look_at([-EYE[0], EYE[1], EYE[2]], [0.0, 0.0, 0.6], [0.0, 0.0, 1.0]);
     let lamp = shape("rectangle", &[lamp_steps(), vec![flip.clone()]].concat(), &area(8.0));
     let mirrored = scene(&[&path(4), &camera_at(&[seen]), &objects(&[flip]).concat(), &lamp]);
-    // A mirrored closed shape is inside out, as in Mitsuba; here both sides are the same.
+    // A mirrored closed shape is inside out, as in Mitsuba; here both sides have the same material.
     let both_sides = |text: &str| {
         let wears = [diffuse(0.3), diffuse(0.4), diffuse(0.6), diffuse(0.7), rough_metal()];
         wears.iter().fold(text.to_string(), |text, wears| text.replace(wears, &bsdf("twosided", wears)))

@@ -1,6 +1,5 @@
-//! What pixels share where they are unlike: each scene has an edge within every group, and only pixels on one
-//! side of it are compared, which see little light of their own kind. Light that a wrong weight takes from
-//! one side for the other is missed there at once.
+//! Path reuse between dissimilar pixels: each scene has an edge within every group, and only pixels on its
+//! darker side are compared. Light that a wrong weight moves from one side to the other shows there at once.
 
 use super::Relation;
 use super::caustics::{glass, globe, with_links};
@@ -9,30 +8,30 @@ use super::still_life::INDEPENDENT;
 use crate::stage::*;
 use validation::image::Image;
 
-/// Few pixels are compared, and light of the other side would be tens of per cent.
+/// The margin is large because few pixels are compared; misplaced light would amount to tens of per cent.
 const MARGIN: f64 = 0.1;
 
-/// Pixels across; a group of 16 lies left of the last four's.
+/// Width of the film in pixels: a group of 16 is followed by the last four columns.
 const WIDTH: u32 = 8;
 
-/// Half the horizontal field of view.
+/// Half the horizontal field of view in degrees.
 const HALF_ANGLE: f64 = 7.0;
 
 const EYE: Point = [0.0, -4.5, 1.5];
 
-/// Along y, level.
+/// A camera that looks horizontally along y.
 fn camera() -> String {
     let place = look_at(EYE, [0.0, 0.0, EYE[2]], [0.0, 0.0, 1.0]);
     pinhole(&place, 2.0 * HALF_ANGLE, &(film(WIDTH, 2 * WIDTH) + INDEPENDENT))
 }
 
-/// x over the distance before the eye, where so many columns are on the left.
+/// Ratio of x to the distance from the camera, for points with this number of columns to their left.
 fn slope(columns: f64) -> f64 {
     let half = f64::from(WIDTH) / 2.0;
     (columns - half) / half * HALF_ANGLE.to_radians().tan()
 }
 
-/// One pixel of each group of the last column.
+/// One pixel per group of the last column.
 fn last_column(image: &Image) -> Image {
     let wanted = |column: usize, row: usize| column == image.width - 1 && row % 4 == 3;
     super::chosen(image, (1, image.height / 4), wanted)
@@ -42,8 +41,8 @@ fn case(name: &'static str, world: String) -> Case {
     Case { pixels: 16, camera: camera(), view: Some(last_column), ..Case::new(name, world) }
 }
 
-/// Two rooms, of which the eye sees the one on either side of a wall that it looks along. The right one is
-/// the darker.
+/// Two rooms, separated by a wall along the view direction, one on each side of the image. The right one is
+/// darker.
 fn two_rooms() -> Relation {
     let turn = slope(6.0).atan().to_degrees();
     let [near, far] = [1.0, 6.0];
@@ -79,7 +78,7 @@ fn two_panes() -> Relation {
     Case { integrator: path(7), light_paths: 0.0, ..case }.relation().in_spectra().samples(8192)
 }
 
-/// A floor of rough metal, which light that comes from a wall meets at grazing angles and leaves upwards.
+/// A floor of rough metal that reflects light, arriving from a wall at grazing angles, upwards.
 fn grazed_floor() -> Relation {
     let metal = bsdf("roughconductor", &float("alpha", 1.0));
     let floor = shape("rectangle", &[scale([4.0, 4.0, 1.0])], &metal);
@@ -95,14 +94,14 @@ fn grazed_floor() -> Relation {
     Case { camera, view: Some(one_of::<4>), ..case }.relation().samples(3 * 8192)
 }
 
-/// A board close to the eye, and a wall far behind it, lit by a spot behind the eye that a metal plate throws
-/// there. A pixel sees a thousand times less of the board than of the wall, so its own paths bring nearly all
-/// light of the board and light paths nearly all of the wall's: light found for the one and weighed as its
-/// own would be counted again for the other.
+/// A board close to the camera, and a wall far behind it, lit by a spot behind the camera via a metal plate.
+/// A pixel receives a thousand times less light from the board than from the wall, so its own paths find
+/// nearly all light of the board and light paths nearly all of the wall's: light found by one method and
+/// weighted as the other's would be counted twice.
 fn near_and_far() -> Relation {
     let eye = [0.0, -4.5, 2.2];
     let place = look_at(eye, [0.0, 0.0, eye[2]], [0.0, 0.0, 1.0]);
-    // A single group, and the board before its left half.
+    // A single group, with the board in front of its left half.
     let camera = pinhole(&place, 50.0, &(film(4, 4) + INDEPENDENT));
     let upright = |half: [f64; 2], place: Point, turn: f64| {
         let steps = [scale([half[0], half[1], 1.0]), rotate('x', turn), translate(place)];
@@ -113,7 +112,7 @@ fn near_and_far() -> Relation {
     let screen = upright([1.5, 0.8], [0.0, -6.5, 1.45], -90.0);
     let plate = [scale([0.5, 0.5, 1.0]), translate([0.0, -5.5, 0.0])];
     let plate = shape("rectangle", &plate, &bsdf("roughconductor", &float("alpha", 0.15)));
-    // Lower than what is lit by way of the plate, and turned away from it.
+    // Lower than the surfaces lit via the plate, and facing away from them.
     let lamp = [scale([0.1, 0.1, 1.0]), rotate('x', 180.0), translate([0.0, eye[1], 0.6])];
     let lamp = shape("rectangle", &lamp, &area(100.0));
     let case = case("near_and_far", board + &wall + &screen + &plate + &lamp);
@@ -122,8 +121,8 @@ fn near_and_far() -> Relation {
         .samples(6 * 8192)
 }
 
-/// A dark room seen in a mirror, where light paths are of no use, and lit by a bulb in glass, which guided
-/// samples find.
+/// A dark room seen in a mirror, where light paths do not help, lit by a bulb in glass, which guided samples
+/// find.
 fn seen_in_a_mirror() -> Relation {
     let steps = [scale([0.5, 0.5, 1.0]), rotate('x', 90.0), rotate('z', 45.0), translate([0.0, -3.5, 1.5])];
     let mirror = shape("rectangle", &steps, &bsdf("conductor", ""));
@@ -135,7 +134,8 @@ fn seen_in_a_mirror() -> Relation {
 
 pub fn relations() -> Vec<Relation> {
     let relations = [two_rooms(), grazed_floor()].map(|relation| relation.within(MARGIN));
-    // What one wavelength stands for would be brought to eight, and what is dark would be white.
+    // An error would be large: the contribution of one wavelength would be counted for eight, or dark pixels
+    // would be bright.
     let at_a_glance = [two_panes(), seen_in_a_mirror()].map(|relation| relation.within(2.5 * MARGIN));
     let twice = near_and_far().within(4.0 * MARGIN);
     relations.into_iter().chain(at_a_glance).chain([twice]).collect()

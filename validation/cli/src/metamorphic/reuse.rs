@@ -1,7 +1,7 @@
-//! Pixels that share what their paths find see the same image, in other noise.
+//! Path reuse between pixels: it changes the noise only.
 //!
-//! Only every so many pixels are compared, no two of which share anything: so their variances are enough, and
-//! light that a wrong weight takes from one pixel for its neighbour is missed, though no light is lost.
+//! Only a subset of pixels is compared, no two of which share paths: so their variances suffice, and light
+//! that a wrong weight moves from one pixel to its neighbour shows, though no light is lost.
 
 use super::caustics::{globe, half_open, sheet, two_sided, vase, with_links};
 use super::still_life::*;
@@ -10,36 +10,37 @@ use crate::stage::*;
 use etalon::integrator::path::reuse::correlated_edge;
 use validation::image::Image;
 
-/// One pixel of each square of this edge.
+/// One pixel of each square with this edge length.
 pub(super) fn one_of<const EDGE: usize>(image: &Image) -> Image {
     let last = |place: usize| place % EDGE == EDGE - 1;
     chosen(image, (image.width / EDGE, image.height / EDGE), |column, row| last(column) && last(row))
 }
 
-/// Nearly everything here is light that has met several walls.
+/// A closed room with a lamp, in which nearly all light is reflected by several walls.
 fn closed_room(wall: &str) -> String {
     walls(wall) + &lamp(4.0)
 }
 
-/// The same without its lamp.
+/// The closed room without its lamp.
 pub(super) fn walls(wears: &str) -> String {
     let inwards = "<boolean name=\"flip_normals\" value=\"true\"/>";
     let steps = [scale([3.0, 3.0, 1.5]), translate([0.0, -2.0, 1.5])];
     shape("cube", &steps, &(wears.to_owned() + inwards))
 }
 
-/// What paths of this integrator see, shared by so many pixels and not.
+/// A relation between an integrator with and without path reuse.
 pub(super) struct Case {
     pub name: &'static str,
+    /// Number of pixels in a group.
     pub pixels: u32,
     pub integrator: String,
-    /// To a camera path.
+    /// Number of light paths per camera path.
     pub light_paths: f64,
-    /// Of each group of pixels, where they share.
+    /// Number of light paths per group of pixels, where paths are reused.
     pub shared_light_paths: u32,
     pub camera: String,
     pub world: String,
-    /// The pixels to compare, if not one of each group.
+    /// The pixels to compare; by default one of each group.
     pub view: Option<fn(&Image) -> Image>,
 }
 
@@ -81,7 +82,7 @@ impl Case {
     }
 }
 
-/// What paths of this integrator see in a closed room, with so many light paths to each.
+/// The relation for an integrator in a closed room, with `light_paths` light paths per camera path.
 pub(super) fn shared(name: &'static str, integrator: &str, light_paths: f64, things: &str) -> Relation {
     let world = closed_room(&diffuse(0.7)) + things;
     Case { integrator: integrator.to_owned(), light_paths, ..Case::new(name, world) }.relation()
@@ -108,7 +109,8 @@ pub fn relations() -> Vec<Relation> {
         let steps = [scale([0.6, 0.6, 1.0]), rotate('x', 90.0), translate([0.3, -1.5, 0.8])];
         shape("rectangle", &steps, wears)
     };
-    // Upright and as far apart as two pixels see, so that what one sees is hidden from the next.
+    // Pickets stand upright and as far apart as neighbouring pixels see, so that one of them hides what the
+    // next sees.
     let picket = |i: i32| {
         let steps =
             [scale([0.15, 0.5, 1.0]), rotate('y', 90.0), translate([0.25 * f64::from(i), -0.4, 0.15])];
@@ -146,7 +148,7 @@ pub fn relations() -> Vec<Relation> {
         case("veil", room(&screen(&veil))),
         case("glass", room(&ball(&glass))),
     ];
-    // Rough receivers and rough sources, and both at once.
+    // Rough receivers, rough sources, and both at once.
     let brushed = room(&(ball(&metal(0.2)) + &screen(&metal(0.1))));
     let polished = closed_room(&metal(0.3)) + &ball(&diffuse(0.5)) + &screen(&mirror);
     let brushed_metal = Case { pixels: 16, ..case("brushed_metal", brushed.clone()) };
@@ -157,8 +159,8 @@ pub fn relations() -> Vec<Relation> {
         [("metal_roulette", brushed.clone()), ("metal_beside_glass", beside)].map(|(name, scene)| {
             Case { integrator: path(-1), ..case(name, scene) }.option("integer", "rr_depth", "3")
         });
-    // Light paths of a group find sources as well: few and many, short and long, by rough surfaces, and
-    // beside what they leave to others.
+    // Light paths of a group also find sources: few and many, short and long, via rough surfaces, and beside
+    // those that are left to other methods.
     let lit = |case: Case, shared_light_paths: u32| Case {
         integrator: path(-1),
         pixels: 16,
@@ -172,6 +174,9 @@ pub fn relations() -> Vec<Relation> {
     let lit_metal = lit(case("lit_metal", brushed.clone()), 4);
     let one_way = two_sided(&(diffuse(0.7) + &half_open(0.5)));
     let lit_one_way = lit(case("lit_walls_of_two_sides", closed_room(&one_way) + &ball(&diffuse(0.5))), 16);
+    // Nearly all light travels from the lamp via the tray below it and the ceiling.
+    let tray = shape("rectangle", &[scale([1.4; 3]), translate([0.0, 0.0, 1.9])], &diffuse(0.8));
+    let lit_by_a_tray = lit(case("lit_walls_of_two_sides_by_a_tray", closed_room(&one_way) + &tray), 16);
     let lit_at_length = [
         lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
         lit(case("lit_by_many", room(&matte)), 16).option("integer", "rr_depth", "3"),
@@ -194,6 +199,7 @@ pub fn relations() -> Vec<Relation> {
     relations.push(lit_glass.relation().longer(4));
     relations.push(lit_metal.relation().longer(3));
     relations.push(lit_one_way.relation().longer(3));
+    relations.push(lit_by_a_tray.relation().longer(3));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.push(metal_roulette.relation().samples(4096).at_length());
@@ -201,14 +207,14 @@ pub fn relations() -> Vec<Relation> {
     relations.push(brushed_metal.relation().samples(3 * 4096).at_length());
     relations.push(metal_walls.relation().samples(4 * 4096).at_length());
     relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
-    // Without light paths pixels share what emitter samples through glass and by mirrors find.
+    // Without light paths, pixels share the results of emitter samples through glass and by mirrors.
     let links = with_links(&path(6), "everywhere");
     let sheet = sheet(&bsdf("twosided", &mirror));
     relations.push(shared("links", &links, 0.0, &(globe() + &sheet)).at_length());
     relations.push(shared("links_beside_light_paths", &links, 1.0, &(globe() + &sheet)).at_length());
     relations.push(hidden_lamp.relation().samples(8192).at_length());
     relations.push(sixteen.relation().samples(8192).at_length());
-    // What is black to one pixel's receiver must not end for the others.
+    // A path whose light is black at one pixel's receiver must not be terminated for the others.
     let colours = Case {
         integrator: path(-1),
         pixels: 16,

@@ -1,17 +1,17 @@
-//! A small room that most relations look at: every kind of transport at little noise.
+//! A small room that most relations use: every kind of transport with little noise.
 
 use crate::stage::*;
 
 /// Pixels along each side of the film.
 pub const SIZE: u32 = 24;
 
-/// Independent samples, so that the image's variances are what they say.
+/// Independent samples, for which the image's variances are unbiased.
 pub const INDEPENDENT: &str = "<sampler type=\"independent\"/>";
 
 /// The file of a mesh.
 pub const CUBE_OF_TRIANGLES: &str = "<string name=\"filename\" value=\"meshes/cube.obj\"/>";
 
-/// Where the camera stands.
+/// Position of the camera.
 pub const EYE: Point = [0.2, -4.5, 1.6];
 
 pub fn camera() -> String {
@@ -62,18 +62,18 @@ pub fn rough_metal() -> String {
     bsdf("roughconductor", &(float("alpha", 0.3) + &float("eta", 0.2) + &float("k", 3.0)))
 }
 
-/// The room under these lights, all of it in the order of the objects.
+/// The room with these lights; objects come first, in their order.
 pub fn with_light(lights: &str) -> String {
     scene(&[&path(4), &camera(), &objects(&[]).concat(), lights])
 }
 
-/// The room with this besides.
+/// The room under its lamp with further elements.
 pub fn with(more: &str) -> String {
     with_light(&(lamp(8.0) + more))
 }
 
-/// The room with these objects, all lengths times a factor, moved. Lamps shine by radiance, so the image
-/// stays.
+/// The room with these objects, scaled by a factor and translated. Lamps have a given radiance, so the image
+/// does not change.
 pub fn placed(objects: fn(&[String]) -> Vec<String>, factor: f64, by: Point) -> String {
     let steps = [scale([factor; 3]), translate(by)];
     let at = |p: Point| [0, 1, 2].map(|i| p[i] * factor + by[i]);

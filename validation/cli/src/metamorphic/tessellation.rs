@@ -1,4 +1,4 @@
-//! The same surface in other words.
+//! Different representations of the same surface.
 
 use super::still_life::*;
 use super::{Relation, Term};
@@ -23,7 +23,7 @@ pub fn relations() -> Vec<Relation> {
         };
         (0..n * n).map(|k| tile(k % n, k / n)).collect()
     };
-    // The thin side of a cube is a floor too.
+    // A slab whose upper side is the floor.
     let slab = shape("cube", &[scale([3.0, 3.0, 0.5]), translate([0.0, 0.0, -0.5])], &diffuse(0.6));
     let back = [scale([3.0, 3.0, 1.0]), rotate('x', -90.0), translate([0.0, 1.5, 1.0])];
     let flipped = "<boolean name=\"flip_normals\" value=\"true\"/>".to_string() + &diffuse(0.4);
@@ -64,7 +64,7 @@ pub fn relations() -> Vec<Relation> {
     ]
 }
 
-/// A shape of analytic form as a mesh from a file.
+/// An analytic shape replaced by a mesh from a file.
 fn mesh(shape: &str, kind: &str, file: &str) -> String {
     let inside = shape.split_once('>').map_or("", |(_, inside)| inside);
     format!("<shape type=\"{kind}\"><string name=\"filename\" value=\"meshes/{file}\"/>{inside}")

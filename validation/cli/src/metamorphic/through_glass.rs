@@ -1,5 +1,5 @@
-//! Emitter samples through glass change the noise and nothing else, whatever the glass, the surface and the
-//! emitter behind it.
+//! Relations of emitter samples through glass: they change the noise only, whatever the glass, the surface
+//! and the emitter behind it.
 
 use super::Relation;
 use super::caustics::{
@@ -9,8 +9,8 @@ use super::caustics::{
 use super::still_life::*;
 use crate::stage::*;
 
-/// At all vertices, without light paths or with so many to a camera path, in a scene that is given by what is
-/// in the room.
+/// The relation for emitter samples at all vertices, with `share` light paths per camera path, in the room
+/// with these objects.
 pub(super) fn relation(name: &str, share: f64, things: &str) -> Relation {
     up_to(6, name, share, &room(things))
 }
@@ -20,8 +20,8 @@ pub(super) fn up_to(longest: i64, name: &str, share: f64, world: &str) -> Relati
     as_plain(name, longest, everywhere, (&camera(), world))
 }
 
-/// A floor under a pane and under a lamp so large that its numbers are a thousand times those of its points
-/// that matter.
+/// A floor under a pane and under a lamp so large that its coordinates are a thousand times those of its
+/// relevant points.
 fn lamp_past_the_origin() -> Relation {
     let floor = shape("rectangle", &[], &diffuse(0.5));
     let face = |steps: &[String]| shape("rectangle", &[&[scale([40.0; 3])], steps].concat(), &glass(""));
@@ -45,10 +45,9 @@ pub fn relations() -> Vec<Relation> {
             &bsdf("dielectric", &(float("int_ior", 1.0) + &float("ext_ior", 1.5))),
         );
     let pane = |wears: &str| shape("rectangle", &[scale([1.2, 1.2, 1.0]), translate([0.0, 0.0, 1.8])], wears);
-    // Between the pane and the lamp.
+    // A screen between the pane and the lamp.
     let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
-    // The straight line to the lamp passes between slats where the bent way meets one, and the other way
-    // round.
+    // Where the straight line to the lamp passes between slats the refracted path meets one, and vice versa.
     let slat = |i: i32| {
         let steps = [scale([1.5, 0.06, 1.0]), translate([0.0, -0.3 + 0.25 * f64::from(i), 1.95])];
         shape("rectangle", &steps, &bsdf("twosided", &diffuse(0.2)))
@@ -104,6 +103,12 @@ pub fn relations() -> Vec<Relation> {
         .at_length(),
         relation("upon_what_has_two_sides", 1.0, &(ball(&clear()) + &floor(&one_way))),
         relation("two_sided_glass", 1.0, &ball(&two_sided(&clear()))),
+        // Light paths are aimed at the inner ball, and cannot reach it.
+        relation(
+            "glass_in_two_sided_glass",
+            1.0,
+            &(ball(&two_sided(&clear())) + &sphere([-0.5, 0.0, 0.7], 0.35, &clear())),
+        ),
         relation("two_lamps", 1.0, &(ball(&clear()) + &second)).at_length(),
         relation("behind_a_veil", 1.0, &(globe.clone() + &veil())).at_length(),
         with_integrator(relation("four_samples", 1.0, &globe), four).at_length(),

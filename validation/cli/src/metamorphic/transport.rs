@@ -1,9 +1,9 @@
-//! Camera and light exchanged.
+//! Exchange of camera and light.
 //!
-//! An orthographic camera in direction a sums the radiance that leaves the scene towards a over the area of
-//! its beam; light from direction b falls on all of the scene. By reciprocity of every bounce the sum is the
-//! same with the camera at b and the light at a (Veach 1997, §4.6), provided that both beams hold the whole
-//! scene.
+//! An orthographic camera in direction a integrates the radiance that leaves the scene towards a over the
+//! area of its beam; light from direction b illuminates all of the scene. By reciprocity of every bounce the
+//! integral is the same with the camera at b and the light at a (Veach 1997, §4.6), provided that both beams
+//! contain the whole scene.
 
 use super::{Relation, Term};
 use crate::stage::*;
@@ -25,8 +25,8 @@ pub fn relations() -> Vec<Relation> {
         .collect()
 }
 
-/// Three bodies that light and shade each other, within the unit ball, seen from one direction and lit from
-/// another.
+/// Three bodies that illuminate and shadow each other, within the unit ball, seen from one direction and lit
+/// from another.
 fn exchange(view: Point, light: Point, wears: &str) -> String {
     let from = view.map(|v| v * 3.0);
     let place = to_world(&[look_at(from, [0.0; 3], [0.0, 0.0, 1.0])]);

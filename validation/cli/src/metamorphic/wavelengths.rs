@@ -1,4 +1,5 @@
-//! Ways to the same colours: eight wavelengths a path, one wavelength a path, and bands of a spectral film.
+//! Different methods for the same colours: eight wavelengths per path, one wavelength per path, and bands of
+//! a spectral film.
 
 use super::still_life::*;
 use super::{Relation, Term};
@@ -6,7 +7,7 @@ use crate::stage::*;
 use etalon::spectrum::ColorMode;
 use validation::image::{Channel, Image};
 
-/// What images are normalised by (Mitsuba 3.9's constant; see the renderer's `observer`).
+/// The normalisation of images (Mitsuba 3.9's constant; see the renderer's `observer`).
 const Y_INTEGRAL: f64 = 106.750_259_399_414_06;
 
 /// The second row of the matrix from linear sRGB to XYZ.
@@ -18,7 +19,7 @@ pub fn relations() -> Vec<Relation> {
     let colours = |name: &str, left: &str, right: &str| {
         let sides = [left, right].map(|scene| vec![spectral(scene.to_string())]);
         let [left, right] = sides;
-        // One wavelength a path is noisier than eight by an order of magnitude.
+        // One wavelength per path is noisier than eight by an order of magnitude.
         Relation::expectation(name, left, right).samples(1 << 12)
     };
     let seen =
@@ -37,15 +38,15 @@ pub fn relations() -> Vec<Relation> {
     ]
 }
 
-/// The room in colours, with this besides.
+/// The room in colours, with further elements.
 fn room(more: &str) -> String {
     let colour = |rgb: &str| bsdf("diffuse", &format!("<rgb name=\"reflectance\" value=\"{rgb}\"/>"));
     let [orange, blue] = ["0.7, 0.4, 0.15", "0.2, 0.35, 0.6"].map(colour);
     with(more).replace(&diffuse(0.6), &orange).replace(&diffuse(0.7), &blue)
 }
 
-/// A pane before the camera that bends nothing, but whose index depends on the wavelength by 10⁻¹²/µm²:
-/// behind it every path has one wavelength.
+/// A pane in front of the camera that does not refract, but whose index depends on the wavelength by
+/// 10⁻¹²/µm²: behind it every path has one wavelength.
 fn separator() -> String {
     let glass = bsdf(
         "dielectric",
@@ -55,7 +56,7 @@ fn separator() -> String {
     shape("rectangle", &[rotate('x', 90.0), scale([0.3; 3]), translate([x, y + 0.2, z])], &glass)
 }
 
-/// A film with one band, which sees what the eye sees.
+/// A film with one band, whose sensitivity is the eye's.
 fn observing_film() -> String {
     let table = include_str!("../../../../src/spectrum/data/cie1931.csv");
     let rows = table.lines().filter(|line| !line.starts_with('#'));
@@ -72,7 +73,7 @@ fn observing_film() -> String {
     )
 }
 
-/// The band of the film, as luminance.
+/// The film's band, as luminance.
 fn band(image: &Image) -> Image {
     let of_band = |channel: &&Channel| channel.name.starts_with("S0.");
     let scaled = |channel: &Channel| Channel {
@@ -86,7 +87,8 @@ fn band(image: &Image) -> Image {
     Image { channels: image.channels.iter().filter(of_band).map(scaled).collect(), ..*image }
 }
 
-/// The luminance of the colours. Their errors go together by at most 1, so their standard deviations add up.
+/// The luminance of the colours. The correlation of their errors is at most 1, so their standard deviations
+/// add up to an upper bound.
 fn luminance(image: &Image) -> Image {
     let pixels = image.width * image.height;
     let (mut mean, mut deviation) = (vec![0.0; pixels], vec![0.0; pixels]);

@@ -9,21 +9,21 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 pub struct Bug {
     pub name: String,
-    /// The name of the file of the catalogue.
+    /// The name of its file in the catalogue.
     #[serde(skip)]
     pub chapter: String,
     /// What is wrong, in a sentence.
     pub about: String,
-    /// Who has made it before, with a number and an address; or why one might.
+    /// Who has made the bug before, with a number and an address; or why one might make it.
     pub source: String,
-    /// The file, from the root of the repository.
+    /// The source file, relative to the root of the repository.
     pub file: String,
     /// A piece of the file that occurs once and holds the expression; the expression itself by default.
     #[serde(default)]
     pub within: Option<String>,
-    /// The right expression, which occurs once in `within`.
+    /// The correct expression, which occurs once in `within`.
     pub find: String,
-    /// The wrong one, of the same type.
+    /// The wrong expression, of the same type.
     pub replace: String,
 }
 
@@ -49,7 +49,7 @@ pub fn catalogue(folder: &Path) -> Result<Vec<Bug>, String> {
 }
 
 impl Bug {
-    /// The change to the tree below `root`; an error if the source no longer has exactly one such expression.
+    /// The change to the tree below `root`. Error: the source no longer contains exactly one such expression.
     pub fn change(&self, root: &Path) -> Result<Change, String> {
         let path = root.join(&self.file);
         let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -72,7 +72,7 @@ impl Bug {
     }
 }
 
-/// Where a piece occurs, or how often if that is not once.
+/// The position of a piece, or the number of its occurrences if that is not one.
 fn only(text: &str, piece: &str) -> Result<usize, usize> {
     let mut places = text.match_indices(piece);
     match (places.next(), places.next()) {

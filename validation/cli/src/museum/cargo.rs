@@ -1,4 +1,4 @@
-//! Building the scratch copy, and reading what cargo says of it.
+//! Builds the scratch copy, and parses cargo's messages.
 
 use super::plant::Place;
 use serde_json::Value;
@@ -9,26 +9,26 @@ use std::process::{Command, Stdio};
 /// A compiled test program.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The package, and the file of tests unless it is the library itself.
+    /// The package, and the test file unless it is the library itself.
     pub name: String,
     pub path: PathBuf,
-    /// Where cargo would run it.
+    /// The folder in which cargo would run it.
     pub folder: PathBuf,
 }
 
-/// Programs that cannot see a bug of the renderer, that compare builds which all have it, or that read
+/// Programs that cannot detect a bug of the renderer, that compare builds which all have it, or that read
 /// sources.
 const BLIND: [&str; 5] = ["validation", "validate", "etalon::builds", "validate::museum", "validate::seeds"];
 
-/// What the compiler says of a scratch copy.
+/// The result of compiling a scratch copy.
 pub enum Compiled {
     /// The test programs of the workspace.
     Programs(Vec<Program>),
-    /// The changes that it refuses, by index.
+    /// The changes that the compiler rejects, by index.
     Refused(BTreeSet<usize>),
 }
 
-/// Compiles all test programs. An error outside of the changes is an error.
+/// Compiles all test programs. Errors: a compiler error outside of the changes.
 pub fn compile(scratch: &Path, places: &[Place]) -> Result<Compiled, String> {
     let output = Command::new("nice")
         .args(["-n", "15", "cargo", "test", "--workspace", "--no-run", "--release", "--message-format=json"])
@@ -52,7 +52,7 @@ pub fn compile(scratch: &Path, places: &[Place]) -> Result<Compiled, String> {
     Ok(Compiled::Refused(refused))
 }
 
-/// The changes in which an error lies.
+/// The changes that contain an error.
 fn met(error: &Value, places: &[Place]) -> Vec<usize> {
     let primary = error["spans"].as_array().into_iter().flatten().filter(|span| span["is_primary"] == true);
     let lies = |span: &Value, (file, range): &Place| {
@@ -62,7 +62,7 @@ fn met(error: &Value, places: &[Place]) -> Vec<usize> {
     primary.flat_map(|span| (0..places.len()).filter(|&i| lies(span, &places[i]))).collect()
 }
 
-/// The test program that a message of cargo's tells of.
+/// The test program that a message of cargo announces.
 fn program(scratch: &Path, message: &Value) -> Option<Program> {
     let path = PathBuf::from(message["executable"].as_str()?);
     let kind = message["target"]["kind"][0].as_str().filter(|kind| ["lib", "test"].contains(kind))?;

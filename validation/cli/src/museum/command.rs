@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use validation::Verdict;
 use validation::report::to_json;
 
-/// Where the findings are kept, and the document that shows them.
+/// The committed findings on mutants.
 const MUTANTS: &str = "validation/museum/mutants.json";
+/// The document with the tables of findings.
 const DOCUMENT: &str = "docs/museum.md";
 
 /// Whether the tests notice bugs.
@@ -51,7 +52,7 @@ pub struct Arguments {
     document: bool,
 }
 
-/// Holds if all bugs are killed.
+/// Runs the command; the verdict is equivalent if all bugs are killed.
 pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     if arguments.document {
         return write_document();
@@ -69,7 +70,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     if !changes.iter().any(|change| named(&change.name)) {
         return Err("there is no such bug".into());
     }
-    // A run of some bugs leaves what is known of the others.
+    // A run of some bugs keeps the findings on the others.
     let mut findings = Findings::here()?;
     if let Some(path) = arguments.json.as_deref().filter(|path| path.exists()) {
         findings.remember(Findings::read(path)?);
@@ -90,7 +91,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
         write(arguments.json.as_deref(), || Ok(to_json(&findings)?)).map_err(|e| e.to_string())
     })?;
     let (killed, all) = findings.killed();
-    // What only some tests were asked of, and these did not notice, leaves no finding.
+    // If only some tests were run and none of them detected the bug, there is no finding.
     let open = asked_for.iter().filter(|name| findings.bugs.iter().all(|bug| bug.name != **name)).count();
     say(format_args!("{killed} of {all} killed; {} do not compile; {open} open", findings.bugs.len() - all));
     Ok(match killed == all {
@@ -104,7 +105,8 @@ fn write_document() -> Result<Verdict, String> {
     let path = root().join(DOCUMENT);
     let told = |e: std::io::Error| format!("{}: {e}", path.display());
     let mut text = std::fs::read_to_string(&path).map_err(told)?;
-    /// The name of the place in the document, the file of findings, and what makes a table of them.
+    /// The name of the place in the document, the file of findings, and the function that makes a table of
+    /// them.
     type Table = (&'static str, PathBuf, fn(&Findings) -> String);
     let tables: [Table; 2] =
         [("museum", results(), document::museum), ("mutants", root().join(MUTANTS), document::mutants)];

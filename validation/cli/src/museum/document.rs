@@ -4,7 +4,8 @@ use super::findings::{Fate, Finding, Findings};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// Puts `table` between the lines `<!-- NAME -->` and `<!-- end of NAME -->` of a document.
+/// Replaces the text between the lines `<!-- NAME -->` and `<!-- end of NAME -->` of a document by `table`.
+/// Error: the lines are missing.
 pub fn insert(document: &str, name: &str, table: &str) -> Result<String, String> {
     let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->"));
     let missing = || format!("the document has no lines for the table `{name}`");
@@ -13,7 +14,7 @@ pub fn insert(document: &str, name: &str, table: &str) -> Result<String, String>
     Ok(format!("{before}{begin}\n{table}\n{end}{after}"))
 }
 
-/// Every bug, where it came from and what noticed it.
+/// The table of all bugs, with their source and the test that detected each.
 pub fn museum(findings: &Findings) -> String {
     let mut text = heading(findings, "bugs");
     text.push_str("| bug | what is wrong | who made it | noticed by |\n|---|---|---|---|\n");
@@ -24,7 +25,7 @@ pub fn museum(findings: &Findings) -> String {
     text
 }
 
-/// The share of made-up bugs that were killed in each file, and those that were not.
+/// The share of mutants that were killed in each file, and the mutants that were not.
 pub fn mutants(findings: &Findings) -> String {
     let mut text = heading(findings, "mutants");
     let mut files: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
@@ -63,7 +64,7 @@ fn noticed(fate: &Fate) -> String {
     }
 }
 
-/// A source that ends in an address becomes a link.
+/// A source as Markdown; one that ends in an address becomes a link.
 fn linked(source: &str) -> String {
     match source.rsplit_once(' ') {
         Some((words, address)) if address.starts_with("https://") => format!("[{}]({address})", cell(words)),

@@ -1,4 +1,4 @@
-//! What became of the bugs, and the JSON document that carries it.
+//! The fates of the bugs, and their JSON document.
 
 use super::plant::Change;
 use crate::provenance::Provenance;
@@ -11,26 +11,26 @@ pub fn results() -> PathBuf {
     super::root().join("validation/museum/results.json")
 }
 
-/// What became of a bug.
+/// The fate of a bug.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fate {
-    /// A test failed, after so many seconds on the machine as it was.
+    /// A test failed, after this number of seconds on the machine under its load.
     Killed { program: String, test: String, seconds: f64 },
-    /// No test noticed.
+    /// No test failed.
     Survived,
-    /// The compiler noticed: that proves nothing.
+    /// The compiler rejected the bug, which says nothing about the tests.
     DoesNotCompile,
 }
 
-/// A bug and what became of it.
+/// A bug and its fate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     pub name: String,
     pub about: String,
     pub source: String,
     pub file: String,
-    /// The sources in which the bug was planted.
+    /// The commit of the sources in which the bug was planted.
     #[serde(default)]
     pub commit: String,
     pub fate: Fate,
@@ -64,18 +64,18 @@ impl fmt::Display for Finding {
 }
 
 impl Findings {
-    /// No findings yet, made today on this machine.
+    /// Empty findings with the provenance of this run.
     pub fn here() -> Result<Self, String> {
         Ok(Self { made: Provenance::here()?, bugs: vec![] })
     }
 
-    /// The findings of a document. Errors: no such file, or other content.
+    /// Reads the findings of a document. Errors: no such file, or other content.
     pub fn read(path: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
         serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
     }
 
-    /// Adds a finding of today's commit, in the place of an earlier one on the same bug.
+    /// Adds a finding with this run's commit, replacing an earlier one on the same bug.
     pub fn add(&mut self, finding: Finding) {
         let finding = Finding { commit: self.made.commit.clone(), ..finding };
         match self.bugs.iter_mut().find(|known| known.name == finding.name) {
@@ -84,7 +84,7 @@ impl Findings {
         }
     }
 
-    /// Takes over what was found earlier, each finding with the commit it belongs to.
+    /// Takes over earlier findings, each with the commit it belongs to.
     pub fn remember(&mut self, earlier: Findings) {
         for mut finding in earlier.bugs {
             if finding.commit.is_empty() {
@@ -94,7 +94,7 @@ impl Findings {
         }
     }
 
-    /// How many were killed, and how many compile at all.
+    /// The number of bugs that were killed, and of those that compile.
     pub fn killed(&self) -> (usize, usize) {
         let killed = self.bugs.iter().filter(|b| matches!(b.fate, Fate::Killed { .. })).count();
         (killed, killed + self.survivors().count())

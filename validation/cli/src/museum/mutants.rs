@@ -1,5 +1,4 @@
-//! Bugs that nobody chose: small changes at every place of a file where they can be made, and a sample of
-//! them.
+//! Mutants: small changes at every place of a file where they can be made, and a random sample of them.
 
 use super::plant::Change;
 use proc_macro2::Span;
@@ -10,8 +9,8 @@ use syn::visit::{self, Visit};
 use syn::{BinOp, Expr, Lit, UnOp};
 use validation::statistics::seed_for;
 
-/// A sample of `count` mutants of the files that begin with one of `paths`, from the root of the repository.
-/// Another `number` draws another sample.
+/// A sample of `count` mutants of the files whose paths, relative to the root of the repository, begin with
+/// one of `paths`. Another `number` gives another sample.
 pub fn sample(root: &Path, paths: &[String], count: usize, number: u64) -> Result<Vec<Change>, String> {
     let mut files = vec![];
     paths.iter().try_for_each(|path| list(&root.join(path), &mut files))?;
@@ -23,7 +22,7 @@ pub fn sample(root: &Path, paths: &[String], count: usize, number: u64) -> Resul
         let text = std::fs::read_to_string(&path).map_err(|e| format!("{file}: {e}"))?;
         all.extend(of_file(&file, &text)?);
     }
-    // The order of a hash is a shuffle that needs no generator.
+    // Sorting by a hash shuffles without a generator.
     all.sort_by_cached_key(|mutant| seed_for(&mutant.name, number));
     let (mut chosen, _) = super::plant::apart(all);
     chosen.truncate(count);
@@ -58,7 +57,7 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// Replaces `part` of the expression `whole`.
+    /// Adds a mutant in which `part` of the expression `whole` is replaced.
     fn replace(&mut self, whole: Range<usize>, part: Range<usize>, by: &str) {
         let text = self.text;
         let replace = [&text[whole.start..part.start], by, &text[part.end..whole.end]].concat();
@@ -169,8 +168,8 @@ impl<'a> Visit<'a> for Finder<'_> {
         }
     }
 
-    // Constants are made before any bug is out; patterns and lengths are no expressions; tests are no code
-    // under test.
+    // Constants are evaluated before any bug is active; patterns and lengths are no expressions; tests are
+    // not under test.
     fn visit_item_const(&mut self, _: &'a syn::ItemConst) {}
     fn visit_impl_item_const(&mut self, _: &'a syn::ImplItemConst) {}
     fn visit_pat(&mut self, _: &'a syn::Pat) {}

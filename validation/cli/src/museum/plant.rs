@@ -1,4 +1,4 @@
-//! The scratch copy of the sources, and how bugs get into it.
+//! The scratch copy of the sources, and how bugs are planted in it.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,12 +11,13 @@ pub struct Change {
     pub name: String,
     pub about: String,
     pub source: String,
-    /// From the root of the repository.
+    /// The source file, relative to the root of the repository.
     pub file: String,
-    /// The chapter of the catalogue, whose name tests may bear; none of what nobody chose.
+    /// The chapter of the catalogue, which may be part of the names of tests; `None` for mutants.
     pub chapter: Option<String>,
-    /// The expression's bytes.
+    /// Byte range of the expression.
     pub range: Range<usize>,
+    /// The wrong expression.
     pub replace: String,
 }
 
@@ -26,13 +27,13 @@ impl Change {
     }
 }
 
-/// Where a change has come to lie: file, and bytes.
+/// The place of a planted change: file, and byte range.
 pub type Place = (String, Range<usize>);
 
-/// The environment variable that holds the number of the bug that is out.
+/// The environment variable with the number of the active bug.
 pub const VARIABLE: &str = "MUSEUM_BUG";
 
-/// What every changed crate gets: the choice, read once.
+/// Code that is appended to the crate: reads the variable once and makes the choice.
 const SWITCH: &str = r#"
 pub mod museum_switch {
     static OUT: std::sync::LazyLock<u32> =
@@ -45,8 +46,8 @@ pub mod museum_switch {
 }
 "#;
 
-/// The crate under test compiles faster so, and its tests still run fast enough; its dependencies are as
-/// ever.
+/// Profile with which the crate under test compiles faster, and its tests are still fast enough; its
+/// dependencies are compiled as usual.
 const PROFILE: &str = "
 [profile.release.package.etalon]
 opt-level = 2
@@ -54,7 +55,7 @@ codegen-units = 16
 debug = false
 ";
 
-/// Divides changes into those that can be planted together and the rest, which overlap them.
+/// Divides changes into a set that can be planted together and the rest, which overlap it.
 pub fn apart(changes: Vec<Change>) -> (Vec<Change>, Vec<Change>) {
     let (mut together, mut later): (Vec<Change>, Vec<Change>) = (vec![], vec![]);
     for change in changes {
@@ -64,7 +65,7 @@ pub fn apart(changes: Vec<Change>) -> (Vec<Change>, Vec<Change>) {
     (together, later)
 }
 
-/// The files that git knows below `root`, those that are new and not ignored as well.
+/// The files below `root` that git tracks, and new ones that it does not ignore.
 pub fn known_to_git(root: &Path) -> Result<Vec<String>, String> {
     let output = Command::new("git")
         .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
@@ -75,7 +76,8 @@ pub fn known_to_git(root: &Path) -> Result<Vec<String>, String> {
     Ok(names.map(|name| String::from_utf8_lossy(name).into_owned()).collect())
 }
 
-/// Copies the `names` that are there. Whatever happens to `from` afterwards, bytes in `to` keep their places.
+/// Copies the files `names` that exist. Byte positions in `to` stay valid whatever happens to `from`
+/// afterwards.
 pub fn copy(from: &Path, names: &[String], to: &Path) -> Result<(), String> {
     let mut kept = BTreeSet::new();
     for name in names.iter().filter(|name| from.join(name).is_file()) {
@@ -85,9 +87,9 @@ pub fn copy(from: &Path, names: &[String], to: &Path) -> Result<(), String> {
     forget(to, &kept)
 }
 
-/// Makes `to` the same as `sources`, a folder that [`copy`] has made, but with the changes; bug `i + 1` of
-/// the variable is `changes[i]`. Tells where each has come to lie. A file that is the same as in an earlier
-/// `to` is left alone, so that cargo compiles only what differs.
+/// Makes `to` a copy of `sources`, a folder that [`copy`] has made, with the changes planted; bug `i + 1` of
+/// the variable is `changes[i]`. Returns the place of each. A file that equals that of an earlier `to` is not
+/// written, so that cargo compiles only what differs.
 pub fn plant(sources: &Path, to: &Path, changes: &[Change]) -> Result<Vec<Place>, String> {
     let mut places = vec![(String::new(), 0..0); changes.len()];
     let (mut paths, mut kept) = (vec![], BTreeSet::new());
@@ -129,7 +131,7 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
     Ok(())
 }
 
-/// Removes what an earlier copy had and this one has not; what tests have built stays.
+/// Removes files of an earlier copy that this one does not have; build products of tests stay.
 fn forget(folder: &Path, kept: &BTreeSet<PathBuf>) -> Result<(), String> {
     let told = |e: std::io::Error| format!("{}: {e}", folder.display());
     for entry in std::fs::read_dir(folder).map_err(told)? {

@@ -1,4 +1,4 @@
-//! The suite as the museum runs it: program after program, up to the first failure.
+//! Runs the test suite on a bug: one program after the other, until the first failure.
 
 use super::cargo::Program;
 use super::findings::Fate;
@@ -9,12 +9,13 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Memory a program may take, in KiB: a bug may ask for all there is.
+/// Memory limit of a program in KiB: a bug may allocate without bound.
 const MEMORY: &str = "8388608";
-/// A test that says nothing for so long does not end.
+/// Time without output after which a test counts as endless.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// How long each program has in turn. A find that comes late in one comes soon in another, most of the time.
+/// Time limits of a program in successive rounds: a bug that one program detects late, another one mostly
+/// detects early.
 const ROUNDS: [Duration; 3] = [Duration::from_secs(10), Duration::from_secs(100), Duration::MAX];
 
 /// How a program ended.
@@ -23,25 +24,26 @@ enum End {
     Passed,
     /// The first test that failed.
     Failed(String),
-    /// No test had failed when the program did, or had to be stopped.
+    /// The program crashed or had to be stopped before any test had failed.
     Broken(&'static str),
-    /// Its time was over.
+    /// Its time limit was reached.
     Unfinished,
 }
 
-/// Which tests are asked of a bug.
+/// Which tests are run on a bug.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
-    /// Those that bear the name of its file, of its chapter of the catalogue or of a folder it lies in.
+    /// Tests whose names contain the name of the bug's file, of its chapter of the catalogue or of a folder
+    /// of the file.
     Near,
-    /// Those whose names contain this.
+    /// Tests whose names contain this.
     Named(String),
-    /// Those that are near, then all others.
+    /// The near tests, then all others.
     All,
 }
 
 impl Asked {
-    /// What the names of tests must contain, in turn; nothing is in all of them.
+    /// Filters of tests by name, in their order; an empty filter selects all.
     fn filters(&self, change: &Change) -> Vec<Vec<String>> {
         if let Self::Named(name) = self {
             return vec![vec![name.clone()]];
@@ -55,32 +57,32 @@ impl Asked {
     }
 }
 
-/// What a program has to say of a bug.
+/// The result of running a program on a bug.
 enum Search {
     Found(String),
     Nothing,
     Unfinished,
 }
 
-/// All test programs, with what they have cost and what they have found.
+/// All test programs, with their run times and finds so far.
 pub struct Suite {
     stages: Vec<Stage>,
     jobs: usize,
-    /// Tests that fail without any bug, and so prove nothing.
+    /// Tests that fail without any bug, and are therefore skipped.
     unfit: Vec<String>,
 }
 
 struct Stage {
     program: Program,
-    /// Time spent on the bugs of each module, and how many were found; the same of all modules under no name.
+    /// For each module the time spent on its bugs and the number of finds; the totals are under [`ALL`].
     record: BTreeMap<String, (Duration, u32)>,
 }
 
-/// The name in a record that stands for all modules.
+/// The key of the totals over all modules.
 const ALL: &str = "";
 
 impl Stage {
-    /// What a find in this module costs; where nothing is known of the module, what one costs anywhere.
+    /// Estimated time per find in this module; if there is no record of the module, over all modules.
     fn cost(&self, module: &str) -> Duration {
         let known = self.record.get(module).or_else(|| self.record.get(ALL));
         known.map_or(Duration::ZERO, |(spent, kills)| *spent / (kills + 1))
@@ -98,13 +100,13 @@ impl Stage {
 impl Suite {
     pub fn new(programs: Vec<Program>, jobs: usize) -> Self {
         let stage = |program| Stage { program, record: BTreeMap::new() };
-        // Cargo names the renderer's first, but those of the harness ask about light.
+        // Cargo lists the renderer's programs first, but those of the harness test light transport.
         Self { stages: programs.into_iter().rev().map(stage).collect(), jobs, unfit: vec![] }
     }
 
-    /// Lets bug number `bug` out on the suite. First come all tests that are near, then all, in the order of
-    /// what a find in this module has cost so far. `None` if not all tests were asked, and these do not
-    /// notice.
+    /// Runs the suite with bug number `bug` active: first all near tests, then all, ordered by the estimated
+    /// time per find in this module. `None` if not all tests were to be run, and none of these detects the
+    /// bug.
     pub fn judge(&mut self, bug: usize, change: &Change, asked: &Asked) -> Result<Option<Fate>, String> {
         let start = Instant::now();
         let module = names(&change.file).swap_remove(0);
@@ -136,7 +138,8 @@ impl Suite {
     }
 }
 
-/// Folders and name of a source file as tests bear them: `bsdf` and `plastic` of `src/bsdf/plastic.rs`.
+/// Folders and name of a source file as they occur in names of tests: `bsdf` and `plastic` for
+/// `src/bsdf/plastic.rs`.
 fn names(file: &str) -> Vec<String> {
     let mut parts: Vec<&str> = file.trim_start_matches("src/").trim_end_matches(".rs").split('/').collect();
     if parts.len() > 1 && parts.last() == Some(&"mod") {
@@ -145,7 +148,7 @@ fn names(file: &str) -> Vec<String> {
     parts.into_iter().map(str::to_owned).collect()
 }
 
-/// Looks for a test that fails with the bug and does not without it.
+/// Searches for a test that fails with the bug and passes without it.
 fn search(
     program: &Program,
     filter: &[String],
@@ -195,7 +198,7 @@ fn run(
     let lines = lines_of(&mut child);
     let end = watch(&lines, PATIENCE, time);
     if end.is_some() {
-        // What else fails is of no interest.
+        // Further failures do not matter.
         child.kill().ok();
     }
     let status = child.wait().map_err(|e| e.to_string())?;
@@ -216,8 +219,8 @@ fn lines_of(child: &mut Child) -> Receiver<String> {
     lines
 }
 
-/// Reads until a test fails, nothing is said for too long, or the time is over; `None` at the end of the
-/// output.
+/// Reads until a test fails, there is no output for too long, or the time limit is reached; `None` at the end
+/// of the output.
 fn watch(lines: &Receiver<String>, patience: Duration, time: Duration) -> Option<End> {
     let begin = Instant::now();
     loop {
@@ -235,7 +238,7 @@ fn watch(lines: &Receiver<String>, patience: Duration, time: Duration) -> Option
     }
 }
 
-/// The test that a line of a test program's output says has failed.
+/// The failed test that a line of a test program's output reports, if any.
 fn failed(line: &str) -> Option<&str> {
     let (name, result) = line.strip_prefix("test ")?.rsplit_once(" ... ")?;
     let name = name.strip_suffix(" - should panic").unwrap_or(name);

@@ -1,10 +1,10 @@
-//! The page in a real browser, where one is installed.
+//! A test of the page in a real browser, where one is installed.
 
 use super::sample::sample;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// The first browser on the path that can work without a screen.
+/// The first browser on the path that can run headless.
 fn browser() -> Option<PathBuf> {
     let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
     let names = ["chromium", "chromium-browser", "google-chrome"];
@@ -33,7 +33,7 @@ fn a_browser_shows_it_at_both_widths() {
     let inner = folder.join("report.html");
     std::fs::write(&inner, sample()).unwrap();
     for width in [390, 1280] {
-        // A window of a headless browser has a least width, a frame in it has none.
+        // A window of a headless browser has a minimum width; a frame in it has none.
         let measure = "frame.onload=()=>{const d=frame.contentDocument,e=d.documentElement;\
              document.body.append(`width ${e.clientWidth} of ${e.scrollWidth}, ${d.querySelectorAll('button').length} buttons.`)}";
         let outer = folder.join("outer.html");
@@ -49,7 +49,7 @@ fn a_browser_shows_it_at_both_widths() {
         let [size, shot] =
             [format!("--window-size={},900", width.max(500)), format!("--screenshot={}", picture.display())];
         run(&[size, shot, address(&outer)]);
-        // One colour compresses to almost nothing; text and coloured cells do not.
+        // An image of one colour compresses to almost nothing; text and coloured cells do not.
         let bytes = std::fs::metadata(&picture).unwrap().len();
         assert!(bytes > 15_000, "the picture has {bytes} bytes");
     }

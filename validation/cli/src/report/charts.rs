@@ -1,4 +1,5 @@
-//! Plots as inline SVG: axes, bars and lines, coloured by the style sheet so that they follow light and dark.
+//! Plots as inline SVG: axes, bars and lines, coloured by the style sheet so that they follow the light or
+//! dark theme.
 
 use validation::html::escape;
 
@@ -9,14 +10,14 @@ const RIGHT: f64 = 8.0;
 const TOP: f64 = 10.0;
 const BOTTOM: f64 = 38.0;
 
-/// A plot in the making: what it spans, and its elements so far.
+/// A plot under construction: its ranges, and its elements so far.
 pub struct Chart {
     x: [f64; 2],
     y: [f64; 2],
     body: String,
 }
 
-/// Kinds of lines and bars; the style sheet knows the classes `series-0` to `series-6`.
+/// Number of kinds of lines and bars; the style sheet has the classes `series-0` to `series-6`.
 pub const SERIES: usize = 7;
 
 impl Chart {
@@ -34,7 +35,7 @@ impl Chart {
         HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * share
     }
 
-    /// Grid lines with their labels, and what the axes mean.
+    /// Adds grid lines with their labels, and the labels of the axes.
     pub fn axes(mut self, xs: &[(f64, String)], ys: &[(f64, String)], labels: [&str; 2]) -> Self {
         let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
         for (value, label) in xs {
@@ -59,7 +60,7 @@ impl Chart {
         self
     }
 
-    /// A bar from the bottom between two places.
+    /// Adds a bar between two positions, from the bottom to `value`.
     pub fn bar(mut self, [from, to]: [f64; 2], value: f64, series: usize) -> Self {
         let (x, y) = (self.across(from), self.down(value));
         let (width, height) = ((self.across(to) - x - 0.6).max(0.3), HEIGHT - BOTTOM - y);
@@ -70,7 +71,7 @@ impl Chart {
         self
     }
 
-    /// A line through points; those that are not finite are left out.
+    /// Adds a line through points; those that are not finite are left out.
     pub fn line(mut self, points: impl IntoIterator<Item = [f64; 2]>, series: usize) -> Self {
         let finite = points.into_iter().filter(|point| point.iter().all(|v| v.is_finite()));
         let places: Vec<String> =
@@ -80,7 +81,7 @@ impl Chart {
         self
     }
 
-    /// A dot.
+    /// Adds a dot, if it is finite.
     pub fn dot(mut self, [x, y]: [f64; 2], series: usize) -> Self {
         if x.is_finite() && y.is_finite() {
             let (x, y) = (self.across(x), self.down(y));
@@ -92,20 +93,20 @@ impl Chart {
         self
     }
 
-    /// The plot; `about` says to those who cannot see it what it shows.
+    /// The plot; `about` describes it to those who cannot see it.
     pub fn svg(self, about: &str) -> String {
         let (about, body) = (escape(about), self.body);
         format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{about}\">{body}</svg>")
     }
 }
 
-/// A figure with its title, and what there is to read below it.
+/// A figure with its title, and a caption below it.
 pub fn figure(title: &str, drawing: &str, caption: &str) -> String {
     let title = escape(title);
     format!("<figure><h3>{title}</h3>{drawing}<figcaption>{caption}</figcaption></figure>")
 }
 
-/// Names of series beside their colours.
+/// A legend: names of series beside their colours.
 pub fn legend<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let entry = |(i, name): (usize, &str)| {
         format!("<span class=\"key\"><i class=\"series-{}\"></i>{}</span> ", i % SERIES, escape(name))

@@ -1,4 +1,4 @@
-//! The outcomes a report shows: asked now, or read from JSON documents of earlier runs.
+//! The outcomes that a report shows: computed now, or read from JSON documents of earlier runs.
 
 use super::Effort;
 use super::questions::{judge, one_of_a_family, thin};
@@ -11,13 +11,13 @@ use std::path::Path;
 use validation::report::Report;
 use validation::{Outcome, Verdict, checks};
 
-/// Of a reference's means, the largest relative difference that is none.
+/// Largest relative difference of a reference's means that counts as equivalent.
 pub const MARGIN: f64 = 0.005;
 
-/// Roughnesses and indices whose albedo is drawn.
+/// Prefixes of the furnace cells whose albedo is plotted.
 const CURVES: [&str; 3] = ["roughconductor-ggx[", "roughdielectric-ggx[", "dielectric-exact["];
 
-/// All outcomes, by what they speak about.
+/// All outcomes, by their subject.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     pub materials: Vec<Outcome>,
@@ -27,12 +27,12 @@ pub struct Evidence {
     pub closed_forms: Vec<Outcome>,
     pub relations: Vec<Outcome>,
     pub stability: Vec<Outcome>,
-    /// What was run or read, a sentence each.
+    /// A sentence about each group of outcomes: what was run or read.
     pub origins: Vec<String>,
 }
 
 impl Evidence {
-    /// Reads the documents below `from`, and asks the rest.
+    /// Reads the documents below `from`, and runs what they do not contain. `say` gets each step.
     pub fn gather(from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Self, String> {
         let mut evidence = Self::default();
         for report in from.map_or(Ok(vec![]), read)? {
@@ -112,7 +112,7 @@ impl Evidence {
         [materials, sampling, furnace, references, closed_forms, relations, stability].into_iter().flatten()
     }
 
-    /// The worst of all.
+    /// The worst verdict of all outcomes.
     pub fn verdict(&self) -> Verdict {
         Verdict::all(self.outcomes().map(|outcome| outcome.verdict))
     }
@@ -158,7 +158,7 @@ fn read(folder: &Path) -> Result<Vec<Report>, String> {
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         let text = std::fs::read_to_string(&path).map_err(|e| fail(&e))?;
         let mut document: Value = serde_json::from_str(&text).map_err(|e| fail(&e))?;
-        // JSON has no NaN: a figure that is not finite became null.
+        // JSON has no NaN, so figures that are not finite are null.
         for outcome in document["outcomes"].as_array_mut().into_iter().flatten() {
             outcome["figures"]
                 .as_object_mut()

@@ -1,4 +1,4 @@
-//! How many samples fall where, and how many the density promises: for the eye, beside what `chi2` decides.
+//! Histograms of samples with the counts expected from the density, as an illustration of `chi2`.
 
 use crate::materials::Subject;
 use crate::trial::from;
@@ -10,10 +10,10 @@ use validation::statistics::Stream;
 /// Bins of the angle from the normal, in which the lobes are visible.
 const BINS: usize = 36;
 
-/// Where light is looked at from, in degrees.
+/// Angle of the outgoing direction in degrees.
 const ANGLE: f64 = 35.0;
 
-/// What is drawn: a name and a scene-file snippet.
+/// The plotted models: a name and a scene-file snippet.
 const SUBJECTS: [(&str, &str); 6] = [
     ("diffuse", r#"<bsdf type="diffuse"/>"#),
     ("roughconductor, α = 0.1", r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/></bsdf>"#),
@@ -62,7 +62,7 @@ fn histogram(name: &str, subject: &dyn Scatterer, samples: usize) -> Histogram {
             .map(|[low, high]| Cell { low: [edge(i + 1), low], high: [edge(i), high] })
             .collect();
         let density = |[z, φ]: [f64; 2]| subject.pdf(wo, direction(z, φ));
-        // A tenth of a sample.
+        // The tolerance is a tenth of a sample.
         samples as f64 * integrate(&cells, 0.1 / samples as f64, 100_000, density).value
     };
     Histogram { name: name.into(), samples, observed, expected: (0..BINS).map(expected).collect() }

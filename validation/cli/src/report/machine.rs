@@ -1,9 +1,9 @@
-//! Where and when a report was made.
+//! Place and date of a report.
 
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Names and values, for people.
+/// Names and values of facts about the machine and the sources, for people.
 pub fn here() -> Vec<(&'static str, String)> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
@@ -20,7 +20,7 @@ pub fn here() -> Vec<(&'static str, String)> {
     facts
 }
 
-/// The commit and the processor in a few words, for what is measured now and told later.
+/// The commit and the processor in a few words, to be stored with measurements.
 pub fn in_short() -> String {
     let wanted = |(name, value): (&str, String)| match name {
         "commit" | "processor" => Some(value),
@@ -36,7 +36,7 @@ fn processor() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_string())
 }
 
-/// The commit of the checkout this was built from, if it is one; `+` where files differ from it.
+/// The commit of the checkout this was built from, if any; with a `+` if files differ from it.
 fn commit() -> Option<String> {
     let git = |arguments: &[&str]| {
         let run =
@@ -47,8 +47,8 @@ fn commit() -> Option<String> {
     Some(git(&["rev-parse", "--short", "HEAD"])? + if changed.is_empty() { "" } else { "+" })
 }
 
-/// The Gregorian date of a day since 1970-01-01, as ISO 8601 writes it. Years begin in March here, so that
-/// the leap day is the last.
+/// The Gregorian date of a day since 1970-01-01, in the format of ISO 8601. Years begin in March here, so
+/// that the leap day is the last.
 fn date(days: u64) -> String {
     let days = days + 719_468;
     let (era, day) = (days / 146_097, days % 146_097);

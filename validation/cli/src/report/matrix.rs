@@ -1,11 +1,11 @@
-//! Model × check: one cell for all directions, with the verdict as a sign, a colour and figures.
+//! The table of model × check: one cell for all directions, with the verdict as a sign, a colour and figures.
 
 use std::collections::BTreeMap;
 use validation::checks::CHECKS;
 use validation::html::escape;
 use validation::{Outcome, Verdict};
 
-/// The sign of a verdict, for those who see no colours.
+/// The sign of a verdict, for readers who cannot distinguish colours.
 pub fn sign(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Equivalent => "✓",
@@ -23,7 +23,7 @@ pub fn class(verdict: Verdict) -> &'static str {
     }
 }
 
-/// A table with a row for each subject, in their order, and a column for each check that anything was asked.
+/// A table with a row for each subject, in their order, and a column for each check with outcomes.
 pub fn matrix(outcomes: &[Outcome]) -> String {
     let mut subjects: Vec<&str> = vec![];
     let mut cells: BTreeMap<(&str, &str), Vec<&Outcome>> = BTreeMap::new();
@@ -52,7 +52,8 @@ pub fn matrix(outcomes: &[Outcome]) -> String {
     )
 }
 
-/// Sign, held of asked, and the most telling figure; the worst message as a tooltip.
+/// A cell: sign, number of outcomes that hold and of all, and the most informative figure; the worst message
+/// as a tooltip.
 fn cell(outcomes: Option<&Vec<&Outcome>>) -> String {
     let Some(worst) = outcomes.and_then(|outcomes| outcomes.iter().max_by_key(|o| o.verdict)) else {
         return "<td class=\"none\" title=\"does not apply\">–</td>".into();

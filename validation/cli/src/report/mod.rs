@@ -1,7 +1,7 @@
-//! `validate report`: everything the harness knows of Etalon, on one page that needs no network.
+//! `validate report`: all results of the harness about Etalon, on one self-contained page.
 //!
-//! `evidence` asks `questions`, `pictures` and `histogram` look at what was asked, `page` puts it together. A
-//! new section is a function that gives HTML, and its line in `page`.
+//! `evidence` runs the trials that `questions` selects, `pictures` and `histogram` illustrate them, `page`
+//! assembles them. To add a section: a function that returns HTML, and its line in `page`.
 
 #[cfg(test)]
 mod browser;
@@ -24,26 +24,27 @@ use evidence::Evidence;
 use std::path::Path;
 use validation::Verdict;
 
-/// How hard to look.
+/// The effort of a report.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Samples a check.
+    /// Samples per check.
     pub samples: usize,
-    /// Samples a pixel of the reference scenes.
+    /// Samples per pixel of the reference scenes.
     pub spp: u32,
-    /// Of trials, closed forms and relations that differ in direction or parameter only, one.
+    /// Whether only one is run of the trials, closed forms and relations that differ in direction or
+    /// parameter only.
     pub sparse: bool,
 }
 
 impl Effort {
-    /// For a look at everything.
+    /// The effort of a full report.
     pub const USUAL: Self = Self { samples: 1 << 17, spp: 1024, sparse: false };
-    /// For a first look.
+    /// The effort of a quick overview.
     pub const QUICK: Self = Self { samples: 1 << 15, spp: 128, sparse: true };
 }
 
-/// Writes the page to `out`, once it is known that it can be written there. What the JSON documents of `from`
-/// answer is not asked again. `say` hears each step.
+/// Writes the page to `out`, after testing that it can be written there. Outcomes in the JSON documents of
+/// `from` are not computed again. `say` gets each step.
 pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Verdict, String> {
     etalon::image::check_writable(out).map_err(|e| e.to_string())?;
     let evidence = Evidence::gather(from, effort, say)?;

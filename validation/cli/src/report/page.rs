@@ -1,4 +1,4 @@
-//! The page: sections in their order, the style sheet and the script inside.
+//! The page: its sections in their order, with the style sheet and the script inline.
 
 use super::evidence::Evidence;
 use super::histogram::Histogram;

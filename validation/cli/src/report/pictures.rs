@@ -1,4 +1,5 @@
-//! Reference scenes to flip between: Mitsuba's image, Etalon's, and where they differ in standard errors.
+//! Reference scenes with three images to switch between: Mitsuba's, Etalon's, and their difference in
+//! standard errors.
 
 use super::Effort;
 use super::charts::figure;
@@ -8,7 +9,7 @@ use etalon::image::{Rgb8, encode_png, encode_srgb};
 use validation::html::escape;
 use validation::image::{self, Image};
 
-/// Scenes that between them show most plugins.
+/// Scenes that together contain most plugins.
 const SCENES: [&str; 8] =
     ["cornell", "adapters", "dielectric", "roughconductor", "plastic", "textures", "emitters-area", "envmap"];
 
@@ -43,7 +44,7 @@ pub fn pictures(effort: Effort) -> Result<Vec<Pictures>, String> {
 }
 
 impl Pictures {
-    /// The pictures above each other with buttons; without a script they stand one below the other.
+    /// The pictures in one place with buttons; without a script they are shown one below the other.
     pub fn html(&self) -> String {
         let layers = [
             ("A · Mitsuba", &self.mitsuba, "rendered by Mitsuba"),
@@ -59,12 +60,12 @@ impl Pictures {
     }
 }
 
-/// A picture as a data URI; `white` is what is shown white.
+/// A picture as a data URI; the value `white` is shown white.
 pub(super) fn as_png(image: &Image, white: f64) -> Result<String, String> {
     Ok(data_uri(&encode_png(&develop(image, white)).map_err(|e| e.to_string())?))
 }
 
-/// The 98th percentile of a picture's values: what is shown white.
+/// The 98th percentile of a picture's values, which is shown white.
 pub(super) fn white(image: &Image) -> f64 {
     let mut values: Vec<f64> =
         colors(image).into_iter().flatten().copied().filter(|v| v.is_finite()).collect();
@@ -83,12 +84,12 @@ fn develop(image: &Image, white: f64) -> Rgb8 {
     Rgb8 { width: image.width as u32, height: image.height as u32, pixels }
 }
 
-/// The bytes of a PNG file as an address that holds all of them.
+/// The bytes of a PNG file as a data URI.
 pub(crate) fn data_uri(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", base64(png))
 }
 
-/// RFC 4648, section 4.
+/// Base64 (RFC 4648, section 4).
 fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);

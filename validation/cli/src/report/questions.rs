@@ -1,11 +1,11 @@
-//! Which questions are asked.
+//! The selection of trials, closed forms and relations of a report, and their evaluation.
 
 use crate::crew::ask_all;
 use crate::trial::Trial;
 use std::collections::BTreeSet;
 use validation::{Outcome, Verdict};
 
-/// Of the trials that differ in direction only, the second: it is oblique. All of them unless `sparse`.
+/// If `sparse`, only the second of the trials that differ in direction only, which is oblique; otherwise all.
 pub fn thin(trials: Vec<Trial>, sparse: bool) -> Vec<Trial> {
     let about = |trial: &Trial| trial.name.rsplit_once("::").map(|(about, _)| about.to_string());
     let groups = trials.chunk_by(|a, b| about(a) == about(b));
@@ -15,7 +15,7 @@ pub fn thin(trials: Vec<Trial>, sparse: bool) -> Vec<Trial> {
         .collect()
 }
 
-/// The first of each family of things named `family::thing`, or all.
+/// If `sparse`, only the first of each family of things named `family::thing`; otherwise all.
 pub fn one_of_a_family<T>(mut things: Vec<T>, name: impl Fn(&T) -> &String, sparse: bool) -> Vec<T> {
     let mut seen = BTreeSet::new();
     let family = |thing: &T| name(thing).split("::").next().map(String::from);
@@ -23,7 +23,8 @@ pub fn one_of_a_family<T>(mut things: Vec<T>, name: impl Fn(&T) -> &String, spar
     things
 }
 
-/// The answers to all questions, in their order. One that could not be asked is inconclusive and says why.
+/// The outcomes of all questions, in their order. One that could not be evaluated is inconclusive, with the
+/// error as its message.
 pub fn judge<T: Sync>(
     questions: &[T],
     name: impl Fn(&T) -> &String,

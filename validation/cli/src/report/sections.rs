@@ -9,7 +9,7 @@ use validation::html::escape;
 use validation::statistics::uniformity;
 use validation::{Outcome, Verdict};
 
-/// The verdict, and how many outcomes bear which.
+/// The overall verdict, and the number of outcomes of each.
 pub fn summary(outcomes: &[&Outcome]) -> String {
     let count = |verdict| outcomes.iter().filter(|outcome| outcome.verdict == verdict).count();
     let worst = Verdict::all(outcomes.iter().map(|outcome| outcome.verdict));
@@ -56,7 +56,7 @@ pub fn exceptions<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> String {
     if rest.is_empty() { "<p>Everything holds.</p>".into() } else { table(&rest) }
 }
 
-/// Observed beside expected counts, with the residuals as a sentence.
+/// Observed and expected counts, with a sentence about the residuals.
 pub fn histograms(histograms: &[Histogram]) -> String {
     let drawn = histograms.iter().map(|histogram| {
         let most = histogram.observed.iter().chain(&histogram.expected).fold(1.0f64, |a, b| a.max(*b));
@@ -84,10 +84,10 @@ pub fn histograms(histograms: &[Histogram]) -> String {
     format!("<div class=\"figures\">{}</div>", drawn.collect::<String>())
 }
 
-/// Albedo over the angle: a plot for each model, a line for each parameter; dots are samples, lines are
-/// quadrature.
+/// Albedo over the angle: a plot for each model, a line for each parameter; dots are sampled, lines are
+/// integrated.
 pub fn albedos(cells: &[Outcome]) -> String {
-    /// What was found at each angle.
+    /// Outcomes by angle in degrees.
     type Angles<'a> = Vec<(f64, &'a Outcome)>;
     let mut models: BTreeMap<&str, BTreeMap<&str, Angles>> = BTreeMap::new();
     for cell in cells {
@@ -117,7 +117,7 @@ pub fn albedos(cells: &[Outcome]) -> String {
     format!("<div class=\"figures\">{}</div>", drawn.collect::<String>())
 }
 
-/// How often p-values fall into each twentieth; uniform if the checks are honest and Etalon is right.
+/// Histogram of all p-values in twentieths; uniform if the checks are correct and Etalon is.
 pub fn p_values(outcomes: &[&Outcome]) -> String {
     const BINS: usize = 20;
     let values: Vec<f64> =
@@ -141,7 +141,7 @@ pub fn p_values(outcomes: &[&Outcome]) -> String {
     figure("All p-values", &chart.svg("histogram of p-values"), &caption)
 }
 
-/// Which test noticed which planted bug.
+/// The table of planted bugs with the test that detected each.
 pub fn museum(findings: Option<&Findings>) -> String {
     let Some(findings) = findings else { return "<p>No results are committed.</p>".into() };
     let (killed, all) = findings.killed();
@@ -179,7 +179,7 @@ mod tests {
         let cell = cell.figure("sampled", 1.0).figure("sampled_smooth", 0.0).figure("integrated", 0.0);
         let steep = cell.clone().of("glass[1.5]::furnace::45");
         let html = albedos(&[cell, steep]);
-        // Albedo 1 of a range up to 1.05 stands at y = 202 − 192/1.05.
+        // In a range up to 1.05 an albedo of 1 is at y = 202 − 192/1.05.
         assert!(html.contains("points=\"46.0,19.1 229.0,19.1\"") && html.contains("1.5</span>"), "{html}");
     }
 

@@ -1,27 +1,27 @@
-//! A strip of pictures: what the cameras of stiff and extreme scenes see.
+//! A strip of pictures: the views of the cameras of stiff and extreme scenes.
 
 use super::Effort;
 use super::pictures::{as_png, white};
 use crate::stability;
 use validation::html::escape;
 
-/// Samples a pixel; the pictures are to be looked at, the verdicts stand in the table.
+/// Samples per pixel; the pictures are illustrations, the verdicts are in the table.
 const SAMPLES: u64 = 256;
 
-/// What a camera sees, as a data URI.
+/// The image of a case, as a data URI.
 #[derive(Clone, Debug)]
 pub struct Still {
     pub name: String,
     pub picture: String,
 }
 
-/// A picture of each case, asked or not, but for those whose film is a single pixel.
+/// A picture of each case, whether it is run or not, except those whose film is a single pixel.
 pub fn stills(effort: Effort) -> Result<Vec<Still>, String> {
     let samples = if effort.sparse { SAMPLES / 4 } else { SAMPLES };
     let mut stills = vec![];
     for case in stability::cases() {
         let Some(scene) = case.scene() else { continue };
-        // One that cannot be rendered differs already, and the table says why.
+        // A case that cannot be rendered is different already, and the table gives the reason.
         let Ok(image) = scene.image(samples, 0) else { continue };
         if image.width * image.height > 1 {
             let picture = as_png(&image, white(&image))?;

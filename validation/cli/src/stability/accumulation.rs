@@ -3,7 +3,7 @@
 use super::Case;
 use etalon::film::{BLOCK, ChannelAccumulator};
 
-/// Samples of a test run; `--thorough` adds 10⁹.
+/// Number of samples of a test run; 10⁹ with `--thorough`.
 const SAMPLES: u64 = 100_000_000;
 
 pub fn cases() -> Vec<Case> {
@@ -40,7 +40,7 @@ fn beside_large() -> f64 {
     const ONES: u64 = 1_000_000;
     let large = libm::exp2(40.0);
     let mut sum = ChannelAccumulator::default();
-    // A block to itself for either, or the block's plain sum would round.
+    // Each gets a block of its own, since the plain sum within a block would round.
     let large_blocks = [large, 0.0, 0.0, 0.0].into_iter();
     let values = large_blocks.chain((0..ONES).map(|_| 1.0)).chain([-large, 0.0, 0.0, 0.0]);
     let mut count = 0;
@@ -64,7 +64,7 @@ fn orders() -> f64 {
         (k * LENGTH..(k + 1) * LENGTH).for_each(|i| part.add(i, value(i)));
         part
     };
-    // Multiples of a number that is prime to 97 visit every range once.
+    // Multiples of a number coprime to 97 visit every range once.
     let merged = [1, 2, 5, 31, 60, 95, 96].map(|step| {
         let mut sum = ChannelAccumulator::default();
         (0..RANGES).for_each(|k| sum.merge(&range(k * step % RANGES)));

@@ -1,4 +1,4 @@
-//! Fields of view, lenses and focus at their ends.
+//! Extreme fields of view, lenses and focus distances.
 
 use super::Case;
 use crate::closed_forms::ClosedForm;

@@ -27,13 +27,14 @@ pub struct Arguments {
     markdown: Option<PathBuf>,
 }
 
-/// What `--json` writes, with its provenance.
+/// The document of `--json`, with its provenance.
 #[derive(Serialize)]
 struct Document<'a> {
     cases: &'a [Row],
 }
 
-/// Holds if every case does, or misses by no more than its stated limit.
+/// Runs the cases; the verdict is equivalent if every case holds, or misses its expectation within its stated
+/// limit.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { name, thorough, number, json, markdown } = arguments;
     check_writable(&[&markdown, &json])?;

@@ -1,10 +1,11 @@
-//! Fresnel's equations against 60 digits.
+//! Fresnel's equations against values of 60 digits.
 
 use super::Case;
 use etalon::bsdf::fresnel::dielectric;
 use validation::statistics::worst_of;
 
-/// η, cos, R, T, cos′ for η from 10⁻⁴ to 10⁴ and 1 ± 10⁻⁷, to 10⁻⁷ rad of grazing and of the critical angle.
+/// Table of η, cos, R, T, cos′ for η from 10⁻⁴ to 10⁴ and 1 ± 10⁻⁷, to 10⁻⁷ rad of grazing and of the
+/// critical angle.
 const TABLE: &str = include_str!("../../data/fresnel.csv");
 
 pub fn cases() -> Vec<Case> {
@@ -43,7 +44,7 @@ fn rows() -> impl Iterator<Item = Vec<f64>> {
     rows.filter(|row| row.len() == 5)
 }
 
-/// Whether η² − sin² is a small difference of η² and sin².
+/// Whether η² − sin² suffers from cancellation.
 fn is_near_critical(row: &[f64]) -> bool {
     let (eta, cos_transmitted) = (row[0], row[4]);
     eta < 1.0 && cos_transmitted * cos_transmitted < 0.01

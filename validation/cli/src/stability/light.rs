@@ -1,4 +1,4 @@
-//! Very bright, very dim, very small, and light that hardly fades.
+//! Very bright, very dim and very small lights, and light that is hardly attenuated.
 
 use super::Case;
 use crate::closed_forms::ClosedForm;
@@ -57,20 +57,20 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// A disk at height 1, and its irradiance.
+/// A disk at height 1, and its irradiance at the origin.
 fn disk(radius: f64, radiance: f64) -> (String, f64) {
     let steps = [scale([radius; 3]), rotate('x', 180.0), translate([0.0, 0.0, 1.0])];
     let e = PI * radiance * radius * radius / (radius * radius + 1.0);
     (shape("disk", &steps, &area(radiance)), e)
 }
 
-/// A map of 31 417 rows, the first of which is white: a cone of 10⁻⁴ rad about the pole, fading to its edge,
-/// in the zenith.
+/// A map of 31 417 rows, the first of which is white: a cone of 10⁻⁴ rad around the pole, fading to its edge,
+/// at the zenith.
 fn sun_in_a_map() -> ClosedForm {
     let (radiance, edge) = (1e9, PI / 31_416.0);
     let file = "<string name=\"filename\" value=\"textures/sun.png\"/>";
     let parameters = file.to_string() + &float("scale", radiance) + &to_world(&[rotate('x', 90.0)]);
-    // The integral is ¼ − sin 2δ/8δ, of whose series this is the beginning.
+    // The integral is ¼ − sin 2δ/8δ; these are the first terms of its series.
     let e = 2.0 * PI * radiance * edge * edge / 6.0 * (1.0 - edge * edge / 5.0);
     let source = "E = 2πL ∫₀^δ (1 − θ/δ) sin θ cos θ dθ of a map whose first row is L, δ = 10⁻⁴ rad";
     ClosedForm::new(
@@ -81,7 +81,7 @@ fn sun_in_a_map() -> ClosedForm {
     )
 }
 
-/// Albedos that f32 holds exactly: 1 − 10⁻⁶ would be 1.3 % off in 1 − ρ.
+/// Closed rooms with albedos that f32 represents exactly: 1 − 10⁻⁶ would have an error of 1.3 % in 1 − ρ.
 fn closed_rooms() -> Vec<ClosedForm> {
     let room = |loss: f64, depth: i64| {
         let inside = "<boolean name=\"flip_normals\" value=\"true\"/>";

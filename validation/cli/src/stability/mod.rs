@@ -1,10 +1,10 @@
-//! Stiff and extreme scenes: nothing breaks, nothing is lost.
+//! Stiff and extreme scenes, in which nothing may fail and no light may be lost.
 //!
-//! A case is data: a stated expectation, how it is measured, and, where `f32` or a stated design stands in
-//! the way, the limit that is known of it. What has an answer is a [`ClosedForm`], what has a twin a
-//! [`Relation`]; two more measures are peculiar to this battery: renders of two scenes *with the same random
-//! numbers*, whose pixels must then be the same but for rounding, and the worst error of a computation that
-//! needs no picture.
+//! A case is data: a stated expectation, how it is measured, and, where `f32` or a documented design prevents
+//! it, the known limit. A case with an analytic solution is a [`ClosedForm`], one with an equal scene a
+//! [`Relation`]; two more measures are specific to this battery: renders of two scenes *with the same random
+//! numbers*, whose pixels must then be equal except for rounding, and the worst error of a computation
+//! without a picture.
 //!
 //! *How to add one*: an entry in the `cases` of the file it belongs to; for a new family, a file and its line
 //! in [`FAMILIES`].
@@ -43,32 +43,33 @@ pub const FAMILIES: &[Family<Case>] = &[
     ("accumulation", accumulation::cases),
 ];
 
-/// Times the samples of `--thorough`.
+/// Factor on the samples with `--thorough`.
 pub const THOROUGH: u64 = 10;
 
-/// The worst error of a computation, at so many times the effort.
+/// A computation that returns its worst error, with its effort as argument.
 pub type Worst = Box<dyn Fn(u64) -> Result<f64, String> + Send + Sync>;
 
 /// How an expectation is measured.
 pub enum Measure {
-    /// A formula; the 99 % interval of measured over expected lies within the margin.
+    /// Against a formula; the 99 % interval of measured over expected lies within the margin.
     Answer(Box<ClosedForm>),
-    /// Another render, bit for bit or in expectation.
+    /// Against another render, bit for bit or in expectation.
     Alike(Box<Relation>),
-    /// Another render with the same random numbers: Σ|a − b| over the pixels is at most this share of Σa.
+    /// Against another render with the same random numbers: Σ|a − b| over the pixels is at most this share of
+    /// Σa.
     Same(Box<[Term; 2]>, f64),
-    /// A worst error of at most this.
+    /// Against this bound on the worst error.
     AtMost(Worst, f64),
 }
 
-/// Why an expectation is missed, and the largest error that this explains.
+/// A known reason for missing an expectation, with the largest error that it explains.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
     pub why: &'static str,
     pub within: f64,
 }
 
-/// A stated expectation.
+/// A stated expectation with its measure and its known limit.
 pub struct Case {
     pub name: String,
     pub expectation: String,
@@ -76,29 +77,29 @@ pub struct Case {
     pub limit: Option<Limit>,
 }
 
-/// What came of an expectation.
+/// The result of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Standing {
     Holds,
-    /// Missed, no farther than a known limit.
+    /// Missed, within a known limit.
     Limit,
     Inconclusive,
     Differs,
 }
 
-/// A case, a figure and a verdict.
+/// The results of a case, for a table.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     pub case: String,
     pub expectation: String,
-    /// The measured error; bits that differ count as such.
+    /// The measured error; NaN if there is none, as for a comparison of bits.
     pub error: f64,
-    /// The largest error that is none.
+    /// The largest error that counts as holding.
     pub margin: f64,
     pub found: String,
     pub verdict: Standing,
-    /// The limit that is known.
+    /// The reason for missing the expectation, if it was missed within a known limit.
     pub limit: Option<&'static str>,
 }
 
@@ -108,7 +109,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    /// A case with an analytic answer; its source is the expectation.
+    /// A case with an analytic solution, whose source is the expectation.
     pub fn answer(case: ClosedForm) -> Self {
         let (name, expectation) = (case.name.clone(), case.source.to_string());
         Self { name, expectation, measure: Measure::Answer(Box::new(case)), limit: None }
@@ -139,7 +140,8 @@ impl Case {
         Self { limit: Some(Limit { why, within }), ..self }
     }
 
-    /// Measures with `effort` times the samples; `number` draws other seeds. What cannot be rendered differs.
+    /// Measures with `effort` times the samples; `number` determines the seeds. A case that cannot be
+    /// rendered differs.
     pub fn check(&self, effort: u64, number: u64) -> Row {
         let measured = self.measure(effort, number);
         let (error, margin, found, verdict) =
@@ -155,7 +157,7 @@ impl Case {
         Row { case, expectation, error, margin, found, verdict, limit }
     }
 
-    /// The error, the margin, what was found in words, and whether it is within the margin.
+    /// The error, the margin, a message, and whether the error is within the margin.
     fn measure(&self, effort: u64, number: u64) -> Result<(f64, f64, String, Verdict), String> {
         Ok(match &self.measure {
             Measure::Answer(case) => {
@@ -177,7 +179,7 @@ impl Case {
         })
     }
 
-    /// The stiff one of the scenes that are rendered; none where no picture is needed.
+    /// The extreme one of the rendered scenes; `None` for a case without a picture.
     pub fn scene(&self) -> Option<Term> {
         match &self.measure {
             Measure::Answer(case) => Some(Term { mode: case.mode, ..Term::new(case.scene.clone()) }),
@@ -187,8 +189,8 @@ impl Case {
         }
     }
 
-    /// As a test: what is undecided or different counts if four times the samples, of other seeds, confirm
-    /// it.
+    /// The case as a test: it fails if four times the samples with other seeds confirm an inconclusive or
+    /// different verdict.
     pub fn test(&self) -> Result<(), String> {
         let fault = |row: Row| {
             let holds = matches!(row.verdict, Standing::Holds | Standing::Limit);
@@ -200,8 +202,8 @@ impl Case {
 }
 
 impl Row {
-    /// As a report shows it: what was found, and what was expected. A known limit is no difference, but is
-    /// told.
+    /// The outcome for a report, with the result and the expectation in its message. A known limit is no
+    /// difference, but is mentioned.
     pub fn outcome(&self) -> Outcome {
         let verdict = match self.verdict {
             Standing::Holds | Standing::Limit => Verdict::Equivalent,
@@ -214,7 +216,7 @@ impl Row {
     }
 }
 
-/// Of all rows: known limits are no difference.
+/// The verdict on all rows; known limits are no difference.
 pub fn verdict(rows: &[Row]) -> Verdict {
     let any = |verdict: Standing| rows.iter().any(|row| row.verdict == verdict);
     if any(Standing::Differs) {
@@ -227,11 +229,11 @@ pub fn verdict(rows: &[Row]) -> Verdict {
 }
 
 fn judge(error: f64, within: f64) -> Verdict {
-    // NaN is no pass.
+    // NaN does not pass.
     if error <= within { Verdict::Equivalent } else { Verdict::Different }
 }
 
-/// How far the worst ratio of means that an outcome tells of is from 1; NaN if it tells of none.
+/// The largest deviation from 1 of the ratios of means in an outcome; NaN if it has none.
 fn ratio_error(outcome: &Outcome) -> f64 {
     let ratios = outcome
         .figures

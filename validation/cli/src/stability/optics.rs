@@ -1,4 +1,4 @@
-//! Interfaces, metals and roughness at their ends.
+//! Extreme interfaces, metals and roughnesses.
 
 use super::Case;
 use super::surfaces::panes;
@@ -53,13 +53,13 @@ fn interfaces() -> Vec<ClosedForm> {
     cases
 }
 
-/// A guide of glass between z = ±½: a ray at 45° is reflected at x = ½, 1½, … and meets a narrow light.
+/// A light guide of glass between z = ±½: a ray at 45° is reflected at x = ½, 1½, … and meets a narrow light.
 fn chain(bounces: i32) -> ClosedForm {
     let glass = bsdf("dielectric", &(float("int_ior", 1.5) + &float("ext_ior", 1.0)));
     let wide = scale([2000.0, 10.0, 1.0]);
     let above = shape("rectangle", &[wide.clone(), translate([0.0, 0.0, 0.5])], &glass);
     let below = shape("rectangle", &[wide, rotate('x', 180.0), translate([0.0, 0.0, -0.5])], &glass);
-    // The camera's own width of 10⁻⁵ rad is 0.014 there.
+    // The width of the camera's beam, 10⁻⁵ rad, is 0.014 there.
     let place = [scale([0.02; 3]), rotate('y', -90.0), translate([f64::from(bounces), 0.0, 0.0])];
     let light = shape("rectangle", &place, &area(1.0));
     let camera = pointed([0.0; 3], [1.0, 0.0, 1.0]);
@@ -108,7 +108,7 @@ fn roughness() -> Vec<ClosedForm> {
     cases
 }
 
-/// At normal incidence, by the midpoint rule.
+/// The albedo at normal incidence, by the midpoint rule.
 fn one_axis() -> f64 {
     const STEPS: i32 = 100_000;
     let at = |i: i32| {

@@ -1,14 +1,14 @@
-//! The unit of length and the origin are conventions.
+//! Invariance under the unit of length and the position of the origin.
 
 use super::Case;
 use crate::metamorphic::still_life::{objects, placed, rough_metal};
 use crate::metamorphic::{Relation, Term};
 use crate::stage::*;
 
-/// Objects, each moved by further transforms.
+/// A function that returns objects, each moved by further transforms.
 type Objects = fn(&[String]) -> Vec<String>;
 
-/// From the origin to the room's farthest corner.
+/// Distance from the origin to the room's farthest corner.
 const RADIUS: f64 = 4.5;
 
 const VERTICES: &str = "vertices of meshes are f32 in world space: at 10⁵ radii from the origin a cube of 0.35 is known to 0.016. \
@@ -39,21 +39,21 @@ pub fn cases() -> Vec<Case> {
             let case =
                 Case::same(format!("{name}_moved_10^{power}"), expectation, [plain.clone(), other], 1e-3);
             // Half the distance between floats is 0.016 at 4.5·10⁵, 1/20 of the cube's half edge; the cube
-            // and its shadow are a tenth of the picture.
+            // and its shadow cover a tenth of the picture.
             cases.push(if name == "room" { case.limit(VERTICES, 5e-3) } else { case });
         }
     }
     cases
 }
 
-/// Without the cube, the only mesh: all else is kept in f64.
+/// The objects without the cube, the only mesh: all others are stored in f64.
 fn round(more: &[String]) -> Vec<String> {
     let mut objects = objects(more);
     objects.pop();
     objects
 }
 
-/// With a ball of glass in place of the metal.
+/// The objects with a ball of glass in place of the metal one.
 fn glass(more: &[String]) -> Vec<String> {
     let glass = bsdf("dielectric", &float("int_ior", 1.5));
     round(more).into_iter().map(|object| object.replace(&rough_metal(), &glass)).collect()

@@ -1,4 +1,4 @@
-//! Rays that leave a convex body outwards meet nothing; within a sphere they meet the other side.
+//! Rays that leave a convex body outwards hit nothing; inside a sphere they hit the opposite side.
 
 use super::Case;
 use crate::stage::*;
@@ -7,7 +7,7 @@ use etalon::scene::{Features, Scene};
 use etalon::spectrum::ColorMode;
 use validation::statistics::seed_for;
 
-/// Rays of a test run, all bodies together 10⁷.
+/// Number of rays of a test run per body; all ten bodies together 10⁷.
 const RAYS: u64 = 1_000_000;
 
 pub fn cases() -> Vec<Case> {
@@ -15,8 +15,8 @@ pub fn cases() -> Vec<Case> {
     let far = translate([310.0, -150.0, 77.0]);
     let inside = "<boolean name=\"flip_normals\" value=\"true\"/>";
     let turned = [scale([0.7, 1.3, 1.0]), rotate('x', 33.0), rotate('z', 71.0)];
-    // The triangles of a ball lie in a plane two by two but for the rounding of their corners: no ray may be
-    // flatter.
+    // The triangles of a ball are pairwise coplanar except for the rounding of their corners, so no ray may
+    // be flatter than that.
     let bodies: Vec<(&str, String, f64)> = vec![
         ("sphere", sphere([0.1, 0.2, -0.3], 1.0, ""), 1e-12),
         ("hollow_sphere", sphere([0.1, 0.2, -0.3], 1.0, inside), 1e-6),
@@ -29,7 +29,7 @@ pub fn cases() -> Vec<Case> {
         ("ball_of_triangles", shape("ply", &[], &mesh("ball.ply")), 1e-3),
         ("octahedron_of_needles", shape("ply", &[scale([1e-4, 1e-4, 10.0])], &mesh("octahedron.ply")), 1e-6),
     ];
-    // Only what emits can be asked for points of its surface.
+    // Only the surface of an emitter can be sampled.
     let shines = area(1.0) + "</shape>";
     let case = |(name, body, least): (&'static str, String, f64)| {
         let text =
@@ -46,8 +46,7 @@ pub fn cases() -> Vec<Case> {
     bodies.into_iter().map(case).collect()
 }
 
-/// Of so many rays those that meet what they should not. Cosines to the normal are spread over all magnitudes
-/// above `least`.
+/// The number of `rays` rays with a false hit. Cosines to the normal are log-uniform above `least`.
 fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64, String> {
     let body = &scene.shapes.first().ok_or("no shape")?.geometry;
     let (mut left, mut wrong) = (0, 0);
@@ -71,7 +70,7 @@ fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64,
         let direction = Frame::about(point.ng).to_world(DVec3::new(sin * c, sin * s, cos));
         let onward = Ray::leaving(point.p, direction, f64::INFINITY, hit.primitive);
         let met = scene.accel.closest(&onward);
-        // The chord of the unit sphere.
+        // The expected distance is the chord of the unit sphere.
         let right = if hollow {
             met.is_some_and(|met| (met.t / (2.0 * cos) - 1.0).abs() < 1e-6)
         } else {

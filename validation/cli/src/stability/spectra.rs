@@ -1,4 +1,4 @@
-//! Lines, gaps and the ends of the range.
+//! Spectral lines, gaps and the ends of the visible range.
 
 use super::Case;
 use crate::closed_forms::ClosedForm;
@@ -10,7 +10,8 @@ use etalon::spectrum::observer::luminance;
 use validation::image::Image;
 use validation::statistics::worst_of;
 
-/// Luminance of equal energy of 1 a nm over 550 nm ± 0.05: ȳ(550) over the observer's normalisation.
+/// Luminance of an equal-energy spectrum of 1 per nm over 550 nm ± 0.05: ȳ(550) over the observer's
+/// normalisation.
 const LINE: f64 = 0.1 * 0.994_950_1 / 106.750_259_399_414_06;
 
 pub fn cases() -> Vec<Case> {
@@ -54,7 +55,7 @@ const BANDS: &str = "<film type=\"specfilm\"><integer name=\"width\" value=\"1\"
      <rfilter type=\"box\"/><spectrum name=\"violet\" value=\"360:0.5, 370:0.5\"/>\
      <spectrum name=\"green\" value=\"500:1, 600:1\"/><spectrum name=\"red\" value=\"820:0.5, 830:0.5\"/></film>";
 
-/// The mean of the channel, NaN without it.
+/// The mean of a channel; NaN if there is none of this name.
 fn of(image: &Image, name: &str) -> f64 {
     let found = image.channels.iter().find(|c| c.name == name);
     found.map_or(f64::NAN, |c| c.mean.iter().sum::<f64>() / c.mean.len() as f64)
@@ -72,7 +73,7 @@ fn wall(radiance: &str) -> String {
     scene(&[&path(1), &pointed([0.0, 0.0, 3.0], [0.1, 0.2, 0.0]), &wall]).replace(&film(1, 1), BANDS)
 }
 
-/// Reflection at glass whose index falls from 3 to 1.2 over the green band.
+/// Reflection at glass whose index decreases from 3 to 1.2 over the green band.
 fn dispersion() -> ClosedForm {
     let glass = bsdf(
         "dielectric",

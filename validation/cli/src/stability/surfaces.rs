@@ -1,4 +1,4 @@
-//! Surfaces close to each other, in each other's place, and hardly there.
+//! Surfaces that are close together, coincident, or almost without area.
 
 use super::Case;
 use crate::closed_forms::ClosedForm;
@@ -19,7 +19,8 @@ pub fn cases() -> Vec<Case> {
     for (name, z) in [("coincident_floor", 0.0), ("floor_at_1e-12", -1e-12), ("floor_at_1e-5", -1e-5)] {
         let second = shape("rectangle", &[scale([4.0, 3.7, 1.0]), translate([0.1, 0.2, z])], &diffuse(0.6));
         let expectation = "a floor within or close beneath the floor, of the same make, changes nothing";
-        // The wide one shows beyond the first: both scenes have it there, one has both.
+        // The second floor is wider and visible beyond the first, so it is in both scenes; one has both
+        // floors.
         let only = with_light(&lamp(8.0)).replace(floor, &second);
         let both = with_light(&lamp(8.0)).replace(floor, &(floor.clone() + &second));
         cases.push(Case::same(name, expectation, [only, both], 1e-3));
@@ -36,7 +37,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// A ball of glass in a film of water of no thickness: two interfaces in one place.
+/// A ball of glass in a film of water without thickness: two coincident interfaces.
 fn coincident_glass() -> Case {
     let ball = |inside: f64, outside: f64| {
         sphere([0.0; 3], 1.0, &bsdf("dielectric", &(float("int_ior", inside) + &float("ext_ior", outside))))
@@ -57,7 +58,7 @@ fn face(steps: &[String], z: f64) -> String {
     shape("rectangle", &[&[scale([100.0; 3])], steps, &[translate([0.0, 0.0, z])]].concat(), &glass)
 }
 
-/// Panes of real thickness: a face up, a face down.
+/// Panes with a thickness: one face up, one face down.
 pub fn panes(count: i32, thickness: f64, distance: f64) -> String {
     let pane = |i: i32| {
         let top = -distance * f64::from(i);
@@ -102,7 +103,7 @@ fn glass() -> Vec<Case> {
     cases
 }
 
-/// What is 10⁷ times as large as what it stands by.
+/// Objects that are 10⁷ times as large as others beside them.
 fn mixed_scales() -> Vec<ClosedForm> {
     let disk = |radius: f64, height: f64| {
         shape("disk", &[scale([radius; 3]), rotate('x', 180.0), translate([0.0, 0.0, height])], &area(1.0))
@@ -112,8 +113,8 @@ fn mixed_scales() -> Vec<ClosedForm> {
         let e = PI * radius * radius / (radius * radius + height * height);
         ClosedForm::new(name, source, floor_under(&disk(radius, height)), shown(e)).samples(1 << 14)
     };
-    // A ball of 10⁻⁷ beside the wall of 1, seen from 6·10⁻⁷: the ball's disk on the film is π tan²σ of it,
-    // sin σ = 1/6.
+    // A ball of 10⁻⁷ beside the wall of 1, seen from 6·10⁻⁷: the ball's disk on the film has the area π
+    // tan²σ, sin σ = 1/6.
     let radius = 1e-7;
     let (place, eye) = ([0.3, 0.2, 0.5], [0.3, 0.2, 0.5 - 6.0 * radius]);
     let camera = pinhole(&look_at(eye, place, [0.0, 1.0, 0.0]), 40.0, &film(6, 6))
@@ -123,8 +124,8 @@ fn mixed_scales() -> Vec<ClosedForm> {
         + &shape("rectangle", &[scale([1.0; 3]), translate([0.0, 0.0, -1.0])], &diffuse(0.5));
     vec![
         under("lamp_of_1e7_above_1", 1e7, 2.0),
-        // Where it is closest to the floor its surface passes the world's origin, and its numbers are 1000
-        // times as large as those of its points.
+        // Where it is closest to the floor, its surface passes the world's origin, and its coordinates are
+        // 1000 times as large as those of its points there.
         ClosedForm::new(
             "ball_of_1000_past_the_origin",
             "E = πLr²/d² under a ball",

@@ -1,4 +1,4 @@
-//! What was measured, as `docs/stability.md` shows it.
+//! The table of `docs/stability.md`.
 
 use super::{Row, Standing};
 use crate::provenance::Provenance;
@@ -18,16 +18,16 @@ amount: a farther miss differs.
 
 ";
 
-/// What follows this line of the document is kept when the table is written again.
+/// The part of the document after this line is kept when the table is written again.
 const BY_HAND: &str = "<!-- What follows is written by hand. -->";
 
-/// The document with another table.
+/// The document with an updated table.
 pub fn updated(document: &str, made: &Provenance, rows: &[Row]) -> String {
     let kept = document.split_once(BY_HAND).map(|(_, kept)| format!("\n{BY_HAND}{kept}"));
     markdown(made, rows) + &kept.unwrap_or_default()
 }
 
-/// A Markdown document, a case a row.
+/// The table as Markdown, with a row for each case.
 fn markdown(made: &Provenance, rows: &[Row]) -> String {
     let count = |verdict: Standing| rows.iter().filter(|row| row.verdict == verdict).count();
     let mut text = format!(
@@ -64,7 +64,7 @@ fn markdown(made: &Provenance, rows: &[Row]) -> String {
 }
 
 fn shown(margin: f64) -> String {
-    if margin == 0.0 { "bits".into() } else { format!("{margin:.0e}") }
+    if margin == 0.0 { "bits".into() } else { format!("{margin:e}") }
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
-//! Renders what a study of a scene lacks yet, and keeps everything in a folder, so that it can be stopped at any
-//! time.
+//! Renders the missing pictures of a study of a scene, and keeps everything in a folder, so that it can be
+//! interrupted at any time.
 //!
-//! - `schedule.json`: each renderer's sample counts, and who cannot render the scene;
+//! - `schedule.json`: each renderer's sample counts, or why it cannot render the scene;
 //! - `references/`: the pictures of each renderer's converged mean;
 //! - `runs.jsonl`: a line for every picture, in the order of rendering;
-//! - `pictures/`: the longest rung of the first seed.
+//! - `pictures/`: the pictures of the longest rung of the first seed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -18,12 +18,12 @@ use crate::console;
 use crate::renderers::{Job, Rendered, Renderers, mean_of, read};
 use crate::report::machine;
 
-/// A renderer's sample counts, one a rung, or why it has none.
+/// A renderer's sample counts, one per rung, or why it has none.
 pub type Schedule = BTreeMap<String, Result<Vec<u32>, String>>;
 
-/// A scene's folder.
+/// The folder of a scene, with the study's renderers and settings.
 pub struct Bench<'a> {
-    /// What all render.
+    /// The scene file that all renderers render.
     pub scene: PathBuf,
     pub folder: PathBuf,
     pub renderers: &'a Renderers,
@@ -31,7 +31,8 @@ pub struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Measures what is missing. Fails where nothing at all can be measured.
+    /// Measures what is missing. A renderer that cannot render the scene is noted in the schedule. Errors: an
+    /// unusable folder, or a renderer that fails after it has once succeeded.
     pub fn measure(&self, names: &[&str], progress: &dyn Fn(&str)) -> Result<(), String> {
         for folder in ["references", "pictures"] {
             std::fs::create_dir_all(self.folder.join(folder)).map_err(|e| e.to_string())?;
@@ -41,7 +42,7 @@ impl Bench<'_> {
         for name in names {
             let of = mean_of(self.renderers, name);
             for name in [name, of] {
-                // Who failed in an earlier run may have been installed since.
+                // A renderer that failed in an earlier run may have been installed since.
                 if !matches!(schedule.get(name), Some(Ok(_))) && tried.insert(name) {
                     progress(&format!("{name}: pilot"));
                     schedule.insert(name.to_string(), self.counts(name));
@@ -62,7 +63,8 @@ impl Bench<'_> {
         self.runs_missing(names, &schedule, &references, progress)
     }
 
-    /// A B A B: whatever the machine does meanwhile, it does to all.
+    /// Renders the missing runs, alternating between renderers (A B A B), so that changes of the machine's
+    /// load affect all.
     fn runs_missing(
         &self,
         names: &[&str],
@@ -106,16 +108,16 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// What was rendered.
+    /// All finished runs.
     pub fn runs(&self) -> Result<Vec<Run>, String> {
         let file = self.folder.join("runs.jsonl");
         let text = if file.exists() { std::fs::read_to_string(&file) } else { Ok(String::new()) };
         let text = text.map_err(|e| format!("{}: {e}", file.display()))?;
-        // A line that was cut off by an interruption is rendered again.
+        // A line that an interruption cut off is skipped, and its picture rendered again.
         Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
     }
 
-    /// Who renders how much; empty at first.
+    /// The schedule so far; empty at first.
     pub fn schedule(&self) -> Result<Schedule, String> {
         let file = self.folder.join("schedule.json");
         if !file.exists() {
@@ -125,34 +127,34 @@ impl Bench<'_> {
         serde_json::from_str(&text).map_err(|e| format!("{}: {e}", file.display()))
     }
 
-    /// The mean of a renderer's reference pictures, of those that are there.
+    /// The mean of the renderer's stored reference pictures; `None` with fewer than two.
     pub fn stored_reference(&self, name: &str) -> Result<Option<Reference>, String> {
         let files = (0..REFERENCES).map(|k| self.reference_file(name, k)).filter(|file| file.is_file());
         let pictures: Result<Vec<Picture>, String> = files.map(|file| Ok(read(&file)?.0)).collect();
         Ok(reference(&pictures?))
     }
 
-    /// The samples of each rung.
+    /// The sample count of each rung. Error: the renderer cannot render the scene.
     fn counts(&self, name: &str) -> Result<Vec<u32>, String> {
         match &self.settings.ladder {
             Ladder::Seconds(seconds) => self.pilot(name, seconds),
-            // Does it render at all?
+            // A trial with one sample, which fails if the renderer cannot render the scene.
             Ladder::Samples(samples) => self.render(name, 1, seed("trial", 0)).map(|_| samples.clone()),
         }
     }
 
     fn pilot(&self, name: &str, ladder: &[f64]) -> Result<Vec<u32>, String> {
-        // What it takes to plan, which samples do not change, and what samples take.
+        // Seconds of planning, which do not depend on samples, and of samples.
         let look = |samples: u32| {
             let took = self.render(name, samples, seed("pilot", samples))?.took;
             Ok::<_, String>(took.parts(self.settings.processor_time))
         };
         let (first, last) = (ladder[0], ladder[ladder.len() - 1]);
-        // The first picture finds programs and kernels cold.
+        // In the first picture programs and kernels are not cached yet.
         let (_, cold) = look(4)?;
         let (planning, warm) = look(4)?;
         let few = cold.min(warm);
-        // Few samples say little of a rate that must hold for many.
+        // A rate measured with few samples is unreliable for many.
         let more = (4.0 * (0.5 * first / few).clamp(1.0, 1024.0)) as u32;
         let rate = if more > 8 { f64::from(more) / look(more)?.1 } else { 4.0 / few };
         if (last - planning) * rate < 1.0 {
@@ -206,7 +208,7 @@ impl Bench<'_> {
     }
 }
 
-/// Adds a line to a file, after what an interruption may have left of another.
+/// Appends a line to a file, on a new line if an interruption has left an unfinished one.
 fn append(file: &Path, line: &str) -> io::Result<()> {
     let mut file = File::options().create(true).read(true).append(true).open(file)?;
     let mut last = [b'\n'];

@@ -1,4 +1,4 @@
-//! What the pictures of one renderer show.
+//! The results of one renderer, from its pictures.
 
 use serde::Serialize;
 use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio};
@@ -8,29 +8,33 @@ use super::bench::Bench;
 use super::{Run, Settings};
 use crate::renderers::mean_of;
 
-/// A renderer that ran.
+/// The results of a renderer.
 #[derive(Serialize)]
 pub struct Line {
     pub renderer: String,
+    /// Samples per pixel of each rung.
     pub samples: Vec<u32>,
+    /// Number of seeds with all rungs.
     pub seeds: usize,
-    /// Whose converged mean it was held against.
+    /// The renderer whose converged mean is the reference.
     pub mean_of: String,
-    /// The brightness of its longest pictures over the reference's.
+    /// The mean of its longest pictures over that of the reference.
     pub brightness: Option<Interval>,
+    /// Mean start-up time in seconds.
     pub startup: f64,
     pub trimmed: Option<Curve>,
     pub whole: Option<Curve>,
     pub median: Option<Curve>,
-    /// Our efficiency over this one's, by trimmed error and by the whole.
+    /// The first renderer's efficiency over this one's, by trimmed error.
     pub ratio_trimmed: Option<Ratio>,
+    /// The first renderer's efficiency over this one's, by untrimmed error.
     pub ratio_whole: Option<Ratio>,
 }
 
-/// One of the errors.
+/// A selection of one of the errors.
 type Measure = fn(&Errors) -> f64;
 
-/// The rungs of one renderer, of the seeds that have all of them.
+/// The rungs of one renderer, with the seeds for which all rungs are rendered.
 fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<Rung> {
     let count = settings.ladder.count();
     let at =
@@ -46,7 +50,7 @@ fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<R
     if whole.is_empty() { vec![] } else { (0..count).map(rung).collect() }
 }
 
-/// A line for each renderer of these names that has rendered; the others are compared with the first.
+/// The results of each of the named renderers that has rendered; the others are compared with the first.
 pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
     let of = |name: &str, error: Measure| rungs(runs, name, bench.settings, error);
     let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
@@ -74,7 +78,7 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
     names.iter().enumerate().filter_map(line).collect()
 }
 
-/// Which of these renderers cannot render the scene, or have no reference, and why.
+/// The named renderers that cannot render the scene, or have no reference, with the reason.
 pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, String> {
     let schedule = bench.schedule()?;
     let failed = |name: &str| schedule.get(name)?.clone().err();
@@ -82,7 +86,7 @@ pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, S
     Ok(names.iter().filter_map(|name| Some((name.to_string(), why(name)?))).collect())
 }
 
-/// The lines' plots and table.
+/// The plots and the table of these results, as HTML.
 pub fn curves(lines: &[Line]) -> String {
     fn shown(line: &Line) -> page::Line<'_> {
         page::Line {

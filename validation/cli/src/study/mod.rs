@@ -1,8 +1,8 @@
 //! Error against run time of several renderers on one scene.
 //!
-//! [`mod@bench`] renders what is missing into a folder, [`mod@line`] says what a renderer's pictures show of
-//! it, and [`pictures`] draws them. [`converge`](crate::converge) asks for one scene, and
-//! [`table`](crate::table) for many.
+//! [`mod@bench`] renders what is missing into a folder, [`mod@line`] summarises the pictures of a renderer,
+//! and [`pictures`] draws them. [`converge`](crate::converge) runs a study of one scene, and
+//! [`table`](crate::table) of many.
 
 pub mod bench;
 pub mod line;
@@ -14,38 +14,39 @@ use validation::statistics::seed_for;
 
 use crate::renderers::Took;
 
-/// How long to look.
+/// The effort of a study.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Settings {
     #[serde(flatten)]
     pub ladder: Ladder,
     pub seeds: u32,
-    /// Samples of a reference's picture over those of the longest rung.
+    /// Samples of a reference picture over those of the longest rung.
     pub reference: f64,
     pub threads: usize,
-    /// Seconds are those of the processor, for machines that do other things meanwhile.
+    /// Whether processor time is counted instead of wall-clock time, for machines with other load.
     pub processor_time: bool,
 }
 
 impl Settings {
-    /// In words: rungs, seeds, and whose seconds.
+    /// A description: rungs, seeds, and the kind of time.
     pub fn words(&self) -> String {
         let clock = if self.processor_time { ", processor time" } else { "" };
         format!("rungs of {}, {} seeds{clock}", self.ladder.rungs().join(", "), self.seeds)
     }
 }
 
-/// What each rung is given, in ascending order.
+/// The rungs in ascending order.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 #[serde(rename_all = "lowercase")]
 pub enum Ladder {
-    /// A pilot finds the samples that take as long.
+    /// Seconds per rung; a pilot determines the sample counts.
     Seconds(Vec<f64>),
+    /// Samples per pixel of each rung.
     Samples(Vec<u32>),
 }
 
 impl Ladder {
-    /// How many rungs there are.
+    /// Number of rungs.
     pub fn count(&self) -> usize {
         match self {
             Self::Seconds(seconds) => seconds.len(),
@@ -53,7 +54,7 @@ impl Ladder {
         }
     }
 
-    /// What each rung is given, in words.
+    /// A description of each rung.
     pub fn rungs(&self) -> Vec<String> {
         match self {
             Self::Seconds(seconds) => seconds.iter().map(|s| format!("{s} s")).collect(),
@@ -62,7 +63,7 @@ impl Ladder {
     }
 }
 
-/// One picture.
+/// The record of one picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
     pub renderer: String,
@@ -72,14 +73,15 @@ pub struct Run {
     #[serde(flatten)]
     pub took: Took,
     pub errors: Errors,
-    /// The commit and the machine that it was rendered with.
+    /// The commit and the machine with which it was rendered.
     pub with: String,
 }
 
-/// Pictures of a renderer's reference.
+/// Number of pictures in a renderer's reference.
 pub const REFERENCES: u32 = 4;
 
-/// Seeds of pictures and references never meet; renderers of 31-bit seeds can take them.
+/// A seed of less than 2³¹, for renderers with 31-bit seeds; seeds of pictures and of references differ
+/// because `what` does.
 pub fn seed(what: &str, number: u32) -> u32 {
     (seed_for(what, u64::from(number)) >> 33) as u32
 }

@@ -10,11 +10,12 @@ use super::line::Line;
 use crate::renderers::{mean_of, read};
 use crate::report::pictures::data_uri;
 
-/// Relative squared errors from here on are drawn brightest; a map spans [`DECADES`] below it.
+/// Relative squared error from which a map is brightest.
 const BRIGHTEST: f64 = 1.0;
+/// Number of decades below [`BRIGHTEST`] that a map spans.
 const DECADES: f64 = 5.0;
 
-/// Those of the longest rung; nothing if there are none.
+/// Pictures and error maps of the longest rung, as HTML; empty if there are none.
 pub fn pictures(names: &[String], lines: &[Line], bench: &Bench) -> Result<String, String> {
     let mut shown = String::new();
     for name in names {
@@ -55,7 +56,7 @@ fn figure(name: &str, lines: &[Line], bench: &Bench) -> Result<String, String> {
     ))
 }
 
-/// In sRGB, white where the reference's values have their 98th percentile.
+/// A picture in sRGB, white at the 98th percentile of the reference's values.
 fn develop(picture: &Picture, reference: &Reference) -> Vec<[u8; 3]> {
     let mut values = reference.mean.clone();
     values.sort_by(f64::total_cmp);

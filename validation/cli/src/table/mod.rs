@@ -1,7 +1,7 @@
 //! `validate table`: error against run time of every renderer on every scene of `validation/table.toml`.
 //!
-//! [`plan`] says what is asked, [`study`](crate::study) renders it into a folder, [`summary`] reads the folder,
-//! and [`sheet`] draws the page.
+//! [`plan`] lists scenes and renderers, [`study`](crate::study) renders them into a folder, [`summary`] reads
+//! the folder, and [`sheet`] draws the page.
 
 pub mod plan;
 pub mod sheet;
@@ -21,7 +21,7 @@ use crate::{console, renderers};
 use plan::Entry;
 use summary::Table;
 
-/// What the command takes.
+/// The arguments of the command.
 #[derive(Args)]
 pub struct Arguments {
     /// Only these scenes
@@ -40,15 +40,15 @@ pub struct Arguments {
     /// Samples of each of the four pictures of a reference, over those of the longest rung
     #[arg(long, default_value_t = 4)]
     reference: u32,
-    /// All unless given
+    /// Number of threads; all unless given
     #[arg(long, default_value_t = 0)]
     threads: usize,
     /// Count the processor's seconds, on a machine that does other things meanwhile
     #[arg(long)]
     processor_time: bool,
-    /// The folder of the scenes that are no part of the repository
-    #[arg(long, default_value = "../shared/scenes")]
-    shared: PathBuf,
+    /// The folder of the scenes that are no part of the repository, which are missing without it
+    #[arg(long, value_name = "FOLDER")]
+    shared: Option<PathBuf>,
     /// Another file of renderers
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
@@ -60,8 +60,8 @@ pub struct Arguments {
     report_only: bool,
 }
 
-/// Measures what is missing and writes `table.json`, `table.md` and `table.html` into the folder, after every
-/// scene.
+/// Measures what is missing and writes `table.json`, `table.md`, `table.svg` and `table.html` into the
+/// folder, after every scene.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     let known = renderers::load(&arguments.file.clone().unwrap_or_else(renderers::file))?;
     let mut plan = plan::load(&arguments.plan.clone().unwrap_or_else(plan::file))?;
@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
             None
         } else {
             let progress = |step: &str| eprintln!("{}: {step}", entry.name);
-            let prepared = prepare(entry, &arguments.shared, &bench);
+            let prepared = prepare(entry, arguments.shared.as_deref(), &bench);
             prepared.and_then(|()| bench.measure(&names, &progress)).err()
         };
         let scene = summary::scene(entry, &plan, &bench, failed)?;
@@ -115,9 +115,9 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     Ok(if measured { Verdict::Equivalent } else { Verdict::Inconclusive })
 }
 
-/// Writes the scene as all render it.
-fn prepare(entry: &Entry, shared: &Path, bench: &Bench) -> Result<(), String> {
-    let source = entry.path(shared);
+/// Writes the scene file that all renderers render.
+fn prepare(entry: &Entry, shared: Option<&Path>, bench: &Bench) -> Result<(), String> {
+    let source = entry.path(shared)?;
     if !source.is_file() {
         return Err(format!("there is no {}", source.display()));
     }
@@ -131,8 +131,8 @@ fn prepare(entry: &Entry, shared: &Path, bench: &Bench) -> Result<(), String> {
     if output.status.success() { Ok(()) } else { Err(said.lines().last().unwrap_or("").to_string()) }
 }
 
-/// The settings of the folder: those given, written there at first; others than those of its pictures are
-/// refused.
+/// The settings of the folder: those given, which are stored there at first. Error: they differ from those of
+/// its pictures, other than by more seeds.
 fn kept_settings(
     folder: &Path,
     given: Settings,
@@ -144,7 +144,7 @@ fn kept_settings(
         let same = Settings { seeds: given.seeds, ..kept.clone() } == given;
         return match (report_only, same) {
             (true, _) => Ok(kept),
-            // More seeds go on from fewer.
+            // A run with more seeds continues one with fewer.
             (false, true) if given.seeds >= kept.seeds => {
                 console::write(Some(&file), || Ok(to_json(&given)?))?;
                 Ok(given)
@@ -160,6 +160,7 @@ fn kept_settings(
 fn write(folder: &Path, table: &Table, pages: &[String]) -> Result<(), Box<dyn std::error::Error>> {
     console::write(Some(&folder.join("table.json")), || Ok(to_json(table)?))?;
     console::write(Some(&folder.join("table.md")), || Ok(table.markdown()))?;
+    console::write(Some(&folder.join("table.svg")), || Ok(table.drawing()))?;
     console::write(Some(&folder.join("table.html")), || Ok(sheet::page(table, pages)))
 }
 

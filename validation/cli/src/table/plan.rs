@@ -1,30 +1,32 @@
-//! What the table asks: `validation/table.toml`.
+//! The scenes and renderers of the table: `validation/table.toml`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-/// The file.
+/// The content of the file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// The renderer that all others are compared with.
     pub ours: String,
-    /// Mitsuba's variants and samplers; the best of them is the baseline.
+    /// Mitsuba's variants and samplers; the most efficient of them is the baseline.
     pub mitsuba: Vec<String>,
-    /// All other renderers; the best of them is the other baseline.
+    /// All other renderers; the most efficient of them is the other baseline.
     pub others: Vec<String>,
     pub class: BTreeMap<String, Class>,
     pub scene: Vec<Entry>,
 }
 
-/// Scenes that are hard for the same reason, and the ratios that are aimed at.
+/// Scenes that are hard for the same reason, with the efficiency ratios that are aimed at.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Class {
     pub title: String,
+    /// The ratio that is aimed at over the best of Mitsuba.
     pub mitsuba: f64,
+    /// The ratio that is aimed at over the best of the other renderers.
     pub others: f64,
 }
 
@@ -35,7 +37,10 @@ pub struct Entry {
     pub name: String,
     pub file: String,
     pub class: String,
-    /// Width and height of the film.
+    /// Source of a scene that is not in the repository.
+    #[serde(default)]
+    pub from: String,
+    /// Width and height of the film in pixels.
     pub size: [u32; 2],
 }
 
@@ -44,7 +49,7 @@ pub fn file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../table.toml")
 }
 
-/// Reads a plan, whose scenes must have known classes.
+/// Reads a plan. Errors: an unreadable file, or a scene with an unknown class.
 pub fn load(path: &Path) -> Result<Plan, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let plan: Plan = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -62,11 +67,13 @@ impl Plan {
 }
 
 impl Entry {
-    /// The scene's file; `shared` is the folder of the scenes that are not the repository's.
-    pub fn path(&self, shared: &Path) -> PathBuf {
-        match self.file.strip_prefix("shared:") {
-            Some(rest) => shared.join(rest),
-            None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&self.file),
+    /// The scene's file. `shared` is the folder of the scenes that are not in the repository. Error: it is
+    /// needed and absent.
+    pub fn path(&self, shared: Option<&Path>) -> Result<PathBuf, String> {
+        match (self.file.strip_prefix("shared:"), shared) {
+            (None, _) => Ok(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&self.file)),
+            (Some(rest), Some(shared)) => Ok(shared.join(rest)),
+            (Some(rest), None) => Err(format!("--shared names no folder with {rest} ({})", self.from)),
         }
     }
 }
@@ -80,8 +87,11 @@ mod tests {
         let plan = load(&file()).unwrap();
         let known = crate::renderers::load(&crate::renderers::file()).unwrap();
         assert!(plan.renderers().all(|name| known.contains_key(name)));
-        let own = plan.scene.iter().filter(|entry| !entry.file.starts_with("shared:"));
-        assert_eq!(own.filter(|entry| entry.path(Path::new("")).is_file()).count(), 10);
+        let (own, others): (Vec<&Entry>, Vec<&Entry>) =
+            plan.scene.iter().partition(|entry| entry.path(None).is_ok());
+        assert_eq!(own.iter().filter(|entry| entry.path(None).is_ok_and(|path| path.is_file())).count(), 10);
+        assert!(others.iter().all(|entry| entry.path(None).is_err_and(|why| why.contains(&entry.from))));
+        assert!(others.iter().all(|entry| !entry.from.is_empty()));
         let mut names: Vec<&String> = plan.scene.iter().map(|entry| &entry.name).collect();
         names.sort();
         names.dedup();

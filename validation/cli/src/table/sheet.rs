@@ -30,11 +30,12 @@ pub fn page(table: &Table, sections: &[String]) -> String {
     let body = format!(
         "<p>How many times less relative squared error {} makes in equal time than the best variant of Mitsuba and the best of \
          the other renderers, each against a converged mean, its own or that of a renderer with the same; {}; brackets and bands are \
-         95 % intervals. ✓ the aim is reached by the whole interval, ✗ it is missed by the whole interval, ○ open.</p>\
+         95 % intervals. ✓ the aim is reached by the whole interval, ✗ it is missed by the whole interval, ○ open.</p>{}\
          <div class=\"wide\"><table><tr><th>scene<th>class<th>best Mitsuba<th>trimmed<th>whole<th>aim<th>best other<th>trimmed\
          <th>whole<th>aim</tr>{rows}</table></div><p class=\"note\">{facts}</p>{}",
         escape(&table.ours),
         table.settings.words(),
+        table.drawing(),
         sections.concat()
     );
     frame("Error against run time", &body)
@@ -51,7 +52,7 @@ fn cells_of(against: &Against) -> [String; 4] {
     [escape(against.name()), trimmed, whole, format!("{sign} {}", against.aim)]
 }
 
-/// One scene.
+/// The section of one scene.
 pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
     let shown = scene.lines.first().map(|line| line.renderer.clone());
     let best = scene.against.iter().filter_map(|a| a.best_trimmed.as_ref().map(|b| b.0.clone()));

@@ -1,9 +1,10 @@
-//! What the pictures of the table say: curves, ratios and whether the ratios that are aimed at are reached.
+//! The results of the table: curves, ratios and whether the ratios that are aimed at are reached.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use serde::Serialize;
+use validation::converge::forest::{Mark, Row, forest};
 use validation::converge::{Interval, Ratio};
 
 use super::plan::{Entry, Plan};
@@ -20,37 +21,40 @@ pub struct Table {
     pub scenes: Vec<Scene>,
 }
 
-/// One scene.
+/// The results of one scene.
 #[derive(Serialize)]
 pub struct Scene {
     pub name: String,
     pub class: String,
     pub size: [u32; 2],
-    /// Who rendered.
+    /// Results of the renderers that rendered.
     pub lines: Vec<Line>,
-    /// Who did not, and why.
+    /// Renderers that could not render, with the reason.
     pub missing: Vec<(String, String)>,
-    /// The commits and machines of the pictures.
+    /// The commits and machines with which the pictures were rendered.
     pub with: BTreeSet<String>,
-    /// Our efficiency over that of the best Mitsuba variant, and of the best of the others.
+    /// Our efficiency over that of the best Mitsuba variant, and over that of the best other renderer.
     pub against: Vec<Against>,
 }
 
-/// A baseline: the renderer with the largest efficiency of a group.
+/// A comparison with a baseline, the renderer with the largest efficiency of a group.
 #[derive(Serialize)]
 pub struct Against {
     pub group: String,
+    /// The best renderer by trimmed error, and our efficiency over its.
     pub best_trimmed: Option<(String, Ratio)>,
+    /// The best renderer by untrimmed error, and our efficiency over its.
     pub best_whole: Option<(String, Ratio)>,
     /// The ratio that is aimed at.
     pub aim: f64,
-    /// By trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below, else
-    /// `open`; `open` as well if either renderer is not as bright as its reference, for then errors compare
-    /// bias with noise, and if one of the group has no ratio, for it may be the best.
+    /// Verdict by trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below,
+    /// else `open`; `open` as well if either renderer's brightness differs from its reference, because errors
+    /// then compare bias with noise, or if a renderer of the group has no ratio, because it may be the best;
+    /// `no answer` without any ratio.
     pub verdict: String,
 }
 
-/// What was measured of a scene so far; `failed` is why it was not measured at all.
+/// The results of a scene so far; `failed` is the reason why it was not measured at all.
 pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) -> Result<Scene, String> {
     let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
     let runs = bench.runs()?;
@@ -79,10 +83,10 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, with, against })
 }
 
-/// The difference of brightness from which a renderer does not render its reference.
+/// Relative difference of brightness from which a renderer counts as biased.
 const BRIGHTNESS: f64 = 0.01;
 
-/// Whether a brightness surely differs by more than that.
+/// Whether a brightness differs significantly by more than [`BRIGHTNESS`].
 fn misses(brightness: Interval) -> bool {
     brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
 }
@@ -98,13 +102,13 @@ fn verdict(found: Option<&Ratio>, aim: f64, doubtful: bool) -> &'static str {
 }
 
 impl Against {
-    /// Who is best, by trimmed error.
+    /// The best renderer by trimmed error.
     pub fn name(&self) -> &str {
         self.best_trimmed.as_ref().map_or("–", |(name, _)| name)
     }
 
-    /// The ratios to the best by trimmed and by whole error, as `show` writes them; with a name where it is
-    /// another one's.
+    /// The ratios to the best renderer by trimmed and by untrimmed error, formatted by `show`; the second has
+    /// the renderer's name if it is another one.
     pub fn ratios(&self, show: impl Fn(&Interval) -> String) -> [String; 2] {
         let cell = |best: &Option<(String, Ratio)>| match best {
             None => "–".to_string(),
@@ -116,12 +120,28 @@ impl Against {
 }
 
 impl Table {
-    /// The commits and machines of all pictures: of one, if their times are to be compared.
+    /// The commits and machines of all pictures; times are comparable if there is only one.
     pub fn with(&self) -> BTreeSet<&str> {
         self.scenes.iter().flat_map(|scene| &scene.with).map(String::as_str).collect()
     }
 
-    /// The table for a document: a row for each scene.
+    /// The forest plot of the ratios by trimmed error, with the aims.
+    pub fn drawing(&self) -> String {
+        let groups = self.scenes.first().map_or(vec![], |scene| {
+            scene.against.iter().map(|against| format!("over the best of {}", against.group)).collect()
+        });
+        let groups: Vec<&str> = groups.iter().map(String::as_str).collect();
+        let mark = |against: &Against| Mark {
+            ratio: against.best_trimmed.as_ref().map(|(_, found)| found.ratio),
+            aim: against.aim,
+        };
+        let row = |scene: &'_ Scene| scene.against.iter().map(mark).collect();
+        let rows: Vec<Row> =
+            self.scenes.iter().map(|scene| Row { name: &scene.name, marks: row(scene) }).collect();
+        forest(&groups, &rows, "how many times less squared error in equal time; strokes are aims")
+    }
+
+    /// The table as Markdown, with a row for each scene.
     pub fn markdown(&self) -> String {
         let mut text = format!(
             "How many times less relMSE {} makes in equal time ({}), without the 0.1 % largest values and \

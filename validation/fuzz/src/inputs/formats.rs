@@ -1,4 +1,4 @@
-//! The readers that are asked, a row each.
+//! The readers under test, one table row each.
 
 use super::mutate::{self, Mutate};
 use etalon::scene::load_text;
@@ -10,21 +10,24 @@ use validation::peer::{Lines, Peer, PeerError};
 /// A kind of file and its reader.
 pub struct Format {
     pub name: &'static str,
-    /// Of seeds and inputs.
+    /// Extensions of the format's files; inputs get the first one.
     pub extensions: &'static [&'static str],
-    /// Reads an input that also stands in a file. What it answers does not matter.
+    /// Reads an input, given as bytes and as a file of the same content. Its result is ignored: refusing is
+    /// as good as reading.
     pub read: fn(&[u8], &Path),
+    /// Changes a seed file into an input.
     pub mutate: Mutate,
-    /// Bytes that an input may take: so many, and so many times its own.
+    /// Memory limit of an input in bytes: a constant, and a multiple of the input's size that is added to it.
     pub memory: (usize, usize),
 }
 
-/// What does not compress stays within this.
+/// Limit for uncompressed formats.
 const PLAIN: (usize, usize) = (16 << 20, 400);
-/// Deflate makes at most 1032 bytes of one, and a byte of a file becomes up to four of a float.
+/// Limit for compressed formats: deflate expands a byte to at most 1032 bytes, and a byte of a file becomes
+/// up to four bytes of a float.
 const COMPRESSED: (usize, usize) = (64 << 20, 3 * 4 * 1032);
 
-/// All of them.
+/// All formats.
 pub const FORMATS: &[Format] = &[
     Format { name: "xml", extensions: &["xml"], read: scene, mutate: mutate::words, memory: PLAIN },
     Format { name: "ply", extensions: &["ply"], read: ply, mutate: mutate::headed, memory: PLAIN },
@@ -56,12 +59,12 @@ pub fn named(name: &str) -> Option<&'static Format> {
 fn scene(bytes: &[u8], file: &Path) {
     let text = String::from_utf8_lossy(bytes);
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
-        // An error, and its words, are an answer.
+        // An error is a valid result; its message is formatted, since that may panic as well.
         let _ = load_text(&file.to_string_lossy(), &text, mode).map(drop).map_err(|e| e.to_string());
     }
 }
 
-/// Reads a mesh as a scene does, with all that is made of it.
+/// Reads a mesh as the shape of a scene, with all that is derived from it.
 fn mesh(kind: &str, file: &Path) {
     let text = format!(
         "<scene version=\"3.0.0\"><sensor type=\"perspective\"/><shape type=\"{kind}\">\
@@ -83,7 +86,7 @@ fn serialized(_: &[u8], file: &Path) {
     mesh("serialized", file);
 }
 
-/// As a texture, as a part to merge, and as the harness reads it.
+/// Reads an image as a texture, as a part to merge, and with the harness's reader.
 fn exr(bytes: &[u8], file: &Path) {
     drop(etalon::image::read::pixels(file));
     drop(etalon::image::read_exr(file));
@@ -98,7 +101,7 @@ fn spd(bytes: &[u8], _: &Path) {
     drop(Tabulated::parse_spd(&String::from_utf8_lossy(bytes)));
 }
 
-/// The replies of a peer to all there is to ask.
+/// Reads the replies of a peer to every kind of request.
 fn peer(bytes: &[u8], _: &Path) {
     let text = String::from_utf8_lossy(bytes);
     let Ok(mut peer) = Peer::meet(Replies(text.lines())) else { return };

@@ -1,10 +1,11 @@
-//! Damaged files: every reader must read or refuse, soon, and in memory that the file's size bounds.
+//! Damaged files: every reader must read or refuse each, within a time limit and in memory that the file's
+//! size bounds.
 //!
-//! An input is a function of the seed files, the format and a number ([`mutate`]), so any can be made again.
-//! [`worker`] is a process that reads one after the other, says which, and may die or hang; [`watch`] starts
-//! it, sees that, and goes on after it.
+//! An input is a function of the seed files, the format and a number ([`mutate`]), so any can be reproduced.
+//! [`worker`] is a process that reads inputs one after the other, announces each, and may crash or hang;
+//! [`watch`] starts it, detects that, and continues with the next input.
 //!
-//! Stated limits: no panic, [`HANG`] for an input, and the memory that [`Format::memory`] says.
+//! Limits: no panic, [`HANG`] for an input, and the memory limit [`Format::memory`].
 
 pub mod formats;
 pub mod mutate;
@@ -15,5 +16,5 @@ pub mod worker;
 pub use formats::{FORMATS, Format};
 use std::time::Duration;
 
-/// An input may take this long. Inputs are small; this is generous for a busy machine.
+/// Time limit of an input. Inputs are small; this is generous for a busy machine.
 pub const HANG: Duration = Duration::from_secs(20);

@@ -1,17 +1,17 @@
-//! From real files to ones that are almost right.
+//! Mutations: from valid files to almost valid ones.
 
 use crate::draw::Draw;
 use flate2::Compression;
 use flate2::read::{ZlibDecoder, ZlibEncoder};
 use std::io::Read;
 
-/// Changes a file once; the other one is there to take pieces of.
+/// Changes a file once; the second argument is another seed file, a source of pieces to insert.
 pub type Mutate = fn(Vec<u8>, &[u8], &mut Draw) -> Vec<u8>;
 
-/// No input is longer than this.
+/// Largest size of an input in bytes.
 pub const LONGEST: usize = 1 << 18;
 
-/// Numbers at which readers break.
+/// Numbers that readers tend to mishandle, as text.
 const NUMBERS: &[&str] = &[
     "0",
     "-0",
@@ -45,7 +45,7 @@ const NUMBERS: &[&str] = &[
     "\u{e9}",
 ];
 
-/// The same in binary.
+/// Numbers that readers tend to mishandle, in binary.
 const INTEGERS: &[u64] = &[
     0,
     1,
@@ -72,12 +72,12 @@ const INTEGERS: &[u64] = &[
     0x7ff8_0000_0000_0000,
 ];
 
-/// Binary data: bits, bytes, numbers, pieces.
+/// Mutates binary data: bits, bytes, numbers, pieces.
 pub fn bytes(mut data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     if data.is_empty() {
         return other.to_vec();
     }
-    // Headers are short and decide most.
+    // Headers are short and decide most of what a reader does, so half of the mutations go there.
     let reach = if draw.chance(0.5) { data.len().min(600) } else { data.len() };
     let at = draw.below(reach);
     match draw.below(8) {
@@ -104,7 +104,7 @@ pub fn bytes(mut data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     data
 }
 
-/// Text: words, numbers and lines.
+/// Mutates text: words, numbers and lines.
 pub fn words(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     if draw.chance(0.05) {
         return bytes(data, other, draw);
@@ -144,7 +144,7 @@ pub fn words(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     tokens.concat()
 }
 
-/// A header of text before binary data.
+/// Mutates a file whose header is text and whose body is binary.
 pub fn headed(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     const END: &[u8] = b"end_header\n";
     let end = data.windows(END.len()).position(|w| w == END).map_or(data.len(), |at| at + END.len());
@@ -158,8 +158,8 @@ pub fn headed(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     }
 }
 
-/// A head of four bytes and a deflated stream, which is changed before it is deflated again; or the file as
-/// it is.
+/// Mutates a file of four header bytes and a deflated stream: the content is changed and deflated again, or
+/// the compressed file itself is changed.
 pub fn deflated(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     let mut content = vec![];
     let whole =
@@ -171,7 +171,7 @@ pub fn deflated(data: Vec<u8>, other: &[u8], draw: &mut Draw) -> Vec<u8> {
     let mut packed = data[..4].to_vec();
     // Reading from memory does not fail.
     let _ = ZlibEncoder::new(changed.as_slice(), Compression::fast()).read_to_end(&mut packed);
-    // The dictionary of meshes stands at the end.
+    // The dictionary of a file of meshes is at its end.
     packed.extend(&data[data.len().saturating_sub(20)..]);
     packed
 }
@@ -181,7 +181,7 @@ fn piece(data: &[u8], draw: &mut Draw) -> Vec<u8> {
     data[from..(from + draw.few(4096)).min(data.len())].to_vec()
 }
 
-/// Runs of letters and digits, and everything between them byte by byte.
+/// Splits into runs of letters and digits, and single bytes between them.
 fn tokens(data: &[u8]) -> Vec<&[u8]> {
     let word = |c: &u8| c.is_ascii_alphanumeric() || [b'_', b'.', b'-', b'+'].contains(c) || *c >= 128;
     data.chunk_by(|a, b| word(a) && word(b)).collect()

@@ -1,11 +1,11 @@
-//! Real files to begin with, and the inputs that are made of them.
+//! Seed files, which are valid, and the inputs that mutations make of them.
 
 use super::Format;
 use super::mutate::LONGEST;
 use crate::draw::Draw;
 use std::path::{Path, PathBuf};
 
-/// Files of a format, in an order that does not depend on the machine.
+/// The seed files of a format, in an order that does not depend on the machine.
 pub struct Seeds(Vec<Vec<u8>>);
 
 /// Folders of this repository that hold files of the formats.
@@ -15,7 +15,8 @@ pub fn folders() -> Vec<PathBuf> {
 }
 
 impl Seeds {
-    /// The files of these folders and all below them that are small enough.
+    /// Reads the files of the format in these folders and below, up to [`LONGEST`] bytes each. Errors: an
+    /// unreadable folder or file, or no seed at all.
     pub fn read(format: &Format, folders: &[PathBuf]) -> Result<Self, String> {
         let mut files = vec![];
         for folder in folders {
@@ -40,7 +41,7 @@ impl Seeds {
         self.0.len()
     }
 
-    /// Input `number`: first the seeds as they are, then ones with a few changes.
+    /// Input `number`: first the seeds unchanged, then seeds with a few mutations.
     pub fn input(&self, format: &Format, number: u64) -> Vec<u8> {
         if let Some(seed) = usize::try_from(number).ok().and_then(|n| self.0.get(n)) {
             return seed.clone();

@@ -1,4 +1,4 @@
-//! The process that watches the worker, and writes down what it saw.
+//! The process that supervises the worker, and records what it finds.
 
 use super::seeds::Seeds;
 use super::{Format, HANG};
@@ -9,39 +9,47 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Something that must not be.
+/// A violation of a limit by an input.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
+    /// Number of the input.
     pub input: u64,
+    /// The panic's message, or which limit was exceeded.
     pub what: String,
 }
 
-/// What came of a run.
+/// Results of a run on one format.
 #[derive(Debug, Serialize)]
 pub struct Record {
     pub format: &'static str,
+    /// Number of seed files.
     pub seeds: usize,
+    /// Number of inputs read.
     pub inputs: u64,
     pub seconds: f64,
-    /// The most of the memory that an input may take, as a share.
+    /// The largest memory use of an input, as a share of what it is allowed.
     pub most_memory: f64,
-    /// The longest that an input took.
+    /// The longest time an input took.
     pub slowest_seconds: f64,
     pub findings: Vec<Finding>,
 }
 
-/// How much to do.
+/// Which inputs to read, and for how long at most.
 #[derive(Clone, Copy)]
 pub struct Effort {
+    /// Number of the first input.
     pub first: u64,
+    /// Number of inputs.
     pub count: u64,
+    /// Time limit of the run.
     pub time: Duration,
 }
 
-/// Findings after which a run ends.
+/// Number of findings after which a run ends.
 const ENOUGH: usize = 100;
 
-/// Runs workers, started by `start` from a number of input with a time, until the effort is made.
+/// Runs workers until the effort is spent. `start` makes the command of a worker from the number of its first
+/// input, the number of inputs and a time limit.
 pub fn watch(
     format: &'static Format,
     seeds: &Seeds,
@@ -73,7 +81,7 @@ pub fn watch(
     Ok(record)
 }
 
-/// Follows one worker to its end; answers with the last input it read and whether it ended as it should.
+/// Follows one worker to its end; returns the last input it read and whether it ended normally.
 fn follow(
     mut child: Child,
     format: &Format,
@@ -129,7 +137,7 @@ fn follow(
     Ok((last, done))
 }
 
-/// Leaves the inputs of findings in a folder.
+/// Writes the inputs of findings to a folder.
 pub fn save(format: &Format, seeds: &Seeds, record: &Record, folder: &Path) -> Result<(), String> {
     for finding in &record.findings {
         let file = folder.join(format!("{}-{}.{}", format.name, finding.input, format.extensions[0]));

@@ -1,5 +1,5 @@
-//! The process that reads inputs. It says a line before each, and what it found; its parent notices if it
-//! dies.
+//! The process that reads inputs. It prints a line before each input and a line about each; its parent
+//! notices if it dies.
 
 use super::Format;
 use super::seeds::Seeds;
@@ -9,16 +9,17 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Bytes in use, and the most since `reset`; the binary that has a counting allocator knows.
+/// Bytes in use now, and the largest number since `reset`, as the counting allocator of the binary reports
+/// them.
 pub struct Meter {
     pub reset: fn(),
     pub current: fn() -> usize,
     pub peak: fn() -> usize,
 }
 
-/// Reads inputs from number `first` on until the time is over or `count` are read.
+/// Reads inputs from number `first` on until the time is over or `count` inputs are read.
 ///
-/// Lines: `N` before input N; `panic MESSAGE` and `memory BYTES` about it; `done` at the end.
+/// Output lines: `N` before input N; `panic MESSAGE` and `memory BYTES` about it; `done` at the end.
 pub fn work(
     format: &Format,
     seeds: &Seeds,
@@ -56,6 +57,6 @@ pub fn work(
 }
 
 fn say(line: &str) {
-    // Who does not listen any more will end this process.
+    // If the parent no longer reads, it is about to end this process.
     let _ = writeln!(std::io::stdout(), "{line}");
 }

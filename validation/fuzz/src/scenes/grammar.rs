@@ -1,6 +1,6 @@
 //! A small room, furnished at random from all models.
 //!
-//! What would keep a comparison from being decided is not drawn: lamps are large, films small.
+//! What would make a comparison too noisy to decide is not drawn: lamps are large, films small.
 
 use super::known;
 use super::models::Models;
@@ -11,23 +11,25 @@ use crate::draw::Draw;
 /// Pixels along each side of the film.
 pub const SIZE: u32 = 24;
 
-/// A scene, and what must be known to compare it.
+/// A scene with what its comparison depends on.
 pub struct Scene {
+    /// The scene file.
     pub text: String,
     /// `rgb` or `spectral`.
     pub mode: &'static str,
-    /// Whether samples count in one pixel only, so that the noise of pixels is independent.
+    /// Whether the filter is a box, so that each sample counts in one pixel only and the noise of pixels is
+    /// independent.
     pub boxed: bool,
-    /// What it is made of, as `tag:type`.
+    /// The scene's elements, as `tag:type`.
     pub models: Vec<String>,
 }
 
-/// Scene `number`: its files are looked for in `folder`.
+/// Scene `number`, whose mesh and texture files are in `folder`.
 pub fn scene(models: &Models, folder: &str, number: u64) -> Option<Scene> {
     (0..100).find_map(|attempt| drawn(models, folder, &mut Draw::named(&format!("scene {attempt}"), number)))
 }
 
-/// A scene without known differences, or none.
+/// A scene without known differences from Mitsuba; `None` if the draw has one.
 fn drawn(models: &Models, folder: &str, draw: &mut Draw) -> Option<Scene> {
     let spectral = draw.chance(0.8);
     let mut grower = Grower { models, draw, spectral };
@@ -55,13 +57,14 @@ fn drawn(models: &Models, folder: &str, draw: &mut Draw) -> Option<Scene> {
     Some(Scene { text: root.to_string(), mode, boxed, models: found })
 }
 
-/// Integrators whose channels are not the same in two renderers, even on average: mean squares are an
-/// estimator's own.
+/// Integrators whose channels differ between renderers even in expectation: a mean square is a property of
+/// the estimator.
 const UNLIKE: &[&str] = &["moment"];
 
+/// Places of objects on the floor, as x and z.
 const SLOTS: &[[f64; 2]] = &[[-1.5, 0.0], [0.0, 0.5], [1.5, 0.0], [-0.7, -1.4], [0.8, -1.4]];
 
-/// Draws until nothing is known that would make a difference.
+/// Redraws until an element has no known difference from Mitsuba.
 fn unknown(grower: &mut Grower, mut draw: impl FnMut(&mut Grower) -> Option<Node>) -> Option<Node> {
     (0..1000).find_map(|_| draw(grower).filter(|node| known::causes(node).is_empty()))
 }
@@ -69,7 +72,7 @@ fn unknown(grower: &mut Grower, mut draw: impl FnMut(&mut Grower) -> Option<Node
 fn integrator(grower: &mut Grower) -> Option<Node> {
     let spectral = grower.spectral;
     let is_of = |n: &Node, kinds: &[&str]| kinds.iter().any(|kind| n.is("integrator", kind));
-    // What some write has no colour.
+    // The channels of depths and AOVs have no colour.
     let fits = |n: &Node| !is_of(n, UNLIKE) && (!spectral || !is_of(n, &["depth", "aov"]));
     let mut node = unknown(grower, |g| g.any("integrator", 0, fits))?;
     let depth = (2 + grower.draw.below(4)).to_string();
@@ -121,7 +124,7 @@ fn lights(grower: &mut Grower) -> Option<Vec<Node>> {
     let mut found = vec![];
     let around = grower.draw.chance(0.8);
     if around {
-        // Small suns in maps make caustics.
+        // Maps are drawn less often: small suns in them make caustics, which are noisy.
         let kind = if grower.draw.chance(0.2) { "envmap" } else { "constant" };
         found.push(grower.any("emitter", 0, |n| n.is("emitter", kind))?);
     }
@@ -160,7 +163,7 @@ fn object(grower: &mut Grower, [x, z]: [f64; 2]) -> Option<Node> {
     let mut node = grower.any("shape", 1, |n| !n.is("shape", "shapegroup"))?;
     node.children.retain(|c| c.tag != "transform");
     let size = grower.draw.between(0.35, 0.6);
-    // A sphere must stay one; in Mitsuba a cylinder must, too.
+    // A sphere cannot be scaled unevenly, nor can a cylinder in Mitsuba.
     let even = node.is("shape", "sphere") || node.is("shape", "cylinder") || grower.draw.chance(0.5);
     let mut side = || format!("{:.3}", if even { size } else { size * grower.draw.between(0.6, 1.4) });
     let scale = Node::new("scale", &[("x", &side()), ("y", &side()), ("z", &side())]);
@@ -178,7 +181,7 @@ fn object(grower: &mut Grower, [x, z]: [f64; 2]) -> Option<Node> {
     Some(node)
 }
 
-/// Mitsuba wants a group to stand by itself, under a name.
+/// Moves a shape group to the top level under an id, where Mitsuba requires it.
 fn hoisted(mut object: Node, number: usize) -> Vec<Node> {
     let Some(place) = object.children.iter().position(|c| c.is("shape", "shapegroup")) else {
         return vec![object];
@@ -205,7 +208,7 @@ mod tests {
         assert_eq!(scenes[7].text, scene(&models, ".", 7).unwrap().text);
         let seen = |name: &String| scenes.iter().any(|s| s.models.contains(name));
         let names = models.all().flat_map(|k| k.examples.iter().map(move |e| (k, e)));
-        // Mitsuba's other samplers have no independent samples to judge by.
+        // Mitsuba's other samplers do not give independent samples, which the comparison needs.
         let missing: Vec<String> = names
             .filter(|(k, _)| k.model.kind != "sampler" && !UNLIKE.contains(&k.model.name))
             .map(|(k, e)| format!("{}:{}", e.tag, k.model.name))

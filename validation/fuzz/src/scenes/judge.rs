@@ -1,4 +1,4 @@
-//! One scene, two renderers, one verdict.
+//! The comparison of Etalon and Mitsuba on one scene.
 
 use super::grammar::{SIZE, Scene};
 use super::mitsuba::{Job, Mitsuba, Reply};
@@ -10,52 +10,53 @@ use validation::Verdict;
 use validation::image::{self, Channel, Image, compare};
 use validation::statistics::seed_for;
 
-/// Independent pictures that Mitsuba's variance is estimated from.
+/// Number of independent pictures from which Mitsuba's variance is estimated.
 const REPLICATES: u32 = 16;
 
-/// Samples of a pixel to begin with.
+/// Samples per pixel of the first comparison.
 const FIRST: u32 = 512;
 
-/// Largest relative difference of a channel's mean that is none.
+/// Largest relative difference of a channel's mean that counts as equivalent.
 const MARGIN: f64 = 0.005;
 
-/// What came of a scene.
+/// The result of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     Equivalent,
     Inconclusive,
     Different,
-    /// No scene: neither renders it.
+    /// Neither renderer accepts the scene.
     RefusedByBoth,
     RefusedByEtalon,
     RefusedByMitsuba,
 }
 
-/// A line of the record.
+/// A line of the record, about one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
+    /// Number of the scene.
     pub number: u64,
     pub answer: Answer,
     pub mode: &'static str,
-    /// Samples of a pixel, of either renderer.
+    /// Samples per pixel, of either renderer.
     pub samples: u32,
-    /// Etalon's mean over Mitsuba's, by channel.
+    /// Etalon's mean over Mitsuba's, for each channel.
     pub ratios: Vec<(String, f64)>,
     pub message: String,
     pub models: Vec<String>,
 }
 
 impl Judgement {
-    /// Of a scene in which Mitsuba's process ended.
+    /// The record of a scene at which Mitsuba's process ended.
     pub fn died(scene: &Scene, number: u64, message: String) -> Self {
         let (answer, models) = (Answer::RefusedByMitsuba, scene.models.clone());
         Self { number, answer, mode: scene.mode, samples: 0, ratios: vec![], message, models }
     }
 }
 
-/// Renders with more samples until the answer is clear, or would need more than `most`. A difference counts
-/// if four times the samples, of other seeds, confirm it.
+/// Renders with more and more samples until the verdict is clear, or would need more than `most`. A
+/// difference counts if a comparison with four times the samples and other seeds confirms it.
 pub fn judge(
     scene: &Scene,
     number: u64,
@@ -70,9 +71,11 @@ pub fn judge(
         let name = format!("{number} {samples} {doubted}");
         let (mut found, more) = once(scene, &file, &name, samples, mitsuba)?;
         found.number = number;
+        // Messages must not depend on the folder.
+        found.message = found.message.replace(&format!("{}/", folder.display()), "");
         let wanted = match found.answer {
             Answer::Different if !doubted => 4.0,
-            // A little beyond what is said to decide nine times in ten.
+            // A little more than the count estimated to decide with 90 % power.
             Answer::Inconclusive => more.map_or(f64::INFINITY, |factor| 1.2 * factor.max(1.0)),
             _ => f64::INFINITY,
         };
@@ -89,7 +92,7 @@ pub fn judge(
     }
 }
 
-/// One comparison, and how many times more samples would decide it.
+/// One comparison, and the factor by which more samples would decide it.
 fn once(
     scene: &Scene,
     file: &Path,
@@ -130,7 +133,7 @@ fn once(
     std::fs::remove_file(&out).map_err(|e| e.to_string())?;
     let theirs = if scene.boxed { theirs } else { with_shared_noise(theirs, &reply) };
     let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
-    // As for the stored references: Mitsuba adds its samples up in f32.
+    // As for the stored references: Mitsuba accumulates samples in f32.
     let rounding = 64.0 * f64::from(f32::EPSILON);
     let settings =
         image::Settings { rounding, ..image::Settings::with_margin(MARGIN).with_tiles_within_noise() };
@@ -151,7 +154,7 @@ fn once(
     Ok((found, comparison.more_samples))
 }
 
-/// Etalon's picture.
+/// Renders the scene with Etalon.
 fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image, String> {
     let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
     let loaded =
@@ -163,7 +166,7 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     }
     let double = |values: &Vec<f32>| values.iter().map(|&v| f64::from(v)).collect();
     let channel = |c: &etalon::image::Channel| Channel {
-        // Mitsuba gives the channels of a specfilm the names that the scene file has.
+        // Mitsuba names the channels of a specfilm as the scene file does.
         name: loaded
             .sensor
             .film
@@ -179,8 +182,8 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     Ok(Image { width, height, channels: image.channels.iter().map(channel).collect() })
 }
 
-/// Puts out pixels that are 10⁻¹⁵ of the brightest and less: an `f32` cannot hold the variance of the least
-/// of them, and Mitsuba knows no denormal numbers.
+/// Sets pixels below 10⁻¹⁵ of the brightest to 0: an `f32` cannot hold the variance of the darkest of them,
+/// and Mitsuba has no denormal numbers.
 fn silenced(mut image: Image) -> Image {
     for channel in &mut image.channels {
         let least = 1e-15 * channel.mean.iter().fold(0.0f64, |most, v| most.max(v.abs()));
@@ -189,8 +192,8 @@ fn silenced(mut image: Image) -> Image {
     image
 }
 
-/// Lifts what is no colour and may have a sign, such as normals, above 0: of a mean near 0 a share says
-/// nothing.
+/// Shifts channels that are no colours and may be negative, such as normals, above 0: a relative difference
+/// is meaningless for a mean near 0.
 fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
     for channel in a.channels.iter_mut().filter(|c| !["R", "G", "B"].contains(&c.name.as_str())) {
         let (low, high) = channel.mean.iter().fold((0.0f64, 0.0f64), |(l, h), v| (l.min(*v), h.max(v.abs())));
@@ -202,9 +205,9 @@ fn shifted(mut a: Image, mut b: Image) -> (Image, Image) {
     (a, b)
 }
 
-/// Mitsuba's picture with variances that add up to that of its mean: where samples count in several pixels, the
-/// noise of these is not independent. By how much is a matter of the filter, and each channel tells it to
-/// within a third, so the largest is taken for all.
+/// Mitsuba's picture with variances that add up to the variance of its mean: where samples count in several
+/// pixels, the pixels' noise is correlated. The factor depends on the filter, and each channel estimates it
+/// to within a third, so the largest estimate is used for all.
 fn with_shared_noise(image: Image, reply: &Reply) -> Image {
     let factors = image.shared_noise_of_means(reply.channels.iter().zip(&reply.standard_error));
     let factor = factors.into_iter().map(|(_, factor)| factor).fold(1.0, f64::max);
@@ -221,7 +224,7 @@ mod tests {
         let channel =
             |name: &str| Channel { name: name.into(), mean: vec![1.0, 3.0], variance: Some(vec![0.5, 1.5]) };
         let image = Image { width: 2, height: 1, channels: vec![channel("R"), channel("G")] };
-        // Of independent pixels it would be √(2/4).
+        // With independent pixels the standard error would be √(2/4).
         let reply = |errors: [f64; 2]| Reply {
             channels: vec!["R".into(), "G".into()],
             standard_error: errors.to_vec(),

@@ -1,16 +1,16 @@
-//! Differences from Mitsuba 3.9.1 that are known, by what a scene must have for them to show.
+//! Known differences from Mitsuba 3.9.1, by what a scene must contain for them to show.
 //!
-//! `docs/scenes.md` tells what each is. A scene with one of them is drawn again, unless it is asked for.
+//! `docs/scenes.md` explains each. A scene with one of them is drawn again.
 
 use super::node::Node;
 
-/// Why Mitsuba gives another picture or none, and the element at which it does.
+/// A known difference: why Mitsuba gives another image or none, and the elements at which it does.
 pub struct Known {
     pub cause: &'static str,
     pub shows: fn(&Node) -> bool,
 }
 
-/// All of them.
+/// All known differences.
 pub const KNOWN: &[Known] = &[
     Known {
         cause: "an extension that Mitsuba refuses",
@@ -101,7 +101,7 @@ pub const KNOWN: &[Known] = &[
     },
 ];
 
-/// Whether a material needs a tangent.
+/// Whether a material is anisotropic and so needs a tangent.
 fn anisotropic(node: &&Node) -> bool {
     node.child("alpha_u").is_some() || node.child("anisotropic").is_some()
 }
@@ -114,13 +114,13 @@ fn surrounds(node: &&Node) -> bool {
     node.is("emitter", "constant") || node.is("emitter", "envmap")
 }
 
-/// Whether a material, or one within it, has a delta lobe.
+/// Whether a material, or a nested one, has a delta lobe.
 fn has_delta_lobe(material: &Node) -> bool {
     let delta = ["conductor", "dielectric", "thindielectric", "plastic", "null", "mask"];
     material.all().iter().any(|m| delta.iter().any(|kind| m.is("bsdf", kind)))
 }
 
-/// The causes that an element has, itself or below.
+/// The causes of known differences in an element or its descendants.
 pub fn causes(node: &Node) -> Vec<&'static str> {
     let all = node.all();
     KNOWN.iter().filter(|k| all.iter().any(|n| (k.shows)(n))).map(|k| k.cause).collect()

@@ -1,38 +1,38 @@
-//! Mitsuba in a process of its own: `validation/peers/mitsuba_scenes.py`.
+//! Mitsuba in a separate process: `validation/peers/mitsuba_scenes.py`.
 
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// What to render.
+/// A request: what to render.
 #[derive(Serialize)]
 pub struct Job<'a> {
     pub scene: &'a Path,
-    /// Gets means and their variances.
+    /// The image file to write, with the means and their variances.
     pub out: &'a Path,
-    /// Decides the seeds.
+    /// The name from which seeds are derived.
     pub name: &'a str,
     /// `rgb` or `spectral`.
     pub mode: &'a str,
-    /// Samples of a pixel, in each of the replicates.
+    /// Samples per pixel of each replicate.
     pub spp: u32,
     pub replicates: u32,
 }
 
-/// What came of it.
+/// The reply to a [`Job`].
 #[derive(Debug, Default, Deserialize)]
 pub struct Reply {
-    /// Mitsuba's words where it made no picture.
+    /// Mitsuba's error message, if it rendered no image.
     pub error: Option<String>,
     #[serde(default)]
     pub channels: Vec<String>,
-    /// Of each channel's mean.
+    /// Standard error of each channel's mean.
     #[serde(default)]
     pub standard_error: Vec<f64>,
 }
 
-/// The process.
+/// The running process.
 pub struct Mitsuba {
     child: Child,
     requests: ChildStdin,
@@ -40,7 +40,7 @@ pub struct Mitsuba {
 }
 
 impl Mitsuba {
-    /// Starts Python.
+    /// Starts Python. Errors: no `python3`.
     pub fn start() -> Result<Self, String> {
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers/mitsuba_scenes.py");
         let mut command = Command::new("python3");
@@ -52,7 +52,7 @@ impl Mitsuba {
         Ok(Self { child, requests, replies: BufReader::new(replies) })
     }
 
-    /// Asks; [`Self::receive`] waits for the answer.
+    /// Sends a request; [`Self::receive`] waits for the reply.
     pub fn send(&mut self, job: &Job) -> Result<(), String> {
         let line = serde_json::to_string(job).map_err(|e| e.to_string())?;
         writeln!(self.requests, "{line}").and_then(|()| self.requests.flush()).map_err(|e| e.to_string())
@@ -70,7 +70,7 @@ impl Mitsuba {
 
 impl Drop for Mitsuba {
     fn drop(&mut self) {
-        // Nobody is left to hear that it is gone already.
+        // Both fail only if the process has ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,7 +1,8 @@
-//! Random scenes, rendered by Etalon and by Mitsuba: the same picture?
+//! Random scenes, rendered by Etalon and by Mitsuba and compared.
 //!
-//! [`grammar`] writes scenes from the examples of Etalon's registries, so that a new model joins by itself.
-//! [`known`] names the differences whose causes are written down; scenes without them are judged.
+//! [`grammar`] writes scenes from the examples of Etalon's registries, so that a new model is included
+//! automatically. [`known`] lists the differences whose causes are documented; scenes without them are
+//! compared.
 
 pub mod grammar;
 pub mod judge;

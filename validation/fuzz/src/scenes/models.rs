@@ -1,10 +1,10 @@
-//! What a scene can be made of: the examples of Etalon's registries, and those that need files or Mitsuba's
-//! spelling.
+//! The models of which scenes are made: the examples of Etalon's registries, and examples that need files or
+//! Mitsuba's spelling.
 
 use super::node::Node;
 use etalon::scene::catalogue::{Model, catalogue};
 
-/// Examples that the registries cannot have, because a file must be there.
+/// Examples that the registries cannot contain because they need a file.
 const WITH_FILES: &[&str] = &[
     r#"<shape type="ply"><string name="filename" value="meshes/ball.ply"/></shape>"#,
     r#"<shape type="ply"><string name="filename" value="meshes/octahedron.ply"/></shape>"#,
@@ -33,13 +33,13 @@ const WITH_FILES: &[&str] = &[
         <spectrum name="band2" value="480:0, 520:0.8, 600:0.8, 640:0"/></film>"#,
 ];
 
-/// A model and what it may look like in a scene.
+/// A model and its examples.
 pub struct Kind {
     pub model: Model,
     pub examples: Vec<Node>,
 }
 
-/// All models.
+/// All models with their examples.
 pub struct Models(Vec<Kind>);
 
 impl Models {
@@ -62,12 +62,12 @@ impl Models {
         }
     }
 
-    /// The models of a kind, `bsdf` say.
+    /// The models of a kind, such as `bsdf`.
     pub fn of(&self, kind: &str) -> Vec<&Kind> {
         self.0.iter().filter(|k| k.model.kind == kind).collect()
     }
 
-    /// The model that an element names.
+    /// The model that an element names; `None` if it is unknown.
     pub fn model(&self, node: &Node) -> Option<&Model> {
         self.0.iter().map(|k| &k.model).find(|m| node.is(m.kind, m.name))
     }

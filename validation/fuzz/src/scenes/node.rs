@@ -1,4 +1,4 @@
-//! Scene files as trees that can be changed and written down.
+//! Scene files as trees of elements that can be changed and printed.
 
 use std::fmt;
 
@@ -17,8 +17,7 @@ impl Node {
         Self { tag: tag.into(), attributes, children: vec![] }
     }
 
-    /// The first element of a text that was written by hand; what is no XML is an error with the parser's
-    /// words.
+    /// The first element of a text. Error: the text is not XML, with the parser's message.
     pub fn parse(text: &str) -> Result<Self, String> {
         let document = roxmltree::Document::parse(text).map_err(|e| format!("{e}: {text}"))?;
         Ok(Self::from(document.root_element()))
@@ -30,7 +29,7 @@ impl Node {
         Self { tag: node.tag_name().name().into(), attributes, children }
     }
 
-    /// With a child more.
+    /// The same element with one more child.
     pub fn with(mut self, child: Node) -> Self {
         self.children.push(child);
         self
@@ -57,7 +56,7 @@ impl Node {
         self.tag == tag && self.get("type") == Some(kind)
     }
 
-    /// This element and all below it.
+    /// This element and all its descendants.
     pub fn all(&self) -> Vec<&Node> {
         let mut found = vec![self];
         self.children.iter().for_each(|child| found.extend(child.all()));

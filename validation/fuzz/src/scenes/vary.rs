@@ -1,22 +1,22 @@
-//! From an example to one like it: other numbers, colours, textures and nested materials.
+//! Variations of an example: other numbers, colours, textures and nested materials.
 
 use super::models::Models;
 use super::node::Node;
 use crate::draw::Draw;
 
-/// How deep materials are nested.
+/// Largest depth of nested materials.
 pub const DEPTH: usize = 2;
 
-/// Grows elements of scenes.
+/// Draws elements of scenes.
 pub struct Grower<'a> {
     pub models: &'a Models,
     pub draw: &'a mut Draw,
-    /// In colours only, spectra are not for all plugins.
+    /// Whether the scene is spectral. In RGB mode some plugins do not accept spectra.
     pub spectral: bool,
 }
 
 impl Grower<'_> {
-    /// An element of any model of a kind that `fits`.
+    /// A varied example of a random model of this kind; only examples that `fits` accepts are used.
     pub fn any(&mut self, kind: &str, depth: usize, fits: impl Fn(&Node) -> bool) -> Option<Node> {
         let kinds = self.models.of(kind);
         let fitting = |k: &&&super::models::Kind| k.examples.iter().any(&fits);
@@ -32,7 +32,7 @@ impl Grower<'_> {
         self.any("bsdf", depth, |_| true)
     }
 
-    /// Changes what can be changed, and adds switches and factors that the model knows.
+    /// Varies parameters, and adds switches and factors that the model has.
     pub fn vary(&mut self, node: &mut Node, depth: usize) {
         for child in &mut node.children {
             match child.tag.as_str() {
@@ -78,7 +78,7 @@ impl Grower<'_> {
         }
     }
 
-    /// A texture in place of a number or a colour.
+    /// A texture to replace a number or a colour; `None` if the parameter takes none.
     fn texture_for(&mut self, old: &Node, name: &str) -> Option<Node> {
         let mut texture = match old.tag.as_str() {
             "float" if !["eta", "k"].contains(&name) => {
@@ -102,7 +102,8 @@ impl Grower<'_> {
         let factor = self.draw.between(0.6, 1.4);
         let ior = node.get("name").is_some_and(|n| n.ends_with("ior"));
         let new = match old {
-            // An index of refraction next to 1 is as good as none, and caustics through it take ages.
+            // An index of refraction next to 1 has no visible effect, and caustics through it converge too
+            // slowly.
             _ if ior && old > 1.0 => 1.0 + (old - 1.0) * factor,
             _ if (0.0..=1.0).contains(&old) && !ior => (old * factor).clamp(0.08, 0.95),
             _ if ior => old,
@@ -121,7 +122,7 @@ impl Grower<'_> {
         node.set("value", &value);
     }
 
-    /// Multiplies the values of a list such as `400:0.1, 700:0.9`.
+    /// Multiplies the values of a list such as `400:0.1, 700:0.9` by random factors.
     fn numbers(&mut self, node: &mut Node, attribute: &str) {
         let old = node.get(attribute).unwrap_or_default().to_owned();
         let one = |text: &str, draw: &mut Draw| {
