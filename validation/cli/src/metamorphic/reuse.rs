@@ -199,7 +199,7 @@ pub fn relations() -> Vec<Relation> {
     relations.push(lit_glass.relation().longer(4));
     relations.push(lit_metal.relation().longer(3));
     relations.push(lit_one_way.relation().longer(3));
-    relations.push(lit_by_a_tray.relation().longer(3));
+    relations.push(lit_by_a_tray.relation().longer(3).within(0.04));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.push(metal_roulette.relation().samples(4096).at_length());
