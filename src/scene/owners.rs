@@ -1,17 +1,17 @@
 //! The shape that a primitive belongs to.
 
-/// The shapes of all primitives, counted over the scene: a table gives a range of shapes to search, which is
-/// mostly a single one.
+/// The shapes of all primitives, counted over the scene: a table says between which two shapes to look, which
+/// are mostly one and the same.
 #[derive(Clone, Debug, Default)]
 pub struct Owners {
     /// The first primitive of every shape, and the number of primitives.
     starts: Vec<u32>,
-    /// For every 2^`shift` primitives the shape of the first of them, and one more entry as their end.
-    shapes: Vec<u32>,
+    /// For every 2^`shift` primitives the shapes of the first and the last of them.
+    shapes: Vec<[u32; 2]>,
     shift: u32,
 }
 
-/// Most entries of the table, unless there are more shapes.
+/// Entries of the table, at most, unless there are more shapes.
 const ENTRIES: usize = 4096;
 
 impl Owners {
@@ -25,9 +25,13 @@ impl Owners {
         }
         let entries = ENTRIES.max(starts.len());
         let shift = (0..32).find(|&shift| ((total >> shift) as usize) < entries).unwrap_or(31);
-        let first = |entry: u32| starts.partition_point(|&start| start <= entry << shift) as u32 - 1;
-        let end = starts.len() as u32 - 1;
-        let shapes = (0..=total >> shift).map(first).chain([end]).collect();
+        let owner = |primitive: u32| starts.partition_point(|&start| start <= primitive) as u32 - 1;
+        let last = total.saturating_sub(1);
+        let ends = |entry: u32| {
+            let first = entry << shift;
+            [first, (first | ((1 << shift) - 1)).min(last)].map(owner)
+        };
+        let shapes = (0..=last >> shift).map(ends).collect();
         Self { shapes, starts, shift }
     }
 
@@ -37,11 +41,15 @@ impl Owners {
         self.starts[shape]
     }
 
-    /// The index of the shape that a primitive belongs to.
+    /// The index of the shape.
     #[inline]
     pub fn of(&self, primitive: u32) -> usize {
-        let entry = (primitive >> self.shift) as usize;
-        let (mut shape, mut last) = (self.shapes[entry] as usize, self.shapes[entry + 1] as usize);
+        let [first, last] = self.shapes[(primitive >> self.shift) as usize];
+        if first == last { first as usize } else { self.between(first as usize, last as usize, primitive) }
+    }
+
+    /// The last of the shapes from `shape` to `last` that does not begin after the primitive.
+    fn between(&self, mut shape: usize, mut last: usize, primitive: u32) -> usize {
         while shape < last {
             let middle = (shape + last).div_ceil(2);
             if self.starts[middle] <= primitive {
