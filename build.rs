@@ -5,6 +5,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::Xxh3;
 
 fn main() -> io::Result<()> {
     let mut files = vec![PathBuf::from("Cargo.lock")];
@@ -12,14 +13,17 @@ fn main() -> io::Result<()> {
     // The command line decides no pixel.
     files.retain(|file| !file.starts_with("src/cli"));
     files.sort();
-    let mut hash = Fnv::default();
+    let mut hash = Xxh3::new();
     for file in files {
-        hash.add(file.to_string_lossy().replace('\\', "/").as_bytes());
-        hash.add(&fs::read(file)?);
+        let name = file.to_string_lossy().replace('\\', "/");
+        for piece in [name.into_bytes(), fs::read(file)?] {
+            hash.update(&(piece.len() as u64).to_le_bytes());
+            hash.update(&piece);
+        }
     }
     println!("cargo::rerun-if-changed=Cargo.lock");
     println!("cargo::rerun-if-changed=src");
-    println!("cargo::rustc-env=ETALON_VERSION={}+{:016x}", env!("CARGO_PKG_VERSION"), hash.0);
+    println!("cargo::rustc-env=ETALON_VERSION={}+{:016x}", env!("CARGO_PKG_VERSION"), hash.digest());
     Ok(())
 }
 
@@ -30,21 +34,4 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
         if path.is_dir() { list(&path, files)? } else { files.push(path) }
     }
     Ok(())
-}
-
-/// The hash FNV-1a of 64 bits (Fowler, Noll, Vo), of pieces with their lengths.
-struct Fnv(u64);
-
-impl Default for Fnv {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Fnv {
-    fn add(&mut self, piece: &[u8]) {
-        for byte in (piece.len() as u64).to_le_bytes().iter().chain(piece) {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
 }

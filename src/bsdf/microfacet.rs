@@ -185,11 +185,7 @@ impl Roughness {
     /// Reads `distribution`, `alpha` or `alpha_u` and `alpha_v`, and `sample_visible`.
     pub fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let (shape, visible) = parse_shape(params)?;
-        let split = params.has("alpha_u") || params.has("alpha_v");
-        if split && params.has("alpha") {
-            let message = "`alpha` beside `alpha_u` or `alpha_v`";
-            return Err(params.error("alpha", message, "expected one roughness or two"));
-        }
+        has_two_roughnesses(params)?;
         let both = params.texture(
             "alpha",
             0.1,
@@ -199,15 +195,7 @@ impl Roughness {
         let u = params.optional_texture("alpha_u", Usage::Unbounded, "roughness along the tangent")?;
         let v = params.optional_texture("alpha_v", Usage::Unbounded, "roughness across the tangent")?;
         let (both, u, v) = (both.scalar(), u.map(AnyTexture::scalar), v.map(AnyTexture::scalar));
-        match (u, v) {
-            (None, None) => Ok(Self { shape, alpha_u: both, alpha_v: None, visible }),
-            (Some(u), Some(v)) => Ok(Self { shape, alpha_u: u, alpha_v: Some(v), visible }),
-            (u, _) => {
-                let (given, missing) =
-                    if u.is_some() { ("alpha_u", "alpha_v") } else { ("alpha_v", "alpha_u") };
-                Err(params.error(given, format!("`{given}` without `{missing}`"), "expected both"))
-            }
-        }
+        Ok(Self { shape, alpha_u: u.unwrap_or(both), alpha_v: v, visible })
     }
 
     /// Whether lobes are narrow in any direction and place.
@@ -229,6 +217,21 @@ impl Roughness {
     pub fn varies(&self) -> bool {
         self.alpha_u.varies() || self.alpha_v.as_ref().is_some_and(AnyTexture::varies)
     }
+}
+
+/// Whether a file gives `alpha_u` and `alpha_v` instead of `alpha`. Errors: one of them alone, or beside it.
+pub fn has_two_roughnesses(params: &Params) -> Result<bool, SceneError> {
+    let (given, missing) = match ["alpha_u", "alpha_v"].map(|name| params.has(name)) {
+        [false, false] => return Ok(false),
+        _ if params.has("alpha") => {
+            let message = "`alpha` beside `alpha_u` or `alpha_v`";
+            return Err(params.error("alpha", message, "expected one roughness or two"));
+        }
+        [true, true] => return Ok(true),
+        [true, false] => ("alpha_u", "alpha_v"),
+        [false, true] => ("alpha_v", "alpha_u"),
+    };
+    Err(params.error(given, format!("`{given}` without `{missing}`"), "expected both"))
 }
 
 /// Reads `distribution` and `sample_visible`.

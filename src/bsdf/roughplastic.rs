@@ -1,7 +1,7 @@
 //! A diffuse base under a rough dielectric coat.
 
 use super::coat::{Coat, Coated};
-use super::microfacet::{Distribution, parse_shape, reflect};
+use super::microfacet::{Distribution, has_two_roughnesses, parse_shape, reflect};
 use super::transmittance::{Transmittance, internal_reflectance};
 use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
@@ -83,20 +83,11 @@ fn roughness(params: &mut Params) -> Result<f64, SceneError> {
     let both = params.amount("alpha", 0.1, about)?;
     let u = params.amount("alpha_u", both, "roughness along the tangent, instead of `alpha`")?;
     let v = params.amount("alpha_v", both, "roughness across the tangent, which must be that along it")?;
-    let wrong = |name: &str, message: &str, expected: &str| Err(params.error(name, message, expected));
-    match ["alpha_u", "alpha_v"].map(|name| params.has(name)) {
-        [false, false] => Ok(both),
-        _ if params.has("alpha") => {
-            wrong("alpha", "`alpha` beside `alpha_u` or `alpha_v`", "expected one roughness")
-        }
-        [true, false] => wrong("alpha_u", "`alpha_u` without `alpha_v`", "expected both"),
-        [false, true] => wrong("alpha_v", "`alpha_v` without `alpha_u`", "expected both"),
-        [true, true] if u != v => {
-            let message = "this material has the same roughness in all directions";
-            wrong("alpha_v", message, "expected the value of `alpha_u`")
-        }
-        [true, true] => Ok(u),
+    if has_two_roughnesses(params)? && u != v {
+        let message = "this material has the same roughness in all directions";
+        return Err(params.error("alpha_v", message, "expected the value of `alpha_u`"));
     }
+    Ok(u)
 }
 
 impl Bsdf for Satin<'_> {

@@ -45,7 +45,7 @@ impl Arguments {
             "geometry_bytes": scene.geometry_bytes(),
             "materials": materials,
             "emitters": emitters,
-            "light_paths": scene.caustics.as_ref().map_or(0, |caustics| caustics.paths),
+            "light_paths": scene.light_paths(),
             "links": match &scene.links {
                 None if scene.guide.is_some() => "guided",
                 None => "never",

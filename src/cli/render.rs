@@ -88,7 +88,7 @@ impl Arguments {
         }
         let chosen = self.time.is_some() || self.target_error.is_some();
         let passes = self.in_passes() || chosen || scene.caustics.is_some();
-        let light_paths = scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths));
+        let light_paths = scene.light_paths().into();
         let needs = memory::Needs { channels: channels.len(), passes, light_paths };
         memory::check(&settings, needs, memory::available())?;
         let resumed = self.resumed(&scene, &settings)?;

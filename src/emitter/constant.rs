@@ -1,6 +1,6 @@
 //! The same radiance from every direction.
 
-use super::{AnyEmitter, DirectSample};
+use super::{AnyEmitter, DirectSample, require_constant};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -22,13 +22,7 @@ pub struct Constant {
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let radiance = params.texture("radiance", 1.0, Usage::Emission, "radiance in W·m⁻²·sr⁻¹·nm⁻¹")?;
     params.transform("to_world", "ignored: it looks the same from all sides")?;
-    if radiance.varies() {
-        return Err(params.error(
-            "radiance",
-            "a constant emitter cannot be textured",
-            "expected a colour; see `envmap`",
-        ));
-    }
+    require_constant(params, ("radiance", &radiance), "expected a colour; see `envmap`")?;
     Ok(AnyEmitter::Constant(Constant { radiance }))
 }
 

@@ -67,13 +67,17 @@ macro_rules! emitters {
 }
 emitters!(area, point, spot, directional, constant, envmap);
 
-/// Refuses a texture where there is no surface to have a place on.
-fn require_constant(params: &Params, name: &str, texture: &AnyTexture) -> Result<(), SceneError> {
+/// Refuses a texture where there is no surface to have a place on; `expected` says what may stand there.
+fn require_constant(
+    params: &Params,
+    (name, texture): (&str, &AnyTexture),
+    expected: &str,
+) -> Result<(), SceneError> {
     if !texture.varies() {
         return Ok(());
     }
     let message = format!("the {name} of this emitter cannot be textured");
-    Err(params.error(name, message, "expected a spectrum that is the same everywhere"))
+    Err(params.error(name, message, expected))
 }
 
 /// Light that arrives at a point from a sampled direction, if it is not occluded.

@@ -1,6 +1,6 @@
 //! Properties of what is seen, beside the image of another integrator.
 
-use super::{AnyIntegrator, Counters, INTEGRATORS, nested_integrator};
+use super::{AnyIntegrator, COLOURS, Counters, INTEGRATORS, nested_integrator};
 use crate::image::check_names;
 use crate::math::Ray;
 use crate::scene::error::{SceneError, known};
@@ -37,9 +37,6 @@ const PROPERTIES: &[(&str, Property, &[&str])] = &[
     ("prim_index", Property::PrimitiveIndex, &["I"]),
     ("shape_index", Property::ShapeIndex, &["I"]),
 ];
-
-/// The channels of an image's colours.
-const COLOURS: [&str; 3] = ["R", "G", "B"];
 
 #[derive(Clone, Debug)]
 pub struct Aov {

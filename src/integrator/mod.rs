@@ -56,6 +56,9 @@ macro_rules! integrators {
 }
 integrators!(path, direct, depth, aov, moment);
 
+/// The channels of an image's colours.
+pub const COLOURS: [&str; 3] = ["R", "G", "B"];
+
 /// At most one nested integrator, and what begins the names of its channels: its name, or what Mitsuba calls
 /// one without.
 fn nested_integrator<'d>(
@@ -246,7 +249,7 @@ impl AnyIntegrator {
     pub fn extra_channels(&self) -> Vec<String> {
         match self {
             Self::Path(_) | Self::Direct(_) => vec![],
-            Self::Depth(_) => ["R", "G", "B"].map(String::from).to_vec(),
+            Self::Depth(_) => COLOURS.map(String::from).to_vec(),
             Self::Aov(aov) => aov.channels(),
             Self::Moment(moment) => moment.channels.clone(),
         }

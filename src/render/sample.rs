@@ -2,7 +2,7 @@
 
 use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
-use crate::integrator::{AnyIntegrator, CameraPath, Counters, KernelEntry};
+use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
 use crate::sampler::{CAMERA, ManyNumbers, Numbers, Sampler};
 use crate::scene::Scene;
@@ -14,7 +14,7 @@ use std::ops::Range;
 pub fn channel_names(film: &Film, integrator: &AnyIntegrator) -> Vec<String> {
     let mut names: Vec<String> = vec![];
     if integrator.has_radiance() {
-        names.extend(["R", "G", "B"].map(String::from));
+        names.extend(COLOURS.map(String::from));
         names.extend(film.alpha.then(|| "A".to_owned()));
         names.extend(film.bands.iter().map(|b| b.channel.clone()));
     }
@@ -101,7 +101,7 @@ impl<'a> Camera<'a> {
 
     /// Number of light paths per sample number.
     pub fn light_paths(&self) -> u64 {
-        self.scene.caustics.as_ref().map_or(0, |caustics| u64::from(caustics.paths))
+        u64::from(self.scene.light_paths())
     }
 
     /// Traces the light paths with these numbers, counted over all samples, and passes to `splat`, for each

@@ -22,10 +22,13 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
 }
 
 fn declares_latin_1(bytes: &[u8]) -> bool {
+    let bytes = bytes.trim_ascii_start();
+    if !bytes.get(..5).is_some_and(|first| first.eq_ignore_ascii_case(b"<?xml")) {
+        return false;
+    }
     let end = bytes.windows(2).position(|pair| pair == b"?>").unwrap_or(0);
     let declaration = String::from_utf8_lossy(&bytes[..end]).to_ascii_lowercase();
-    declaration.trim_start().starts_with("<?xml")
-        && ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name))
+    ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name))
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ impl ShapeGroup {
 #[derive(Default)]
 pub struct Instances {
     groups: Vec<ShapeGroup>,
-    /// ShapeGroup of each instance, and the transform from the group's coordinates to the world's.
+    /// The group of each instance, and the transform from the group's coordinates to the world's.
     placements: Vec<(u32, Transform)>,
     /// Instances by primitive, counted from `first`.
     owners: Owners,

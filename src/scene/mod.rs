@@ -238,6 +238,11 @@ impl Scene {
         self.sensor.camera.seen_per_area(ray, p) * (f64::from(width) * f64::from(height))
     }
 
+    /// Light paths that find caustics, for each sample number.
+    pub fn light_paths(&self) -> u32 {
+        self.caustics.as_ref().map_or(0, |caustics| caustics.paths)
+    }
+
     /// The number of the shape that a primitive belongs to: those of groups come after the others.
     pub fn shape_index(&self, primitive: u32) -> usize {
         if self.instances.have(primitive) {

@@ -50,19 +50,15 @@ impl Mesh {
         let side = if flip { -1.0 } else { 1.0 };
         let stored = data.normals.filter(|_| !face_normals);
         let (triangles, uvs) = (data.triangles, data.uvs);
-        let mut flipped = flip;
-        let normals = match stored {
-            _ if face_normals => None,
+        let (normals, flipped) = match stored {
+            _ if face_normals => (None, flip),
             Some(normals) => {
                 let place = |n: &[f32; 3]| single(to_world.normal(double(*n)).normalize_or_zero() * side);
                 let normals: Vec<[f32; 3]> = normals.iter().map(place).collect();
                 let agreement = agreement(&positions, &triangles, &normals);
-                if agreement != 0.0 {
-                    flipped = agreement < 0.0;
-                }
-                Some(normals)
+                (Some(normals), if agreement == 0.0 { flip } else { agreement < 0.0 })
             }
-            None => Some(smooth_normals(&positions, &triangles, side)),
+            None => (Some(smooth_normals(&positions, &triangles, side)), flip),
         };
         Self { positions, triangles, normals, uvs, flipped, areas: Discrete::default(), error: 0.0 }
     }

@@ -79,12 +79,14 @@ fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
-        _ => (MOST, "expected no negative number, and none above 1.7e38"),
+        Usage::Emission | Usage::Unbounded | Usage::Any => {
+            (MOST, "expected no negative number, and none above 1.7e38")
+        }
     };
     let word = match usage {
         Usage::Reflectance => "reflectance",
         Usage::Vector => "encoded coordinate",
-        _ => "amount",
+        Usage::Emission | Usage::Unbounded | Usage::Any => "amount",
     };
     match values.iter().find(|v| !(0.0..=top).contains(*v)) {
         None => Ok(()),

@@ -198,7 +198,7 @@ mod tests {
                     <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>{inside}</scene>"#
         );
         let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
-        let paths = scene.caustics.as_ref().map_or(0, |caustics| caustics.paths);
+        let paths = scene.light_paths();
         assert_eq!(paths > 0, scene.features.0 & Features::CAUSTICS != 0);
         f64::from(paths) / 1024.0
     }

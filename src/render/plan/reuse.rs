@@ -222,7 +222,7 @@ mod tests {
         let text = scene(sides, wears, options, inside);
         let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
         let samples = scene.integrator.path().map_or(0, |path| path.first_emitter_samples);
-        (scene.integrator.reuse(), samples, scene.caustics.as_ref().map_or(0, |caustics| caustics.paths))
+        (scene.integrator.reuse(), samples, scene.light_paths())
     }
 
     /// In a closed box or an open one with this inside.

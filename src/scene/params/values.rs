@@ -42,8 +42,19 @@ impl<'d> Params<'_, 'd> {
         holds: impl Fn(f64) -> bool,
     ) -> Result<f64, SceneError> {
         self.ask(name, "float", default.to_string(), about);
-        let Some(value) = self.value(name, &["float", "integer"])? else { return Ok(default) };
-        number(&value.value).filter(|v| holds(*v)).ok_or_else(|| bad_value(name, value, expected))
+        Ok(self.given_float(name, expected, holds)?.unwrap_or(default))
+    }
+
+    /// The number that the file gives, if it does.
+    fn given_float(
+        &mut self,
+        name: &'static str,
+        expected: &str,
+        holds: impl Fn(f64) -> bool,
+    ) -> Result<Option<f64>, SceneError> {
+        let Some(value) = self.value(name, &["float", "integer"])? else { return Ok(None) };
+        let found = number(&value.value).filter(|v| holds(*v));
+        found.map(Some).ok_or_else(|| bad_value(name, value, expected))
     }
 
     /// A number from 0 to [`MOST`].
@@ -75,9 +86,7 @@ impl<'d> Params<'_, 'd> {
         holds: impl Fn(f64) -> bool,
     ) -> Result<Option<f64>, SceneError> {
         self.ask(name, "float", "none".into(), about);
-        let Some(value) = self.value(name, &["float", "integer"])? else { return Ok(None) };
-        let found = number(&value.value).filter(|v| holds(*v));
-        found.map(Some).ok_or_else(|| bad_value(name, value, expected))
+        self.given_float(name, expected, holds)
     }
 
     /// An integer within a range. A default outside stands for none that is given, and is listed as such.

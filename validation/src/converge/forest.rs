@@ -3,6 +3,7 @@
 use super::Interval;
 use super::axis::{Axis, number};
 use super::page::figures;
+use super::plot::COLOURS;
 use crate::html::escape;
 
 /// The row of a scene.
@@ -20,7 +21,6 @@ pub struct Mark {
     pub aim: f64,
 }
 
-const COLOURS: [&str; 2] = ["#0072b2", "#d55e00"];
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 132.0;
 const RIGHT: f64 = 104.0;

@@ -6,7 +6,7 @@ use crate::html::escape;
 
 /// Okabe and Ito's palette, which is distinguishable to colour-blind readers; black and yellow are left out
 /// because they do not suit both the light and the dark theme.
-const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+pub(super) const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 /// Dash patterns: the pattern changes each time the colours repeat.
 const DASHES: [&str; 4] = ["", "7 4", "2 3", "9 3 2 3"];
 const WIDTH: f64 = 560.0;

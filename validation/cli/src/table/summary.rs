@@ -135,9 +135,11 @@ impl Table {
             ratio: against.best_trimmed.as_ref().map(|(_, found)| found.ratio),
             aim: against.aim,
         };
-        let row = |scene: &'_ Scene| scene.against.iter().map(mark).collect();
-        let rows: Vec<Row> =
-            self.scenes.iter().map(|scene| Row { name: &scene.name, marks: row(scene) }).collect();
+        let row = |scene| {
+            let Scene { name, against, .. }: &Scene = scene;
+            Row { name, marks: against.iter().map(mark).collect() }
+        };
+        let rows: Vec<Row> = self.scenes.iter().map(row).collect();
         forest(&groups, &rows, "how many times less squared error in equal time; strokes are aims")
     }
 
