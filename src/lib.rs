@@ -7,7 +7,8 @@
 //! for eight wavelengths at once, and of it the mean over each pixel's filter, lens and spectral response.
 //!
 //! - [`scene`]: from Mitsuba XML to plain arrays. Read [`scene::load`] first.
-//! - [`shape`], [`bsdf`], [`texture`], [`emitter`], [`sensor`], [`sampler`]: the models, one file each.
+//! - [`shape`], [`bsdf`], [`medium`], [`phase`], [`texture`], [`volume`], [`emitter`], [`sensor`],
+//!   [`sampler`]: the models, one file each.
 //! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
 //! - [`render`]: the organisation of a render; nothing in it can change a pixel.
 //! - [`film`], [`image`]: sums that no order can change, and the files made of them.
@@ -23,6 +24,8 @@ pub mod film;
 pub mod image;
 pub mod integrator;
 pub mod math;
+pub mod medium;
+pub mod phase;
 pub mod render;
 pub mod sampler;
 pub mod scene;
@@ -30,3 +33,4 @@ pub mod sensor;
 pub mod shape;
 pub mod spectrum;
 pub mod texture;
+pub mod volume;

@@ -5,7 +5,7 @@ use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::shape::SurfacePoint;
-use crate::spectrum::Wavelengths;
+use crate::spectrum::{Spectrum, Wavelengths};
 use crate::texture::AnyTexture;
 
 /// Two materials and the share of the second.
@@ -96,6 +96,12 @@ impl Bsdf for Mixture<'_> {
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         let (a, b) = (self.part(0, 1.0 - self.weight, wo, wi), self.part(1, self.weight, wo, wi));
         Evaluation { value: a.value + b.value, pdf: a.pdf + b.pdf }
+    }
+
+    #[inline]
+    fn null_transmission(&self, wo: DVec3) -> Spectrum {
+        let [first, second] = [0, 1].map(|i| self.nested[i].at(self.point, self.λ).null_transmission(wo));
+        first * (1.0 - self.weight) as f32 + second * self.weight as f32
     }
 
     #[inline]

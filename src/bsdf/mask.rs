@@ -56,7 +56,8 @@ impl Material for Mask {
     }
 
     fn traits(&self) -> Traits {
-        let own = Traits { transmits: true, textured: self.opacity.varies(), ..Traits::default() };
+        let own =
+            Traits { transmits: true, has_null: true, textured: self.opacity.varies(), ..Traits::default() };
         self.nested.traits().or(own)
     }
 }
@@ -69,6 +70,12 @@ impl Bsdf for Veil<'_> {
         }
         let Evaluation { value, pdf } = self.nested.at(self.point, self.λ).evaluate(wo, wi);
         Evaluation { value: value * self.opacity as f32, pdf: pdf * self.opacity }
+    }
+
+    #[inline]
+    fn null_transmission(&self, wo: DVec3) -> Spectrum {
+        let nested = self.nested.at(self.point, self.λ).null_transmission(wo);
+        nested * self.opacity as f32 + Spectrum::splat((1.0 - self.opacity) as f32)
     }
 
     #[inline]

@@ -72,6 +72,8 @@ pub struct Traits {
     pub only_rough: bool,
     /// Lets light through.
     pub transmits: bool,
+    /// Lets some of it straight on, as if there were no surface.
+    pub has_null: bool,
     /// Has a lobe that is narrow, but not without density.
     pub glossy: bool,
     /// Transmits light, and all of that leaves in one direction, the same for all wavelengths.
@@ -102,6 +104,7 @@ impl Traits {
             textured: self.textured || other.textured,
             dispersive: self.dispersive || other.dispersive,
             transmits: self.transmits || other.transmits,
+            has_null: self.has_null || other.has_null,
             glossy: self.glossy || other.glossy,
             relief: self.relief || other.relief,
             one_way: self.one_way || other.one_way,
@@ -181,6 +184,14 @@ pub trait Bsdf {
     /// Draws ωi from three numbers in [0, 1): `lobe` chooses between lobes, `u` the direction in one.
     fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample>;
 
+    /// The share of light from behind that goes straight on, as if there were no surface: the mean weight of
+    /// [`Sample::null`] over all samples.
+    #[inline]
+    fn null_transmission(&self, wo: DVec3) -> Spectrum {
+        let _ = wo;
+        Spectrum::ZERO
+    }
+
     /// ρ, if f = ρ/π for all directions above the surface, none comes through it, and samples follow the
     /// cosine.
     #[inline]
@@ -233,6 +244,11 @@ macro_rules! materials {
             #[inline]
             fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
                 match self { $(Self::$Model(bsdf) => bsdf.sample(wo, lobe, u)),* }
+            }
+
+            #[inline]
+            fn null_transmission(&self, wo: DVec3) -> Spectrum {
+                match self { $(Self::$Model(bsdf) => bsdf.null_transmission(wo)),* }
             }
 
             #[inline]

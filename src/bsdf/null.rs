@@ -27,7 +27,7 @@ impl Material for Null {
     }
 
     fn traits(&self) -> Traits {
-        Traits { transmits: true, ..Traits::default() }
+        Traits { transmits: true, has_null: true, ..Traits::default() }
     }
 }
 
@@ -35,6 +35,11 @@ impl Bsdf for &Null {
     #[inline]
     fn evaluate(&self, _wo: DVec3, _wi: DVec3) -> Evaluation {
         Evaluation::ZERO
+    }
+
+    #[inline]
+    fn null_transmission(&self, _wo: DVec3) -> Spectrum {
+        Spectrum::ONE
     }
 
     #[inline]

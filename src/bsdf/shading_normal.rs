@@ -10,7 +10,7 @@ use crate::math::{DVec2, DVec3, Frame};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
-use crate::spectrum::Wavelengths;
+use crate::spectrum::{Spectrum, Wavelengths};
 
 /// The parameters that both adapters have.
 pub struct Adapter {
@@ -106,6 +106,16 @@ impl Bsdf for Perturbed<'_> {
             return Evaluation { value, pdf };
         }
         Evaluation { value: value * self.shadowing(normal, wi) as f32, pdf }
+    }
+
+    #[inline]
+    fn null_transmission(&self, wo: DVec3) -> Spectrum {
+        let normal = self.normal_seen_from(wo);
+        let passed = self.with_nested(normal, |nested, frame| {
+            let seen = frame.to_local(wo);
+            if seen.z * wo.z > 0.0 { nested.null_transmission(seen) } else { Spectrum::ZERO }
+        });
+        if passed.is_zero() { passed } else { passed * self.shadowing(normal, -wo) as f32 }
     }
 
     #[inline]

@@ -49,7 +49,14 @@ impl Material for ThinDielectric {
 
     fn traits(&self) -> Traits {
         let textured = self.tints.varies();
-        Traits { textured, transmits: true, refracts: true, mirrors: true, ..Traits::default() }
+        Traits {
+            textured,
+            transmits: true,
+            has_null: true,
+            refracts: true,
+            mirrors: true,
+            ..Traits::default()
+        }
     }
 }
 
@@ -57,6 +64,12 @@ impl Bsdf for Window {
     #[inline]
     fn evaluate(&self, _wo: DVec3, _wi: DVec3) -> Evaluation {
         Evaluation::ZERO
+    }
+
+    #[inline]
+    fn null_transmission(&self, wo: DVec3) -> Spectrum {
+        let face = fresnel::dielectric(wo.z.abs(), self.eta);
+        self.transmittance * (face.transmittance / (1.0 + face.reflectance)) as f32
     }
 
     /// R + TRT + TR³T + … = 2R/(1 + R), and the rest, T/(1 + R), goes through.

@@ -5,7 +5,7 @@ use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
-use crate::spectrum::Wavelengths;
+use crate::spectrum::{Spectrum, Wavelengths};
 
 /// A material on each side of a surface.
 pub struct TwoSided {
@@ -99,6 +99,11 @@ impl Bsdf for Sides<'_> {
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         let side = self.material.facing(wo.z).at(self.point, self.λ);
         side.evaluate(from_side(wo.z, wo), from_side(wo.z, wi))
+    }
+
+    #[inline]
+    fn null_transmission(&self, wo: DVec3) -> Spectrum {
+        self.material.facing(wo.z).at(self.point, self.λ).null_transmission(from_side(wo.z, wo))
     }
 
     #[inline]

@@ -34,14 +34,14 @@ impl Arguments {
         say!("wavelengths {:?} nm", λ.nm);
         say!("ray from {:?} along {:?}", ray.origin.to_array(), ray.direction.to_array());
         for (i, event) in replay.vertices.iter().enumerate() {
-            let (_, local) = scene.shape_of(event.hit.primitive);
-            let index = scene.shape_index(event.hit.primitive);
-            say!(
-                "vertex {} at {:?}, shape {index}, primitive {local}, t = {:?}",
-                i + 1,
-                event.p.to_array(),
-                event.hit.t
-            );
+            let place = match event.primitive {
+                None => "in a medium".into(),
+                Some(primitive) => {
+                    let (_, local) = scene.shape_of(primitive);
+                    format!("shape {}, primitive {local}", scene.shape_index(primitive))
+                }
+            };
+            say!("vertex {} at {:?}, {place}, t = {:?}", i + 1, event.p.to_array(), event.t);
             say!("  throughput {:?}", event.throughput.0);
             say!("  radiance so far {:?}", event.radiance.0);
         }

@@ -60,6 +60,7 @@ macro_rules! emitters {
             examples: $module::EXAMPLES,
             parse: |params| {
                 params.float("sampling_weight", 1.0, "Mitsuba's; ignored, for emitters are chosen by what they may bring")?;
+                params.any_medium("Mitsuba's, what the emitter is in; ignored, for paths begin at the camera")?;
                 $module::parse(params)
             },
         }),*];

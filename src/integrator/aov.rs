@@ -87,6 +87,11 @@ fn has_colours(integrator: &AnyIntegrator) -> bool {
 }
 
 impl Aov {
+    /// See [`AnyIntegrator::without_media`].
+    pub fn without_media(self) -> Self {
+        Self { nested: self.nested.map(AnyIntegrator::without_media), ..self }
+    }
+
     /// Names of all channels besides the colours, as Mitsuba has them: those that the nested integrator adds
     /// and its colours once more, both under its name, and then those of the aov itself.
     pub fn channels(&self) -> Vec<String> {

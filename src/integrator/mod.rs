@@ -8,10 +8,13 @@ pub mod caustics;
 mod depth;
 mod direct;
 pub mod guide;
+mod lengths;
 pub mod light;
 pub mod links;
 mod moment;
 pub mod path;
+mod volpath;
+mod volpathmis;
 mod wavefront;
 
 use crate::math::{DVec3, Ray};
@@ -21,13 +24,13 @@ use crate::scene::params::Params;
 use crate::scene::registry::Entry;
 use crate::scene::xml::Element;
 use crate::scene::{Features, Scene};
-use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
 pub use aov::Aov;
 pub use depth::Depth;
 pub use direct::Direct;
 pub use moment::Moment;
 pub use path::Path;
+pub use volpath::VolPath;
 
 /// Any integrator.
 #[derive(Clone, Debug)]
@@ -35,6 +38,7 @@ pub enum AnyIntegrator {
     Path(Path),
     Direct(Direct),
     Depth(Depth),
+    VolPath(VolPath),
     Aov(Box<Aov>),
     Moment(Box<Moment>),
 }
@@ -54,7 +58,7 @@ macro_rules! integrators {
         }),*];
     };
 }
-integrators!(path, direct, depth, aov, moment);
+integrators!(path, direct, depth, volpath, volpathmis, aov, moment);
 
 /// The channels of an image's colours.
 pub const COLOURS: [&str; 3] = ["R", "G", "B"];
@@ -107,7 +111,10 @@ pub struct Counters {
 /// A vertex of a replayed path, as it was when the path arrived.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
-    pub hit: Hit,
+    /// Its distance along the ray.
+    pub t: f64,
+    /// The primitive that it lies on, unless it is within a medium.
+    pub primitive: Option<u32>,
     pub p: DVec3,
     /// Factor of light that is found from here on.
     pub throughput: Spectrum,
@@ -182,6 +189,11 @@ fn radiance<const F: u32>(
             }
         }
         AnyIntegrator::Depth(_) => {}
+        AnyIntegrator::VolPath(volpath) => {
+            for path in paths {
+                path.radiance = volpath.radiance::<F>(scene, path, counters);
+            }
+        }
         AnyIntegrator::Aov(aov) => {
             if let Some(nested) = &aov.nested {
                 radiance::<F>(scene, nested, paths, counters);
@@ -197,6 +209,7 @@ impl AnyIntegrator {
             Self::Path(_) => path::NAME,
             Self::Direct(_) => direct::NAME,
             Self::Depth(_) => depth::NAME,
+            Self::VolPath(_) => volpath::NAME,
             Self::Aov(_) => aov::NAME,
             Self::Moment(_) => moment::NAME,
         }
@@ -208,7 +221,18 @@ impl AnyIntegrator {
             Self::Path(path) => Some(path),
             Self::Aov(aov) => aov.nested.as_ref()?.path(),
             Self::Moment(moment) => moment.nested.path(),
-            Self::Direct(_) | Self::Depth(_) => None,
+            Self::Direct(_) | Self::Depth(_) | Self::VolPath(_) => None,
+        }
+    }
+
+    /// The integrator for a scene where no medium and no surface lets light straight through: there media
+    /// change nothing, and `path` has more techniques.
+    pub fn without_media(self) -> Self {
+        match self {
+            Self::VolPath(volpath) => Self::Path(volpath.without_media()),
+            Self::Aov(aov) => Self::Aov(Box::new(aov.without_media())),
+            Self::Moment(moment) => Self::Moment(Box::new(moment.without_media())),
+            Self::Path(_) | Self::Direct(_) | Self::Depth(_) => self,
         }
     }
 
@@ -223,14 +247,14 @@ impl AnyIntegrator {
             Self::Path(path) => Some(path),
             Self::Aov(aov) => aov.nested.as_mut()?.path_mut(),
             Self::Moment(moment) => moment.nested.path_mut(),
-            Self::Direct(_) | Self::Depth(_) => None,
+            Self::Direct(_) | Self::Depth(_) | Self::VolPath(_) => None,
         }
     }
 
     /// Whether the image has colours, and not only auxiliary channels.
     pub fn has_radiance(&self) -> bool {
         match self {
-            Self::Path(_) | Self::Direct(_) | Self::Moment(_) => true,
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Moment(_) => true,
             Self::Depth(_) => false,
             Self::Aov(aov) => aov.nested.as_ref().is_some_and(|n| n.has_radiance()),
         }
@@ -241,14 +265,14 @@ impl AnyIntegrator {
         match self {
             Self::Aov(_) => true,
             Self::Moment(moment) => moment.nested.needs_uv(),
-            Self::Path(_) | Self::Direct(_) | Self::Depth(_) => false,
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Depth(_) => false,
         }
     }
 
     /// Names of the channels besides the colours.
     pub fn extra_channels(&self) -> Vec<String> {
         match self {
-            Self::Path(_) | Self::Direct(_) => vec![],
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) => vec![],
             Self::Depth(_) => COLOURS.map(String::from).to_vec(),
             Self::Aov(aov) => aov.channels(),
             Self::Moment(moment) => moment.channels.clone(),
@@ -258,7 +282,7 @@ impl AnyIntegrator {
     /// Values of the extra channels for one camera ray.
     pub fn extra_values(&self, scene: &Scene, ray: &Ray, counters: &mut Counters, values: &mut [f64]) {
         match self {
-            Self::Path(_) | Self::Direct(_) => {}
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) => {}
             Self::Depth(depth) => depth.values(scene, ray, counters, values),
             Self::Aov(aov) => {
                 let (nested, own) = values.split_at_mut(values.len() - aov.width());
@@ -278,7 +302,7 @@ impl AnyIntegrator {
     #[inline]
     pub fn complete(&self, values: &mut [f64]) {
         match self {
-            Self::Path(_) | Self::Direct(_) | Self::Depth(_) => {}
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Depth(_) => {}
             Self::Aov(aov) => aov.complete(values),
             Self::Moment(moment) => moment.complete(values),
         }

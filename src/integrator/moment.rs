@@ -45,6 +45,11 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
 }
 
 impl Moment {
+    /// See [`AnyIntegrator::without_media`].
+    pub fn without_media(self) -> Self {
+        Self { nested: self.nested.without_media(), ..self }
+    }
+
     /// How many channels the nested integrator adds to the colours.
     pub fn nested_channels(&self) -> usize {
         self.channels.len() / 2 - 3

@@ -16,6 +16,7 @@ use crate::math::simd::U32x8;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
+use rand_pcg::Pcg32;
 
 /// What a sampler's element declares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +95,9 @@ pub const GUIDED: u32 = 1 << 29;
 pub const GUIDED_OF_VERTEX: u32 = 1 << 5;
 /// The blocks of emitter samples begin here, where a vertex takes several: [`MOST_EMITTER_SAMPLES`] for each.
 const EMITTER_SAMPLES: u32 = 1 << 30;
+/// The blocks of flights through media begin here: for each edge of a path one for itself, and one for the
+/// shadow ray of its end.
+pub const FLIGHTS: u32 = 1 << 31;
 /// How many emitter samples a vertex can take.
 pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
 
@@ -108,6 +112,7 @@ const _: () = assert!(
     FIRST_VERTEX + MOST_VERTICES <= LIGHT_SOURCES
         && GUIDED + MOST_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
         && MOST_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
+        && EMITTER_SAMPLES + (MOST_VERTICES * MOST_EMITTER_SAMPLES - 1) < FLIGHTS
 );
 
 /// The eight numbers of a block, as parts of 2³².
@@ -166,6 +171,11 @@ impl Sampler {
     pub fn one_of(&self, which: u32, count: u32) -> (Self, u32) {
         let number = u64::from(self.sample) * u64::from(count) + u64::from(which);
         (self.at(number as u32), (number >> 32) as u32)
+    }
+
+    /// As many independent numbers as are wanted, of one block.
+    pub fn generator(&self, block: u32) -> Pcg32 {
+        independent::generator(self.key, self.sample, block)
     }
 
     /// The numbers of one block.

@@ -18,6 +18,7 @@ use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{Links, Where};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::math::length;
+use crate::phase::PHASES;
 use crate::render::plan;
 use crate::render::sample::channel_names;
 use crate::sampler::SAMPLERS;
@@ -26,6 +27,7 @@ use crate::shape::Geometry;
 use crate::shape::accel::{Accel, Instance};
 use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
+use crate::volume::VOLUMES;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -41,8 +43,21 @@ fn check_channels(film: &Film, integrator: &AnyIntegrator, place: &Span) -> Resu
 }
 
 /// Tags of the elements of a scene.
-const TOP_LEVEL: [&str; 10] =
-    ["shape", "emitter", "sensor", "integrator", "bsdf", "texture", "spectrum", "film", "rfilter", "sampler"];
+const TOP_LEVEL: [&str; 13] = [
+    "shape",
+    "emitter",
+    "sensor",
+    "integrator",
+    "bsdf",
+    "medium",
+    "phase",
+    "texture",
+    "volume",
+    "spectrum",
+    "film",
+    "rfilter",
+    "sampler",
+];
 
 /// Parameters of a scene about Mitsuba's acceleration structures; ignored.
 const OF_SEARCHES: [&str; 12] = [
@@ -100,16 +115,15 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
             "texture" | "spectrum" => {
                 AnyTexture::parse(element, &loader, Usage::Any)?;
             }
+            "medium" => loader.medium(element).map(drop)?,
+            "phase" => construct(PHASES, element, &loader, Usage::Unbounded).map(drop)?,
+            "volume" => construct(VOLUMES, element, &loader, Usage::Any).map(drop)?,
             "film" => construct(FILMS, element, &loader, Usage::Unbounded).map(drop)?,
             "rfilter" => construct(FILTERS, element, &loader, Usage::Unbounded).map(drop)?,
             "sampler" => construct(SAMPLERS, element, &loader, Usage::Unbounded).map(drop)?,
             "boolean" | "integer" | "float" if element.name().is_some_and(|n| OF_SEARCHES.contains(&n)) => {
                 element.only(&["name", "value"])?;
                 element.require("value")?;
-            }
-            "medium" => {
-                let help = format!("known at the top level: {}", TOP_LEVEL.join(", "));
-                return Err(SceneError::at(&element.span, "participating media are not available", help));
             }
             other => {
                 return Err(SceneError::at(
@@ -135,6 +149,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
             return Err(SceneError::at(&second.span, "a second integrator", "expected only one"));
         }
     };
+    let integrator = if media_matter(&objects, &sensor) { integrator } else { integrator.without_media() };
     let place = integrators.first().map_or(&root.span, |one| &one.span);
     check_channels(&sensor.film, &integrator, place)?;
     let hash = hash(document, &loader, mode)?;
@@ -182,6 +197,14 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     plan::settle(&mut scene);
     scene.planning = begin.elapsed();
     Ok(scene)
+}
+
+/// Whether light goes through media, or straight through surfaces.
+fn media_matter(objects: &Objects, sensor: &Sensor) -> bool {
+    let mut shapes = objects.shapes.iter().chain(objects.instances.shapes());
+    sensor.medium.is_some()
+        || objects.materials.iter().any(|material| material.traits().has_null)
+        || shapes.any(|shape| shape.interface.is_some())
 }
 
 /// The features that a kernel for the scene needs.

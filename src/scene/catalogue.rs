@@ -42,7 +42,10 @@ fn visit(visitor: &mut impl Visitor) {
     visitor.registry("emitter", crate::emitter::EMITTERS);
     visitor.registry("shape", crate::shape::SHAPES);
     visitor.registry("bsdf", crate::bsdf::MATERIALS);
+    visitor.registry("medium", crate::medium::MEDIA);
+    visitor.registry("phase", crate::phase::PHASES);
     visitor.registry("texture", crate::texture::TEXTURES);
+    visitor.registry("volume", crate::volume::VOLUMES);
 }
 
 struct Models(Vec<Model>);

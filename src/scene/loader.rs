@@ -1,10 +1,14 @@
 //! State that all parts of a scene share while it is being read.
 
 use super::error::{SceneError, known};
+use super::params::Usage;
+use super::registry::construct;
 use super::xml::{Attribute, Document, Element, find};
+use crate::medium::{MEDIA, Medium};
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Pixels;
+use crate::volume::Voxels;
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -33,6 +37,10 @@ pub struct Loader<'d> {
     elements: usize,
     /// Decoded bitmaps; many materials share one.
     bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
+    /// Grids that were read; several volumes may share one.
+    voxels: RefCell<BTreeMap<PathBuf, Arc<Voxels>>>,
+    /// Media that were read, by their elements; many shapes share one.
+    media: RefCell<BTreeMap<*const Element, Arc<Medium>>>,
     /// Every file that was read, for the scene's hash.
     files: RefCell<Vec<PathBuf>>,
 }
@@ -61,6 +69,8 @@ impl<'d> Loader<'d> {
             repeats: Cell::new(0),
             elements: count(&document.root),
             bitmaps: RefCell::default(),
+            voxels: RefCell::default(),
+            media: RefCell::default(),
             files: RefCell::default(),
         })
     }
@@ -170,6 +180,27 @@ impl<'d> Loader<'d> {
         let pixels = Arc::new(Pixels::read(path).map_err(SceneError::nowhere)?);
         self.bitmaps.borrow_mut().insert(path.to_owned(), pixels.clone());
         Ok(pixels)
+    }
+
+    /// A grid of values, read once.
+    pub fn voxels(&self, path: &Path) -> Result<Arc<Voxels>, SceneError> {
+        if let Some(voxels) = self.voxels.borrow().get(path) {
+            return Ok(voxels.clone());
+        }
+        self.depends_on(path);
+        let voxels = Arc::new(Voxels::read(path).map_err(SceneError::nowhere)?);
+        self.voxels.borrow_mut().insert(path.to_owned(), voxels.clone());
+        Ok(voxels)
+    }
+
+    /// A `<medium>`, read once.
+    pub fn medium(&self, element: &'d Element) -> Result<Arc<Medium>, SceneError> {
+        if let Some(medium) = self.media.borrow().get(&std::ptr::from_ref(element)) {
+            return Ok(medium.clone());
+        }
+        let medium = construct(MEDIA, element, self, Usage::Unbounded)?;
+        self.media.borrow_mut().insert(element, medium.clone());
+        Ok(medium)
     }
 }
 

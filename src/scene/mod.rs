@@ -31,6 +31,7 @@ use crate::integrator::guide::Guide;
 use crate::integrator::links::Links;
 use crate::integrator::path::reuse::LightSources;
 use crate::math::{DVec3, Ray};
+use crate::medium::Medium;
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
 use crate::shape::{Geometry, Hit, Mesh, SurfacePoint};
@@ -40,6 +41,7 @@ pub use build::load_text;
 use instances::Instances;
 use owners::Owners;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A surface: its geometry, what it is made of and what it emits.
@@ -51,6 +53,8 @@ pub struct Shape {
     pub sides: [Side; 2],
     /// Index of its emitter in the scene's list, if it emits.
     pub emitter: Option<u32>,
+    /// The media on its two sides, if the file names one; else it parts nothing.
+    pub interface: Option<Box<Interface>>,
 }
 
 impl Shape {
@@ -59,9 +63,31 @@ impl Shape {
         self.sides.iter().all(|side| side.traits.refracts)
     }
 
+    /// Whether a side of it lets light straight through.
+    pub fn has_null(&self) -> bool {
+        self.sides.iter().any(|side| side.traits.has_null)
+    }
+
     /// Whether a side of it reflects like a mirror and in no other way.
     pub fn mirrors(&self) -> bool {
         self.sides.iter().any(|side| side.traits.mirrors)
+    }
+}
+
+/// The media that a surface parts.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// What is behind it, against its normal.
+    pub interior: Option<Arc<Medium>>,
+    /// What is before it.
+    pub exterior: Option<Arc<Medium>>,
+}
+
+impl Interface {
+    /// The medium that a direction leads into, given its cosine with the surface's normal.
+    #[inline]
+    pub fn towards(&self, cos: f64) -> Option<&Medium> {
+        if cos > 0.0 { self.exterior.as_deref() } else { self.interior.as_deref() }
     }
 }
 

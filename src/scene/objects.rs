@@ -6,7 +6,7 @@ use super::loader::Loader;
 use super::params::{Params, Usage};
 use super::registry::construct;
 use super::xml::Element;
-use super::{Shape, Side};
+use super::{Interface, Shape, Side};
 use crate::bsdf::{AnyMaterial, Material, Traits};
 use crate::emitter::{AnyEmitter, EMITTERS, select};
 use crate::math::{DVec3, Ray, Transform};
@@ -28,6 +28,13 @@ pub struct Objects<'a, 'd> {
     pub emitters: Vec<select::Entry>,
     /// Sides of surfaces without a material: grey ones, and black ones for those that emit.
     default_sides: [Option<[Side; 2]>; 2],
+}
+
+/// What a surface is made of, the element of what it emits, and the media that it parts.
+struct Attachments<'d> {
+    sides: [Side; 2],
+    emitter: Option<&'d Element>,
+    interface: Option<Box<Interface>>,
 }
 
 impl<'a, 'd> Objects<'a, 'd> {
@@ -56,7 +63,7 @@ impl<'a, 'd> Objects<'a, 'd> {
     }
 
     fn surface(&mut self, mut geometry: Geometry, mut params: Params<'_, 'd>) -> Result<(), SceneError> {
-        let (sides, emitter) = self.attachments(&geometry, &mut params)?;
+        let Attachments { sides, emitter, interface } = self.attachments(&geometry, &mut params)?;
         let emitter = match emitter {
             None => None,
             Some(element) => {
@@ -75,19 +82,21 @@ impl<'a, 'd> Objects<'a, 'd> {
         // The primitives of instances come after all of these, wherever they stand in the file.
         let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
         self.count(geometry.primitives(), params.element)?;
-        self.shapes.push(Shape { geometry, first_primitive, sides, emitter });
+        self.shapes.push(Shape { geometry, first_primitive, sides, emitter, interface });
         Ok(())
     }
 
-    /// The sides of a surface, and the element of its emitter.
+    /// What is attached to a surface.
     fn attachments(
         &mut self,
         geometry: &Geometry,
         params: &mut Params<'_, 'd>,
-    ) -> Result<([Side; 2], Option<&'d Element>), SceneError> {
+    ) -> Result<Attachments<'d>, SceneError> {
         let material = params
             .object("bsdf", "what the surface is made of; by default matte grey, or black if it shines")?;
         let emitter = params.object("emitter", "what the surface emits")?;
+        let interior = params.medium("interior", "the medium behind the surface, for `volpath`")?;
+        let exterior = params.medium("exterior", "the medium before the surface, for `volpath`")?;
         params.float("silhouette_sampling_weight", 1.0, "Mitsuba's, for derivatives; ignored")?;
         params.finish()?;
         check_extent(geometry.bounds(), geometry.primitives(), params.element)?;
@@ -95,7 +104,9 @@ impl<'a, 'd> Objects<'a, 'd> {
             Some(element) => self.material(element)?,
             None => self.default_sides(emitter.is_some()),
         };
-        Ok((sides, emitter))
+        let parts = interior.is_some() || exterior.is_some();
+        let interface = parts.then(|| Box::new(Interface { interior, exterior }));
+        Ok(Attachments { sides, emitter, interface })
     }
 
     /// Reads a group, once, and returns its number. As in Mitsuba, its shapes neither emit nor are groups or
@@ -113,14 +124,14 @@ impl<'a, 'd> Objects<'a, 'd> {
                 let message = "groups and instances cannot be grouped again";
                 return Err(SceneError::at(&child.span, message, "expected a shape with a surface"));
             };
-            let (sides, emitter) = self.attachments(&geometry, &mut params)?;
+            let Attachments { sides, emitter, interface } = self.attachments(&geometry, &mut params)?;
             if let Some(emitter) = emitter {
                 let message = "a shape in a group cannot shine";
                 return Err(SceneError::at(&emitter.span, message, "put the shape outside of the group"));
             }
             let first_primitive = shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
             check_count(u64::from(first_primitive) + u64::from(geometry.primitives()), member)?;
-            shapes.push(Shape { geometry, first_primitive, sides, emitter: None });
+            shapes.push(Shape { geometry, first_primitive, sides, emitter: None, interface });
         }
         let number = self.instances.add_group(ShapeGroup::new(shapes));
         self.known_groups.insert(element, number);

@@ -11,6 +11,7 @@ mod thinlens;
 
 use crate::film::{FILMS, Film};
 use crate::math::{DVec2, DVec3, Ray, Transform};
+use crate::medium::Medium;
 use crate::sampler::{SAMPLERS, SamplerSettings};
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
@@ -20,6 +21,7 @@ use crate::scene::xml::Element;
 use glam::DVec4;
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
+use std::sync::Arc;
 pub use thinlens::ThinLens;
 
 /// Any camera.
@@ -49,6 +51,8 @@ pub struct Sensor {
     pub camera: AnySensor,
     pub film: Film,
     pub sampler: SamplerSettings,
+    /// What it is in.
+    pub medium: Option<Arc<Medium>>,
 }
 
 macro_rules! sensors {
@@ -155,6 +159,14 @@ struct Common {
     far: f64,
     film: Film,
     sampler: SamplerSettings,
+    medium: Option<Arc<Medium>>,
+}
+
+impl Common {
+    /// A sensor with these parameters and this camera.
+    fn with(self, camera: AnySensor) -> Sensor {
+        Sensor { camera, film: self.film, sampler: self.sampler, medium: self.medium }
+    }
 }
 
 fn common(params: &mut Params) -> Result<Common, SceneError> {
@@ -182,7 +194,8 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
     };
     params.float("shutter_open", 0.0, "Mitsuba's; nothing moves")?;
     params.float("shutter_close", 0.0, "Mitsuba's; nothing moves")?;
-    Ok(Common { to_world, near, far, film, sampler })
+    let medium = params.any_medium("what the camera is in, for `volpath`")?;
+    Ok(Common { to_world, near, far, film, sampler, medium })
 }
 
 /// tan of half the horizontal field of view, from `fov` and `fov_axis` or from `focal_length`.

@@ -29,7 +29,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
         near: common.near,
         far: common.far,
     });
-    Ok(Sensor { camera, film: common.film, sampler: common.sampler })
+    Ok(common.with(camera))
 }
 
 impl Orthographic {

@@ -9,6 +9,7 @@ mod stream;
 mod vertex;
 
 use super::AnyIntegrator;
+use super::lengths::Lengths;
 use super::links::Where;
 use crate::sampler::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
 use crate::scene::error::SceneError;
@@ -91,17 +92,12 @@ impl Default for Path {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
-    let about = "edges of the longest path; −1 means no limit";
-    let max_depth = params.integer("max_depth", -1, -1..=i64::from(u32::MAX), about)?;
-    let about = "edges before Russian roulette begins";
-    let rr_depth = params.integer("rr_depth", 5, 1..=i64::from(u32::MAX), about)? as u32;
-    let hide_emitters = params.boolean("hide_emitters", false, "emitters are not seen directly")?;
+    let Lengths { max_depth, rr_depth, hide_emitters } = Lengths::parse(params)?;
     let about = "emitter samples at every vertex (an extension)";
     let most = i64::from(MOST_EMITTER_SAMPLES);
     let emitter_samples = params.integer("emitter_samples", 1, 1..=most, about)? as u32;
     let about = "emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth coats: by default `emitter_samples`, or, where a pilot decides on `reuse`, what it finds best (an extension)";
     let first = params.integer("first_emitter_samples", AUTO.into(), 1..=most, about)? as u32;
-    let max_depth = u32::try_from(max_depth).unwrap_or(u32::MAX);
     let about =
         "light paths to a camera path, where there are caustics; 0 leaves all to camera paths (an extension)";
     let light_paths = params.optional_float("light_paths", about)?;

@@ -104,7 +104,7 @@ impl Path {
         }
         if let Some(log) = &mut counters.log {
             let (throughput, radiance) = (state.throughput, path.radiance);
-            log.push(Event { hit, p: point.p, throughput, radiance });
+            log.push(Event { t: hit.t, primitive: Some(hit.primitive), p: point.p, throughput, radiance });
         }
         if state.depth + 1 >= self.max_depth {
             return None;

@@ -1,8 +1,10 @@
 //! Objects within an object, which are told apart by their kind instead of their name.
 
 use super::Params;
+use crate::medium::Medium;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Element;
+use std::sync::Arc;
 
 impl<'d> Params<'_, 'd> {
     /// All nested objects that are `meant`, whatever their name, in order. With each comes what names it
@@ -38,6 +40,26 @@ impl<'d> Params<'_, 'd> {
                 Err(SceneError::at(&second.span, format!("a second <{kind}>"), "expected only one"))
             }
         }
+    }
+
+    /// At most one medium, whatever its name.
+    pub fn any_medium(&mut self, about: &'static str) -> Result<Option<Arc<Medium>>, SceneError> {
+        let found = self.object("medium", about)?;
+        found.map(|element| self.loader.medium(element)).transpose()
+    }
+
+    /// The medium of this name, if the file gives one.
+    pub fn medium(
+        &mut self,
+        name: &'static str,
+        about: &'static str,
+    ) -> Result<Option<Arc<Medium>>, SceneError> {
+        let Some(element) = self.raw(name, "medium", "none", about)? else { return Ok(None) };
+        if element.tag != "medium" {
+            let message = format!("`{name}` cannot be a <{}>", element.tag);
+            return Err(SceneError::at(&element.span, message, "expected <medium>, or a <ref> to one"));
+        }
+        self.loader.medium(element).map(Some)
     }
 
     /// All nested objects of a kind, whatever their name, in order.

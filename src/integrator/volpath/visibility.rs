@@ -1,0 +1,52 @@
+//! How much light arrives between two points, through media and straight through surfaces.
+
+use crate::bsdf::Bsdf;
+use crate::integrator::Counters;
+use crate::integrator::path::side_towards;
+use crate::math::Ray;
+use crate::medium::{FlightNumbers, Medium};
+use crate::scene::{Features, Scene};
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// Most surfaces that a shadow ray passes; beyond, as good as nothing is left but where somebody has stacked
+/// panes of nothing.
+const MOST: u32 = 1 << 16;
+
+/// The share of light that arrives along a shadow ray, which begins in `medium`.
+pub fn between<const F: u32>(
+    scene: &Scene,
+    (mut ray, mut medium): (Ray, Option<&Medium>),
+    λ: &Wavelengths,
+    numbers: &mut FlightNumbers,
+    counters: &mut Counters,
+) -> Spectrum {
+    let mut passed = Spectrum::ONE;
+    for _ in 0..MOST {
+        counters.rays += 1;
+        let hit = scene.accel.closest(&ray);
+        if let Some(medium) = medium {
+            let length = hit.map_or(ray.end, |hit| hit.t);
+            // A surface that nothing passes is cheaper to find than what is before it.
+            if hit.is_none_or(|hit| scene.shape_of(hit.primitive).0.has_null()) {
+                passed *= medium.transmittance((&ray, length), λ, numbers);
+            }
+        }
+        let Some(hit) = hit else { return passed };
+        let (shape, point) = scene.surface::<F>(&ray, &hit);
+        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        if !side.traits.has_null {
+            return Spectrum::ZERO;
+        }
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let bsdf = scene.materials[side.material as usize].at(&point, λ);
+        passed *= bsdf.null_transmission(side.turn(frame.to_local(-ray.direction)));
+        if passed.is_zero() {
+            return passed;
+        }
+        if let Some(interface) = shape.interface.as_deref() {
+            medium = interface.towards(ray.direction.dot(point.ng));
+        }
+        ray = Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive);
+    }
+    Spectrum::ZERO
+}

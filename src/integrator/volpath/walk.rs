@@ -1,0 +1,251 @@
+//! A path through media, edge by edge.
+
+use super::visibility;
+use crate::bsdf::{AnyMaterial, Bsdf, Sample, Traits};
+use crate::integrator::lengths::Lengths;
+use crate::integrator::light::{self, Proposal, Vertex, power_heuristic};
+use crate::integrator::path::{Arrival, environment, roulette, side_towards};
+use crate::integrator::{CameraPath, Counters, Event};
+use crate::math::{DVec3, Frame, Ray};
+use crate::medium::{Flight, FlightNumbers, Medium};
+use crate::sampler::{FIRST_VERTEX, FLIGHTS, Numbers};
+use crate::scene::{Features, Interface, Scene, Shape, Side};
+use crate::shape::{Hit, SurfacePoint};
+use crate::spectrum::Spectrum;
+
+/// The state of a path between two vertices.
+pub struct Walk<'a> {
+    lengths: Lengths,
+    scene: &'a Scene,
+    path: &'a mut CameraPath,
+    counters: &'a mut Counters,
+    pub radiance: Spectrum,
+    throughput: Spectrum,
+    /// The square of the relative index the path is in.
+    eta2: f64,
+    ray: Ray,
+    medium: Option<&'a Medium>,
+    /// How often the path was scattered; passing straight through a surface does not count.
+    depth: u32,
+    /// Where it was last scattered, for the densities of emitters, how, and how far it has come since.
+    from: DVec3,
+    arrival: Arrival,
+    travelled: f64,
+}
+
+impl<'a> Walk<'a> {
+    pub fn from_camera(
+        lengths: Lengths,
+        scene: &'a Scene,
+        path: &'a mut CameraPath,
+        counters: &'a mut Counters,
+    ) -> Self {
+        let ray = path.ray;
+        Self {
+            lengths,
+            scene,
+            counters,
+            radiance: Spectrum::ZERO,
+            throughput: Spectrum::ONE,
+            eta2: 1.0,
+            ray,
+            medium: scene.sensor.medium.as_deref(),
+            depth: 0,
+            from: ray.origin,
+            arrival: Arrival::FROM_CAMERA,
+            travelled: 0.0,
+            path,
+        }
+    }
+
+    /// Follows the ray to the next vertex and chooses the next ray; `None` if the path ends.
+    pub fn step<const F: u32>(&mut self, edge: u32) -> Option<()> {
+        let u = self.path.sampler.block(FIRST_VERTEX + edge);
+        self.counters.rays += 1;
+        let hit = self.scene.accel.closest(&self.ray);
+        let length = hit.map_or(self.ray.end, |hit| hit.t);
+        if let Some(medium) = self.medium {
+            let mut numbers = FlightNumbers::after(u.one(7), &self.path.sampler, FLIGHTS + 2 * edge);
+            match medium.fly((&self.ray, length), self.throughput, &self.path.λ, &mut numbers) {
+                Flight::Scattered(t, weight) => {
+                    self.throughput *= weight;
+                    return self.within::<F>(medium, t, (u, edge));
+                }
+                Flight::Through(weight) => self.throughput *= weight,
+            }
+            if self.throughput.is_zero() {
+                return None;
+            }
+        }
+        self.travelled += length;
+        match hit {
+            Some(hit) => self.at_surface::<F>(hit, (u, edge)),
+            None => {
+                self.surroundings::<F>();
+                None
+            }
+        }
+    }
+
+    /// Light from outside the scene.
+    fn surroundings<const F: u32>(&mut self) {
+        let hidden = self.lengths.hide_emitters && self.depth == 0;
+        if F & Features::ENVIRONMENT != 0 && !hidden {
+            let ray = Ray { origin: self.from, ..self.ray };
+            self.radiance += self.throughput * environment(self.scene, &ray, self.arrival, &self.path.λ);
+        }
+    }
+
+    /// A vertex within a medium, at distance t along the ray.
+    fn within<const F: u32>(&mut self, medium: &'a Medium, t: f64, numbers: (Numbers, u32)) -> Option<()> {
+        let p = self.ray.at(t);
+        self.log(t, None, p);
+        self.path.covered = true;
+        if self.throughput.is_zero() || self.depth + 1 >= self.lengths.max_depth {
+            return None;
+        }
+        // The phase function is a BSDF about the direction to where the path came from.
+        let wo = -self.ray.direction;
+        let (point, frame) = (SurfacePoint::plain(p, wo, wo), Frame::about(wo));
+        let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
+        let side = Side { material: 0, turned: false, traits };
+        let vertex = Vertex::new((&point, Ray::FREE), &frame, &medium.phase, side, wo);
+        if medium.samples_emitters {
+            self.gather::<F, _>(&vertex, DVec3::ZERO, None, numbers);
+        }
+        let sample = medium.phase.sample(vertex.wo, numbers.0.one(5), numbers.0.pair(1))?;
+        let arrival =
+            Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, n: DVec3::ZERO, emitter_samples: 1 };
+        let onward = Ray::free(p, vertex.to_world(sample.wi));
+        self.scatter::<F>(&sample, (arrival, onward), numbers.0)
+    }
+
+    /// A vertex on a surface.
+    fn at_surface<const F: u32>(&mut self, hit: Hit, numbers: (Numbers, u32)) -> Option<()> {
+        let (shape, point) = self.scene.surface::<F>(&self.ray, &hit);
+        if let Some(emitter) = shape.emitter {
+            if self.lengths.hide_emitters && self.depth == 0 {
+                self.pass(shape, &point, &hit);
+                return Some(());
+            }
+            self.path.covered |= !self.lengths.hide_emitters;
+            self.emission(shape, emitter as usize, &point);
+        }
+        self.log(hit.t, Some(hit.primitive), point.p);
+        if self.depth + 1 >= self.lengths.max_depth && !self.material(shape, &point).traits().has_null {
+            return None;
+        }
+        let wo = -self.ray.direction;
+        let side = side_towards(shape, point.ns.dot(wo));
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let λ = self.path.λ;
+        let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
+        let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
+        let n = vertex.gathers_about();
+        if side.traits.has_density && self.depth + 1 < self.lengths.max_depth {
+            self.gather::<F, _>(&vertex, n, shape.interface.as_deref(), numbers);
+        }
+        let u = numbers.0;
+        let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
+        let sample = bsdf.sample(vertex.wo, lobe, u.pair(1))?;
+        if sample.null {
+            self.throughput *= sample.weight;
+            self.pass(shape, &point, &hit);
+            return (!self.throughput.is_zero()).then_some(());
+        }
+        self.path.covered = true;
+        if self.depth + 1 >= self.lengths.max_depth {
+            return None;
+        }
+        let arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n, emitter_samples: 1 };
+        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
+        if let Some(interface) = shape.interface.as_deref() {
+            self.medium = interface.towards(onward.direction.dot(point.ng));
+        }
+        self.scatter::<F>(&sample, (arrival, onward), u)
+    }
+
+    fn material(&self, shape: &Shape, point: &SurfacePoint) -> &'a AnyMaterial {
+        let side = side_towards(shape, point.ns.dot(-self.ray.direction));
+        &self.scene.materials[side.material as usize]
+    }
+
+    /// Goes straight on through a surface.
+    fn pass(&mut self, shape: &'a Shape, point: &SurfacePoint, hit: &Hit) {
+        let w = self.ray.direction;
+        if let Some(interface) = shape.interface.as_deref() {
+            self.medium = interface.towards(w.dot(point.ng));
+        }
+        self.ray = Ray::leaving(point.p, w, self.ray.end - hit.t, hit.primitive);
+    }
+
+    /// Light that an emitting surface sends along the ray.
+    fn emission(&mut self, shape: &Shape, index: usize, point: &SurfacePoint) {
+        let emitter = &self.scene.emitters.list[index].emitter;
+        let emitted = emitter.surface_radiance(point, -self.ray.direction, &self.path.λ);
+        if emitted.is_zero() {
+            return;
+        }
+        let weight = if self.arrival.delta {
+            1.0
+        } else {
+            let ray = Ray { origin: self.from, ..self.ray };
+            let pdf = emitter.surface_pdf(&shape.geometry, &ray, self.travelled, point);
+            let chosen = self.scene.emitters.probability(index, (self.from, self.arrival.n));
+            power_heuristic(self.arrival.pdf, chosen * pdf)
+        };
+        self.radiance += self.throughput * emitted * weight as f32;
+    }
+
+    /// Takes an emitter sample from a vertex, on a surface that may part media.
+    fn gather<const F: u32, B: Bsdf>(
+        &mut self,
+        vertex: &Vertex<B>,
+        n: DVec3,
+        interface: Option<&Interface>,
+        (u, edge): (Numbers, u32),
+    ) {
+        let place = (u.pair(0), u.one(4));
+        let found =
+            light::sample_emitter(self.scene, vertex, n, place, (1.0, 1.0), &self.path.λ, |_, _, _| 0.0);
+        let Some((Proposal { ray, radiance }, _)) = found else { return };
+        let medium = match interface {
+            Some(interface) => interface.towards(ray.direction.dot(vertex.point.ng)),
+            None => self.medium,
+        };
+        let mut numbers = FlightNumbers::independent(&self.path.sampler, FLIGHTS + 2 * edge + 1);
+        let visible =
+            visibility::between::<F>(self.scene, (ray, medium), &self.path.λ, &mut numbers, self.counters);
+        self.radiance += self.throughput * radiance * visible;
+    }
+
+    /// Sets out in a new direction.
+    fn scatter<const F: u32>(
+        &mut self,
+        sample: &Sample,
+        (arrival, onward): (Arrival, Ray),
+        u: Numbers,
+    ) -> Option<()> {
+        self.throughput *= sample.weight;
+        self.eta2 *= sample.eta * sample.eta;
+        self.depth += 1;
+        if self.throughput.is_zero() {
+            return None;
+        }
+        if F & Features::DISPERSION != 0 && sample.dispersed {
+            self.path.λ.collapse();
+        }
+        if self.depth >= self.lengths.rr_depth {
+            let carried = f64::from(self.path.λ.peak(self.throughput)) * self.eta2;
+            self.throughput *= roulette(carried, self.depth, sample.delta, u.one(6))?;
+        }
+        (self.ray, self.from, self.arrival, self.travelled) = (onward, onward.origin, arrival, 0.0);
+        Some(())
+    }
+
+    fn log(&mut self, t: f64, primitive: Option<u32>, p: DVec3) {
+        if let Some(log) = &mut self.counters.log {
+            log.push(Event { t, primitive, p, throughput: self.throughput, radiance: self.radiance });
+        }
+    }
+}

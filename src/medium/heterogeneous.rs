@@ -1,0 +1,132 @@
+//! A medium whose density varies in space, within a box.
+//!
+//! *Flights* are drawn by delta tracking (Woodcock et al. 1965): collisions at the rate μ̄ of a bound of the
+//! density, of which some are with nothing. A collision at density σᵢ is real for wavelength i with
+//! probability σᵢ/μ̄; with the shares c of [`Shares`] it is taken for real with p = Σ cᵢ σᵢ/μ̄, and weighted by
+//! σᵢ/(μ̄ p) or, if not, by (1 − σᵢ/μ̄)/(1 − p). Both keep the sum of what the wavelengths carry, ΣT.
+//!
+//! *Transmittances* are estimated by ratio tracking (Novák, Selle and Jarosz 2014, "Residual Ratio Tracking
+//! for Estimating Attenuation in Participating Media"): the product of 1 − σᵢ/μ̄ over collisions at rate μ̄.
+//!
+//! The bound is one for each block of a few cells ([`Majorants`]).
+
+use super::majorants::Majorants;
+use super::{AnyExtinction, FlightNumbers, Shares, flight};
+use crate::math::Ray;
+use crate::scene::error::SceneError;
+use crate::scene::params::{MOST, Params, Usage};
+use crate::spectrum::{Spectrum, Wavelengths};
+use crate::volume::AnyVolume;
+
+pub const NAME: &str = "heterogeneous";
+pub const ABOUT: &str = "A medium whose density varies, within the box of its density.";
+pub const EXAMPLES: &[&str] = &[
+    r#"<medium type="heterogeneous"/>"#,
+    r#"<medium type="heterogeneous">
+        <volume type="constvolume" name="sigma_t">
+            <spectrum name="value" value="400:4, 700:0.5"/>
+            <transform name="to_world"><rotate y="1" angle="30"/><scale value="2, 1, 1"/></transform>
+        </volume>
+        <float name="albedo" value="0.5"/><phase type="rayleigh"/>
+    </medium>"#,
+    r#"<medium type="heterogeneous"><float name="albedo" value="0"/></medium>"#,
+];
+
+#[derive(Debug)]
+pub struct Heterogeneous {
+    /// σₜ/`scale`.
+    sigma_t: AnyVolume,
+    scale: f32,
+    /// Bounds of σₜ.
+    majorants: Majorants,
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
+    let about = "extinction coefficient, per unit of length; the medium ends with its unit cube";
+    let sigma_t = AnyVolume::parameter(params, "sigma_t", (1.0, Usage::Unbounded), about)?;
+    let scale = params.amount("scale", 1.0, "factor of `sigma_t`")?;
+    // Values are interpolated and multiplied in `f32`: their bound is a little above.
+    let above = scale * (1.0 + 1e-5);
+    let bound = |lo, hi| (sigma_t.majorant(lo, hi) * above) as f32;
+    let majorants = Majorants::new(sigma_t.resolution(), bound);
+    if f64::from(majorants.most()) > MOST {
+        return Err(params.error("scale", "the density overflows", "expected at most 1.7e38"));
+    }
+    let medium = Heterogeneous { sigma_t, scale: scale as f32, majorants };
+    Ok(AnyExtinction::Heterogeneous(Box::new(medium)))
+}
+
+impl Heterogeneous {
+    /// Where the path collides, if it does before `length`, and the ratio of σₜ exp(−∫σₜ), or of what comes
+    /// through, to the density with which it was drawn.
+    pub fn fly(
+        &self,
+        (ray, length): (&Ray, f64),
+        mut shares: Shares,
+        λ: &Wavelengths,
+        numbers: &mut FlightNumbers,
+    ) -> (Option<f64>, Spectrum) {
+        let mut weight = Spectrum::ONE;
+        let collision = self.collisions((ray, length), numbers, |t, majorant, numbers| {
+            let real = self.extinction(ray, t, λ) * (1.0 / majorant);
+            let p = shares.mean(real);
+            let is_real = numbers.draw() < f64::from(p);
+            let factor = if is_real { real * (1.0 / p) } else { real.map(|r| (1.0 - r) / (1.0 - p)) };
+            weight *= factor;
+            shares = shares.after(factor, λ);
+            is_real
+        });
+        (collision, weight)
+    }
+
+    /// An estimate of the share of light that comes straight through.
+    pub fn transmittance(
+        &self,
+        segment: (&Ray, f64),
+        λ: &Wavelengths,
+        numbers: &mut FlightNumbers,
+    ) -> Spectrum {
+        let mut passed = Spectrum::ONE;
+        self.collisions(segment, numbers, |t, majorant, _| {
+            passed *= self.extinction(segment.0, t, λ).map(|rate| 1.0 - rate / majorant);
+            passed.is_zero()
+        });
+        passed
+    }
+
+    #[inline]
+    fn extinction(&self, ray: &Ray, t: f64, λ: &Wavelengths) -> Spectrum {
+        self.sigma_t.eval(ray.at(t), λ) * self.scale
+    }
+
+    /// Calls `last` with collisions at the rate of the bound and with that rate, in order along the ray,
+    /// until it says so; returns the distance of that one.
+    fn collisions(
+        &self,
+        (ray, length): (&Ray, f64),
+        numbers: &mut FlightNumbers,
+        mut last: impl FnMut(f64, f32, &mut FlightNumbers) -> bool,
+    ) -> Option<f64> {
+        let to_local = &self.sigma_t.to_world().inverse;
+        let origin = to_local.transform_point3(ray.origin);
+        let direction = to_local.transform_vector3(ray.direction);
+        let mut left = flight::optical_depth(numbers.draw());
+        for part in self.majorants.walk(origin, direction, length) {
+            let mut t = part.begin;
+            loop {
+                let rate = f64::from(part.majorant);
+                let depth = (part.end - t) * rate;
+                if depth <= left {
+                    left -= depth;
+                    break;
+                }
+                t += left / rate;
+                if last(t, part.majorant, numbers) {
+                    return Some(t);
+                }
+                left = flight::optical_depth(numbers.draw());
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,85 @@
+//! Tests that every phase function must pass, on every example of the registry.
+
+use super::*;
+use crate::math::length;
+use crate::scene::loader::Loader;
+use crate::scene::params::{Params, Usage};
+use crate::scene::xml;
+use crate::spectrum::ColorMode;
+use std::f64::consts::TAU;
+
+/// Calls `f` with every example.
+fn each(mut f: impl FnMut(&str, &AnyPhase)) {
+    for (entry, example) in PHASES.iter().flat_map(|entry| entry.examples.iter().map(move |e| (entry, e))) {
+        let text = example.replacen(" type=", " version=\"3.0.0\" type=", 1);
+        let document = xml::read_text("example.xml", &text).unwrap();
+        let loader = Loader::new(&document, ColorMode::Spectral).unwrap();
+        let mut params = Params::new(&document.root, &loader, Usage::Unbounded).unwrap();
+        let phase = (entry.parse)(&mut params).unwrap();
+        assert_eq!(phase.name(), entry.name);
+        f(example, &phase);
+    }
+}
+
+const STEPS: usize = 4096;
+
+/// The mean of a function over [0, 1], by the midpoints of so many steps.
+fn mean(steps: usize, f: impl Fn(f64) -> f64) -> f64 {
+    (0..steps).map(|i| f((i as f64 + 0.5) / steps as f64)).sum::<f64>() / steps as f64
+}
+
+/// As u goes from 0 to 1 the cosine falls from 1 to −1, by du = −2π p(cos) dcos: density and samples are one
+/// distribution, of which nothing is left out.
+#[test]
+fn cosines_follow_the_density() {
+    each(|name, phase| {
+        assert!((phase.sample_cosine(0.0) - 1.0).abs() < 1e-12, "{name}");
+        assert!((phase.sample_cosine(1.0 - f64::EPSILON) + 1.0).abs() < 1e-6, "{name}");
+        for i in 1..STEPS {
+            let (u, h) = (i as f64 / STEPS as f64, 1e-2 / STEPS as f64);
+            let slope = (phase.sample_cosine(u - h) - phase.sample_cosine(u + h)) / (2.0 * h);
+            let jacobian = TAU * phase.density(phase.sample_cosine(u)) * slope;
+            assert!((jacobian - 1.0).abs() < 1e-5, "{name} at {u}: {jacobian}");
+        }
+    });
+}
+
+#[test]
+fn samples_say_what_evaluation_says() {
+    each(|name, phase| {
+        let wo = DVec3::Z;
+        for (i, j) in (0..64).flat_map(|i| (0..16).map(move |j| (i, j))) {
+            let u = DVec2::new((f64::from(i) + 0.5) / 64.0, (f64::from(j) + 0.5) / 16.0);
+            let sample = phase.sample(wo, 0.0, u).unwrap();
+            let evaluation = phase.evaluate(wo, sample.wi);
+            assert!((length(sample.wi) - 1.0).abs() < 1e-12, "{name}");
+            assert!(
+                (sample.pdf / evaluation.pdf - 1.0).abs() < 1e-6,
+                "{name} {u}: {sample:?} {evaluation:?}"
+            );
+            let weight = evaluation.value.0[0] as f64 / evaluation.pdf;
+            assert!((weight - sample.weight.0[0] as f64).abs() < 1e-6, "{name}");
+            assert!(!sample.delta && !sample.null && sample.eta == 1.0, "{name}");
+            // Reciprocity.
+            assert_eq!(phase.evaluate(sample.wi, wo).pdf, evaluation.pdf, "{name}");
+        }
+    });
+}
+
+/// The first moments that are known in closed form: the mean cosine is g, or 0 by symmetry.
+#[test]
+fn mean_cosines_are_known() {
+    let mut found = vec![];
+    each(|name, phase| {
+        let cosine = mean(STEPS, |u| phase.sample_cosine(u));
+        let g = name.split("value=\"").nth(1).and_then(|rest| rest.split('"').next());
+        let expected = match (phase, g) {
+            (AnyPhase::HenyeyGreenstein(_), None) => 0.8,
+            (_, Some(g)) => g.parse().unwrap(),
+            _ => 0.0,
+        };
+        assert!((cosine - expected).abs() < 1e-6, "{name}: {cosine}");
+        found.push(expected);
+    });
+    assert_eq!(found.len(), PHASES.iter().map(|entry| entry.examples.len()).sum::<usize>());
+}

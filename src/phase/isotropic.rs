@@ -1,0 +1,29 @@
+//! Light is scattered alike in all directions.
+
+use super::AnyPhase;
+use crate::math::INV_PI;
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
+
+pub const NAME: &str = "isotropic";
+pub const ABOUT: &str = "Light is scattered alike in all directions.";
+pub const EXAMPLES: &[&str] = &[r#"<phase type="isotropic"/>"#];
+
+#[derive(Clone, Copy, Debug)]
+pub struct Isotropic;
+
+pub fn parse(_params: &mut Params) -> Result<AnyPhase, SceneError> {
+    Ok(AnyPhase::Isotropic(Isotropic))
+}
+
+impl Isotropic {
+    #[inline]
+    pub fn density(self) -> f64 {
+        0.25 * INV_PI
+    }
+
+    #[inline]
+    pub fn sample_cosine(self, u: f64) -> f64 {
+        1.0 - 2.0 * u
+    }
+}

@@ -1,0 +1,214 @@
+//! Values on a grid, and straight lines between the middles of its cells.
+
+use super::{AnyVolume, Voxels};
+use crate::math::{DVec3, Transform};
+use crate::scene::error::SceneError;
+use crate::scene::params::{MOST, Params, Usage};
+use crate::spectrum::upsample::Sigmoid;
+use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
+use crate::texture::color_scale;
+
+pub const NAME: &str = "gridvolume";
+pub const ABOUT: &str = "Values on a grid, from a file: numbers, or sRGB colours.";
+pub const EXAMPLES: &[&str] = &[];
+
+/// The values of the cells, x fastest.
+#[derive(Clone, Debug)]
+enum Cells {
+    /// One number for all wavelengths.
+    Grey(Vec<f32>),
+    /// Linear sRGB.
+    Rgb(Vec<[f32; 3]>),
+    /// Spectra made from RGB, each with what it is multiplied by.
+    Spectral(Vec<(Sigmoid, f32)>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wrap {
+    Clamp,
+    Repeat,
+    Mirror,
+}
+
+#[derive(Clone, Debug)]
+pub struct Grid {
+    cells: Cells,
+    size: [usize; 3],
+    nearest: bool,
+    wrap: Wrap,
+    /// From the unit cube, which the grid fills.
+    to_world: Transform,
+}
+
+/// Of the cells about a point: the first along each axis, the next, and how far it is towards the next.
+struct Between {
+    cells: [[usize; 2]; 3],
+    weights: [f64; 3],
+}
+
+pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
+    let found = params.file("filename", "a .vol file")?;
+    let nearest = params.choice("filter_type", &["trilinear", "nearest"], "between cells")? == "nearest";
+    let wrap = match params.choice("wrap_mode", &["clamp", "repeat", "mirror"], "beyond the grid")? {
+        "repeat" => Wrap::Repeat,
+        "mirror" => Wrap::Mirror,
+        _ => Wrap::Clamp,
+    };
+    let own_box = params.boolean("use_grid_bbox", false, "the grid fills the box that the file names")?;
+    let to_world = params.transform("to_world", "from the unit cube, or the file's box, to the world")?;
+    let raw = params.boolean("raw", false, "whether three channels are numbers and not sRGB colours")?;
+    params.boolean("accel", true, "Mitsuba's hardware interpolation; ignored")?;
+    let (path, place) =
+        found.ok_or_else(|| params.error("filename", "a gridvolume needs a `filename`", "add one"))?;
+    let voxels = params.loader.voxels(&path).map_err(|e| e.or_at(&place.value_span))?;
+    if raw && voxels.channels == 3 {
+        let message = "three channels that are no colour";
+        return Err(params.error("raw", message, "expected one channel, or no `raw`"));
+    }
+    let (top, expected) = match params.usage {
+        Usage::Reflectance => (1.0, "expected 0 to 1"),
+        _ => (MOST, "expected no negative number, and none above 1.7e38"),
+    };
+    if let Some(i) = voxels.values.iter().position(|v| !(0.0..=top).contains(&f64::from(*v))) {
+        let (cell, value) = (i / voxels.channels, voxels.values[i]);
+        let [x, y, _] = voxels.size;
+        let (i, j, k) = (cell % x, cell / x % y, cell / (x * y));
+        let message = format!("cell ({i}, {j}, {k}) of {} is {value}", path.display());
+        return Err(SceneError::at(&place.value_span, message, expected));
+    }
+    let fills = match own_box {
+        false => Transform::IDENTITY,
+        true => {
+            let (lo, hi) = voxels.bounds;
+            let scale = Transform::scale(hi - lo).filter(|_| (hi - lo).min_element() > 0.0);
+            let scale = scale.ok_or_else(|| {
+                params.error("use_grid_bbox", "the file's box is empty", "expected corners that differ")
+            })?;
+            Transform::translate(lo).after(&scale)
+        }
+    };
+    let cells = cells(&voxels, params);
+    let grid = Grid { cells, size: voxels.size, nearest, wrap, to_world: to_world.after(&fills) };
+    Ok(AnyVolume::Grid(Box::new(grid)))
+}
+
+fn cells(voxels: &Voxels, params: &Params) -> Cells {
+    let (colors, _) = voxels.values.as_chunks::<3>();
+    match (voxels.channels, params.loader.mode) {
+        (1, _) => Cells::Grey(voxels.values.clone()),
+        (_, ColorMode::Rgb) => Cells::Rgb(colors.to_vec()),
+        (_, ColorMode::Spectral) => {
+            let spectrum = |rgb: &[f32; 3]| {
+                let (scale, color) = color_scale(rgb.map(f64::from));
+                (params.loader.upsampler.fit(color), scale)
+            };
+            Cells::Spectral(colors.iter().map(spectrum).collect())
+        }
+    }
+}
+
+impl Grid {
+    pub fn to_world(&self) -> &Transform {
+        &self.to_world
+    }
+
+    pub fn resolution(&self) -> [usize; 3] {
+        self.size
+    }
+
+    /// The value at a point (world).
+    pub fn eval(&self, p: DVec3, λ: &Wavelengths) -> Spectrum {
+        let between = self.between(self.to_world.inverse.transform_point3(p));
+        match &self.cells {
+            Cells::Grey(values) => Spectrum::splat(self.sum(&between, |i| f64::from(values[i])) as f32),
+            Cells::Rgb(colors) => {
+                let [r, g, b] = [0, 1, 2].map(|c| self.sum(&between, |i| f64::from(colors[i][c])) as f32);
+                Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
+            }
+            // Mitsuba interpolates shape and scale of the upsampled spectra apart.
+            Cells::Spectral(spectra) => {
+                let scale = self.sum(&between, |i| f64::from(spectra[i].1));
+                let mut shape = Spectrum::ZERO;
+                self.each(&between, |i, weight| {
+                    shape += Spectrum(spectra[i].0.eval_lanes(&λ.nm)) * weight as f32;
+                });
+                shape * scale as f32
+            }
+        }
+    }
+
+    /// No value in a box within the unit cube is above this.
+    pub fn majorant(&self, lo: DVec3, hi: DVec3) -> f64 {
+        // One cell more on either side is enough for any rounding and any filter.
+        let range = |axis: usize| {
+            let size = self.size[axis] as f64;
+            let (first, last) = ((lo[axis] * size - 0.5).floor() - 1.0, (hi[axis] * size + 0.5).ceil() + 1.0);
+            (first as i64..=last as i64).map(move |i| wrapped(i, self.size[axis], self.wrap))
+        };
+        let mut most = 0.0f32;
+        for k in range(2) {
+            for j in range(1) {
+                for i in range(0) {
+                    most = most.max(self.largest((k * self.size[1] + j) * self.size[0] + i));
+                }
+            }
+        }
+        f64::from(most)
+    }
+
+    /// The largest value of a cell, or a bound of it.
+    fn largest(&self, cell: usize) -> f32 {
+        match &self.cells {
+            Cells::Grey(values) => values[cell],
+            Cells::Rgb(colors) => colors[cell].into_iter().fold(0.0, f32::max),
+            // A sigmoid is never above one.
+            Cells::Spectral(spectra) => spectra[cell].1,
+        }
+    }
+
+    /// Where a point of the unit cube lies between cells.
+    fn between(&self, p: DVec3) -> Between {
+        let (mut cells, mut weights) = ([[0; 2]; 3], [0.0; 3]);
+        for axis in 0..3 {
+            let size = self.size[axis];
+            // Far beyond the grid, where a number holds no cell, its end is as good as any.
+            let x = (p[axis] * size as f64).clamp(-1e9, 1e9) - if self.nearest { 0.0 } else { 0.5 };
+            let first = x.floor();
+            cells[axis] = [0, 1].map(|step| wrapped(first as i64 + step, size, self.wrap));
+            weights[axis] = if self.nearest { 0.0 } else { x - first };
+        }
+        Between { cells, weights }
+    }
+
+    /// Calls `f` with the cells about a point and their weights, which sum to one.
+    #[inline]
+    fn each(&self, Between { cells, weights }: &Between, mut f: impl FnMut(usize, f64)) {
+        for corner in 0..8 {
+            let side = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight = |axis: usize| if side[axis] == 1 { weights[axis] } else { 1.0 - weights[axis] };
+            let [i, j, k] = [0, 1, 2].map(|axis| cells[axis][side[axis]]);
+            f((k * self.size[1] + j) * self.size[0] + i, weight(0) * weight(1) * weight(2));
+        }
+    }
+
+    #[inline]
+    fn sum(&self, between: &Between, value: impl Fn(usize) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.each(between, |i, weight| sum += weight * value(i));
+        sum
+    }
+}
+
+/// The cell that stands for cell `i`, perhaps beyond the `size` that there are.
+fn wrapped(i: i64, size: usize, wrap: Wrap) -> usize {
+    let n = size as i64;
+    let i = match wrap {
+        Wrap::Clamp => i.clamp(0, n - 1),
+        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Mirror => {
+            let i = i.rem_euclid(2 * n);
+            i.min(2 * n - 1 - i)
+        }
+    };
+    i as usize
+}
