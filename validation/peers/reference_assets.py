@@ -17,6 +17,7 @@ import numpy as np
 SCENES = Path(__file__).resolve().parents[1] / "references" / "scenes"
 MESHES = SCENES / "meshes"
 TEXTURES = SCENES / "textures"
+VOLUMES = SCENES / "volumes"
 
 
 def normalize(v):
@@ -202,11 +203,34 @@ def normal_map(size=32):
     return 0.5 + 0.5 * n / np.linalg.norm(n, axis=2, keepdims=True)
 
 
+def write_volume(path, values, low=(0, 0, 0), high=(1, 1, 1)):
+    """Values[z, y, x, channel], little-endian, and the box that they fill."""
+    depth, height, width, channels = values.shape
+    header = b"VOL\x03" + struct.pack("<5i6f", 1, width, height, depth, channels, *low, *high)
+    path.write_bytes(header + values.astype("<f4").tobytes())
+
+
+def puff(size=10):
+    """A cloud that is dense in its middle and has lumps, nothing at its rim."""
+    z, y, x = (np.indices((size, size, size)) + 0.5) / size - 0.5
+    lumps = 0.6 + 0.4 * np.sin(9 * x + 1) * np.sin(7 * y) * np.cos(8 * z)
+    return (np.maximum(0.5 - np.sqrt(x * x + y * y + z * z), 0) * 2 * lumps)[..., None]
+
+
+def hues(size=4):
+    """Colours that change along each axis."""
+    z, y, x = (np.indices((size, size, size)) + 0.5) / size
+    return np.stack([0.15 + 0.8 * x, 0.2 + 0.7 * y, 0.9 - 0.7 * z], axis=-1)
+
+
 def main():
     import mitsuba as mi
     mi.set_variant("scalar_rgb")
     MESHES.mkdir(parents=True, exist_ok=True)
     TEXTURES.mkdir(parents=True, exist_ok=True)
+    VOLUMES.mkdir(parents=True, exist_ok=True)
+    write_volume(VOLUMES / "puff.vol", puff(), (-2.6, 0.15, -0.7), (-1.2, 1.6, 0.75))
+    write_volume(VOLUMES / "hues.vol", hues())
     write_obj(MESHES / "vase.obj", vase())
     write_seamed_obj(MESHES / "barrel.obj")
     write_ply(MESHES / "ball.ply", icosphere())

@@ -51,12 +51,20 @@ REQUIRED = {
     "textures": """bitmap.filename=*.png bitmap.filename=*.exr bitmap.filename=*.jpg bitmap.filename=*.hdr
         bitmap.filter_type=bilinear bitmap.filter_type=nearest bitmap.wrap_mode=repeat bitmap.wrap_mode=mirror
         bitmap.wrap_mode=clamp bitmap.raw=true bitmap.to_uv checkerboard.to_uv checkerboard.color1:bitmap""".split(),
+    "media": """medium:homogeneous medium:heterogeneous homogeneous.albedo:float homogeneous.albedo:rgb
+        homogeneous.albedo:gridvolume homogeneous.albedo=0 homogeneous.sigma_t:float homogeneous.sigma_t:rgb
+        homogeneous.scale homogeneous.sample_emitters=false heterogeneous.sigma_t:gridvolume
+        heterogeneous.sigma_t:constvolume heterogeneous.albedo:constvolume heterogeneous.scale phase:isotropic
+        phase:hg hg.g phase:rayleigh gridvolume.use_grid_bbox=true gridvolume.filter_type=nearest
+        gridvolume.filter_type=trilinear gridvolume.wrap_mode=repeat gridvolume.wrap_mode=mirror
+        gridvolume.to_world constvolume.to_world perspective.medium sphere.exterior sphere.interior
+        cube.interior""".split(),
     "spectra": """spectrum:uniform spectrum:regular spectrum:irregular spectrum:srgb spectrum:d65 spectrum:blackbody
         <spectrum>/value <spectrum>/filename""".split(),
     "transforms": """translate/xyz translate/value rotate/xyz rotate/value scale/xyz scale/value matrix/value
         lookat/origin""".split(),
     "file": "<default> <include> <path> <ref> id".split(),
-    "integrators": """path.max_depth path.max_depth=16 path.rr_depth path.hide_emitters=true integrator:direct
+    "integrators": """integrator:volpath integrator:volpathmis path.max_depth path.max_depth=16 path.rr_depth path.hide_emitters=true integrator:direct
         direct.emitter_samples direct.bsdf_samples integrator:depth aov:depth aov:position aov:uv aov:geo_normal
         aov:sh_normal""".split(),
 }

@@ -15,6 +15,7 @@ pub(crate) mod interfaces;
 mod interreflection;
 pub(crate) mod irradiance;
 mod lambert;
+mod media;
 pub(crate) mod metals;
 mod mixtures;
 mod plastic;
@@ -79,6 +80,7 @@ pub const FAMILIES: &[Family<ClosedForm>] = &[
     ("metals", metals::cases),
     ("plastic", plastic::cases),
     ("mixtures", mixtures::cases),
+    ("media", media::cases),
     ("cameras", cameras::cases),
     ("thin_lens", thin_lens::cases),
     ("prism", prism::cases),

@@ -1,0 +1,98 @@
+//! Participating media: what comes straight through, what one scattering sends back, and what a lossless
+//! medium does in a furnace.
+
+use super::ClosedForm;
+use super::surroundings::white;
+use crate::stage::*;
+use std::f64::consts::PI;
+
+/// Extinction coefficient of the media, per unit of length.
+const SIGMA: f64 = 0.7;
+
+/// Mean cosine of the phase function.
+const G: f64 = -0.3;
+
+pub fn cases() -> Vec<ClosedForm> {
+    let down = pointed([0.1, 0.2, 5.0], [0.1, 0.2, 0.0]);
+    let seen = |max_depth: i64, rest: &[&str]| scene(&[&[&volpath(max_depth), &down[..]], rest].concat());
+    // A slab of thickness 1 and far larger than what is seen of it.
+    let slab = |medium: &str| shape("cube", &[scale([50.0, 50.0, 0.5])], &filled(medium));
+    let absorbing = float("albedo", 0.0) + &float("sigma_t", SIGMA);
+    let scattering = grey("albedo", 0.8) + &float("sigma_t", SIGMA) + &henyey_greenstein();
+    let white_medium = float("albedo", 1.0) + &float("sigma_t", 2.0) + &henyey_greenstein();
+    let sky = constant(1.0);
+    let beer = "exp(−σd) of what is behind it comes through (Beer and Lambert)";
+    let back = "L = ϖ p E (1 − exp(−σd(1 + 1/cos θ)))/(1 + 1/cos θ) of light that is scattered once";
+    let furnace = "a lossless medium in a furnace of radiance 1 cannot be seen (Kirchhoff)";
+    let sun = |degrees: f64| {
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        let towards = format!("<vector name=\"direction\" x=\"{sin}\" y=\"0\" z=\"{}\"/>", -cos);
+        emitter("directional", &(towards + &grey("irradiance", 1.0)))
+    };
+    let lit = |degrees: f64| seen(2, &[&slab(&medium("homogeneous", &scattering)), &sun(degrees)]);
+    let scattered = |degrees: f64| {
+        let cos = libm::cos(degrees.to_radians());
+        let ways = 1.0 + 1.0 / cos;
+        // Light goes down at θ and leaves straight up: it is turned by an angle whose cosine is −cos θ.
+        0.8 * density(-cos) * (1.0 - libm::exp(-SIGMA * ways)) / ways
+    };
+    // The density's own unit cube, in a larger one that is empty beyond.
+    let boxed = shape("cube", &[scale([3.0; 3])], &filled(&medium("heterogeneous", &absorbing)));
+    let white_ball = |kind: &str| {
+        let inside = medium(kind, &white_medium);
+        seen(-1, &[&sphere([0.0; 3], 1.0, &filled(&inside)), &sky])
+    };
+    let veil = bsdf("mask", &(float("opacity", 0.3) + &diffuse(0.5)));
+    let veil = shape("rectangle", &[scale([4.0; 3]), translate([0.0, 0.0, 1.0])], &veil);
+    let lamp = "<point name=\"position\" x=\"3\" y=\"0.2\" z=\"2\"/>".to_string() + &grey("intensity", 1.0);
+    let floor = shape("rectangle", &[scale([9.0; 3])], &diffuse(0.5));
+    let aside = pointed([-3.0, -7.0, 0.5], [0.0, 0.2, 0.0]);
+    let under = scene(&[&volpath(2), &aside, &floor, &veil, &emitter("point", &lamp)]);
+    let form = ClosedForm::new;
+    vec![
+        form("slab", beer, seen(-1, &[&slab(&medium("homogeneous", &absorbing)), &sky]), libm::exp(-SIGMA)),
+        form("slab_spectral", beer, seen(-1, &[&slab(&medium("homogeneous", &absorbing)), &sky]), {
+            libm::exp(-SIGMA) * white()
+        })
+        .spectral(),
+        form("box_of_density", beer, seen(-1, &[&boxed, &sky]), libm::exp(-SIGMA)).samples(1 << 16),
+        form("lit_from_above", back, lit(0.0), scattered(0.0)).samples(1 << 14),
+        form("lit_from_aside", back, lit(60.0), scattered(60.0)).samples(1 << 14),
+        form("white_ball", furnace, white_ball("homogeneous"), 1.0).margin(0.005).samples(1 << 14),
+        form("white_ball_spectral", furnace, white_ball("homogeneous"), white())
+            .spectral()
+            .margin(0.005)
+            .samples(1 << 14),
+        form("white_box", furnace, white_ball("heterogeneous"), 1.0).margin(0.005).samples(1 << 14),
+        form(
+            "lamp_behind_a_veil",
+            "E = (1 − opacity) I cos θ/d²",
+            under,
+            // At (0, 0.2, 0), 3 from below the lamp that is 2 above.
+            0.7 * 0.5 / PI * 2.0 / libm::pow(13.0, 1.5),
+        ),
+    ]
+}
+
+/// `volpath` with paths of at most `max_depth` scatterings and without roulette; −1 means no limit.
+fn volpath(max_depth: i64) -> String {
+    path(max_depth).replace("\"path\"", "\"volpath\"")
+}
+
+/// A medium that fills a shape with an invisible surface.
+fn filled(medium: &str) -> String {
+    bsdf("null", "") + medium
+}
+
+fn medium(kind: &str, parameters: &str) -> String {
+    format!("<medium type=\"{kind}\" name=\"interior\">{parameters}</medium>")
+}
+
+fn henyey_greenstein() -> String {
+    format!("<phase type=\"hg\">{}</phase>", float("g", G))
+}
+
+/// Henyey and Greenstein's phase function in sr⁻¹, for light that is turned by an angle of this cosine.
+fn density(cos: f64) -> f64 {
+    (1.0 - G * G) / (4.0 * PI * libm::pow(1.0 + G * G - 2.0 * G * cos, 1.5))
+}
