@@ -8,18 +8,20 @@
 //! *Transmittances* are estimated by ratio tracking (Novák, Selle and Jarosz 2014, "Residual Ratio Tracking
 //! for Estimating Attenuation in Participating Media"): the product of 1 − σᵢ/μ̄ over collisions at rate μ̄.
 //!
-//! The bound is one for each block of a few cells ([`Majorants`]).
+//! The bound is one for each block of a few cells ([`Majorants`]). As in Mitsuba the medium ends with the box
+//! along the world's axes around the unit cube of its density, so a density that is turned goes on beyond
+//! its cube, by its `wrap_mode`.
 
 use super::majorants::Majorants;
 use super::{AnyExtinction, FlightNumbers, Shares, flight};
-use crate::math::Ray;
+use crate::math::{DVec3, Ray, Transform, bounds};
 use crate::scene::error::SceneError;
 use crate::scene::params::{MOST, Params, Usage};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::volume::AnyVolume;
 
 pub const NAME: &str = "heterogeneous";
-pub const ABOUT: &str = "A medium whose density varies, within the box of its density.";
+pub const ABOUT: &str = "A medium whose density varies, within the box around its density.";
 pub const EXAMPLES: &[&str] = &[
     r#"<medium type="heterogeneous"/>"#,
     r#"<medium type="heterogeneous">
@@ -37,22 +39,34 @@ pub struct Heterogeneous {
     /// σₜ/`scale`.
     sigma_t: AnyVolume,
     scale: f32,
-    /// Bounds of σₜ.
+    /// From the unit cube to the box in which the medium is.
+    place: Transform,
+    /// Bounds of σₜ over that.
     majorants: Majorants,
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
-    let about = "extinction coefficient, per unit of length; the medium ends with its unit cube";
+    let about =
+        "extinction coefficient, per unit of length; the medium ends with the box around its unit cube";
     let sigma_t = AnyVolume::parameter(params, "sigma_t", (1.0, Usage::Unbounded), about)?;
     let scale = params.amount("scale", 1.0, "factor of `sigma_t`")?;
     // Values are interpolated and multiplied in `f32`: their bound is a little above.
     let above = scale * (1.0 + 1e-5);
-    let bound = |lo, hi| (sigma_t.majorant(lo, hi) * above) as f32;
+    let unit_cube = bounds::corners((DVec3::ZERO, DVec3::ONE));
+    let (lo, hi) = bounds::around(unit_cube.map(|corner| sigma_t.to_world().point(corner)));
+    let place = Transform::scale(hi - lo).map(|scale| Transform::translate(lo).after(&scale));
+    let place =
+        place.ok_or_else(|| params.error("sigma_t", "the density has no extent", "expected a larger box"))?;
+    let to_density = sigma_t.to_world().inverted().after(&place);
+    let bound = |lo, hi| {
+        let (lo, hi) = bounds::around(bounds::corners((lo, hi)).map(|corner| to_density.point(corner)));
+        (sigma_t.majorant(lo, hi) * above) as f32
+    };
     let majorants = Majorants::new(sigma_t.resolution(), bound);
     if f64::from(majorants.most()) > MOST {
         return Err(params.error("scale", "the density overflows", "expected at most 1.7e38"));
     }
-    let medium = Heterogeneous { sigma_t, scale: scale as f32, majorants };
+    let medium = Heterogeneous { sigma_t, scale: scale as f32, place, majorants };
     Ok(AnyExtinction::Heterogeneous(Box::new(medium)))
 }
 
@@ -107,7 +121,7 @@ impl Heterogeneous {
         numbers: &mut FlightNumbers,
         mut last: impl FnMut(f64, f32, &mut FlightNumbers) -> bool,
     ) -> Option<f64> {
-        let to_local = &self.sigma_t.to_world().inverse;
+        let to_local = &self.place.inverse;
         let origin = to_local.transform_point3(ray.origin);
         let direction = to_local.transform_vector3(ray.direction);
         let mut left = flight::optical_depth(numbers.draw());

@@ -137,12 +137,17 @@ impl Grid {
         }
     }
 
-    /// No value in a box within the unit cube is above this.
+    /// No value in a box, in the coordinates of the unit cube, is above this.
     pub fn majorant(&self, lo: DVec3, hi: DVec3) -> f64 {
         // One cell more on either side is enough for any rounding and any filter.
         let range = |axis: usize| {
             let size = self.size[axis] as f64;
             let (first, last) = ((lo[axis] * size - 0.5).floor() - 1.0, (hi[axis] * size + 0.5).ceil() + 1.0);
+            let (first, last) = match self.wrap {
+                Wrap::Clamp => (first.clamp(0.0, size - 1.0), last.clamp(0.0, size - 1.0)),
+                // Two grids hold all that there is.
+                Wrap::Repeat | Wrap::Mirror => (first, last.min(first + 2.0 * size)),
+            };
             (first as i64..=last as i64).map(move |i| wrapped(i, self.size[axis], self.wrap))
         };
         let mut most = 0.0f32;
@@ -211,4 +216,99 @@ fn wrapped(i: i64, size: usize, wrap: Wrap) -> usize {
         }
     };
     i as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::loader::Loader;
+    use crate::scene::xml;
+    use crate::volume::file_of;
+
+    /// The volume of a file of 3 × 2 × 4 cells, with these parameters; the error if it is refused.
+    fn grid(channels: u32, parameters: &str, mode: ColorMode) -> Result<AnyVolume, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grid.vol");
+        let values: Vec<f32> = (0..24 * channels).map(|i| (i * 7 % 24) as f32 / 23.0).collect();
+        std::fs::write(&path, file_of([3, 2, 4], channels, &values)).unwrap();
+        let file = format!(r#"<string name="filename" value="{}"/>"#, path.display());
+        let text = format!(r#"<volume version="3.0.0" type="gridvolume">{file}{parameters}</volume>"#);
+        let document = xml::read_text("example.xml", &text).map_err(|e| e.to_string())?;
+        let loader = Loader::new(&document, mode).map_err(|e| e.to_string())?;
+        let mut params =
+            Params::new(&document.root, &loader, Usage::Reflectance).map_err(|e| e.to_string())?;
+        parse(&mut params).map_err(|e| e.to_string())
+    }
+
+    fn value(volume: &AnyVolume, p: [f64; 3]) -> f32 {
+        volume.eval(DVec3::from(p), &Wavelengths::rgb()).0[0]
+    }
+
+    #[test]
+    fn values_stand_in_the_middle_of_cells_and_lines_between_them() {
+        let volume = grid(1, "", ColorMode::Rgb).unwrap();
+        let cell = |i: u32, j: u32, k: u32| ((k * 2 + j) * 3 + i) * 7 % 24;
+        let at = |i: f64, j: f64, k: f64| value(&volume, [(i + 0.5) / 3.0, (j + 0.5) / 2.0, (k + 0.5) / 4.0]);
+        for (i, j, k) in [(0, 0, 0), (2, 1, 3), (1, 0, 2), (2, 0, 1)] {
+            let expected = cell(i, j, k) as f32 / 23.0;
+            assert!((at(i.into(), j.into(), k.into()) - expected).abs() < 1e-6, "{i} {j} {k}");
+        }
+        let half_way = 0.5 * (cell(0, 1, 2) + cell(1, 1, 2)) as f32 / 23.0;
+        assert!((at(0.5, 1.0, 2.0) - half_way).abs() < 1e-6);
+        let half_way = 0.5 * (cell(2, 1, 0) + cell(2, 1, 1)) as f32 / 23.0;
+        assert!((at(2.0, 1.0, 0.5) - half_way).abs() < 1e-6);
+    }
+
+    #[test]
+    fn beyond_the_grid_it_goes_on_as_it_is_told() {
+        let wrapped = |wrap: &str| {
+            grid(1, &format!(r#"<string name="wrap_mode" value="{wrap}"/>"#), ColorMode::Rgb).unwrap()
+        };
+        let [clamp, repeat, mirror] = ["clamp", "repeat", "mirror"].map(wrapped);
+        let place = [0.4, 0.3, 0.6];
+        assert_eq!(value(&clamp, [7.0, 0.3, 0.6]), value(&clamp, [1.0, 0.3, 0.6]));
+        assert!((value(&repeat, [2.4, -0.7, 0.6]) - value(&repeat, place)).abs() < 1e-6);
+        assert!((value(&mirror, [-0.4, 1.7, 2.6]) - value(&mirror, place)).abs() < 1e-6);
+        let moved = r#"<transform name="to_world"><scale value="2, 1, 1"/><translate x="-3"/></transform>"#;
+        let moved = grid(1, moved, ColorMode::Rgb).unwrap();
+        assert!((value(&moved, [-2.2, 0.3, 0.6]) - value(&clamp, place)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn nothing_exceeds_its_majorant() {
+        for (channels, mode) in [(1, ColorMode::Rgb), (3, ColorMode::Rgb), (3, ColorMode::Spectral)] {
+            for (wrap, filter) in [("clamp", "trilinear"), ("repeat", "trilinear"), ("mirror", "nearest")] {
+                let parameters = format!(
+                    r#"<string name="wrap_mode" value="{wrap}"/><string name="filter_type" value="{filter}"/>"#
+                );
+                let volume = grid(channels, &parameters, mode).unwrap();
+                let λ = match mode {
+                    ColorMode::Rgb => Wavelengths::rgb(),
+                    ColorMode::Spectral => Wavelengths::sample_visible(0.4),
+                };
+                for i in 0..200 {
+                    let part = |step: f64| (0.5 + f64::from(i) * step).fract();
+                    let lo = DVec3::new(part(0.618), part(0.755), part(0.57)) * 5.0 - 2.0;
+                    let size =
+                        DVec3::new(part(0.82), part(0.67), part(0.55)) * if i % 7 == 0 { 9.0 } else { 0.3 };
+                    let bound = volume.majorant(lo, lo + size) * (1.0 + 1e-6);
+                    for j in 0..64 {
+                        let inside = [j & 3, j >> 2 & 3, j >> 4].map(|k| f64::from(k) / 3.0);
+                        let found = volume.eval(lo + size * DVec3::from(inside), &λ).max();
+                        assert!(f64::from(found) <= bound, "{wrap} {lo} {size}: {found} above {bound}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grids_that_cannot_be_meant_are_refused() {
+        let refused =
+            |channels: u32, parameters: &str| grid(channels, parameters, ColorMode::Rgb).unwrap_err();
+        assert!(refused(3, r#"<boolean name="raw" value="true"/>"#).contains("no colour"));
+        assert!(refused(1, r#"<string name="wrap_mode" value="bend"/>"#).contains("unknown wrap_mode"));
+        assert!(refused(2, "").contains("2 channels"));
+        assert!(grid(1, r#"<boolean name="use_grid_bbox" value="true"/>"#, ColorMode::Rgb).is_ok());
+    }
 }

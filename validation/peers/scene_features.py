@@ -64,7 +64,7 @@ REQUIRED = {
     "transforms": """translate/xyz translate/value rotate/xyz rotate/value scale/xyz scale/value matrix/value
         lookat/origin""".split(),
     "file": "<default> <include> <path> <ref> id".split(),
-    "integrators": """integrator:volpath integrator:volpathmis path.max_depth path.max_depth=16 path.rr_depth path.hide_emitters=true integrator:direct
+    "integrators": """integrator:volpath path.max_depth path.max_depth=16 path.rr_depth path.hide_emitters=true integrator:direct
         direct.emitter_samples direct.bsdf_samples integrator:depth aov:depth aov:position aov:uv aov:geo_normal
         aov:sh_normal""".split(),
 }
