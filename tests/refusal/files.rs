@@ -270,3 +270,29 @@ fn parts_that_do_not_belong_together_are_refused() {
     folder.command_refused(&["merge", "a", "next", "-o", "gone/out.exr"], &["gone/out.exr", "cannot write"]);
     folder.command_refused(&["merge", "-o", "out.exr"], &["PARTS"]);
 }
+
+#[test]
+fn grids_that_cannot_be_read_are_refused() {
+    let scene = |parameters: &str| {
+        let volume = r#"<volume name="sigma_t" type="gridvolume"><string name="filename" value="g.vol"/>"#;
+        let medium = format!(r#"<medium type="heterogeneous">{volume}{parameters}</volume></medium>"#);
+        super::scene(&medium)
+    };
+    let grid = |values: &[f32]| {
+        let numbers = [1, values.len() as u32, 1, 1, 1].map(u32::to_le_bytes).concat();
+        let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 1.0].map(f32::to_le_bytes).concat();
+        let values: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        [b"VOL\x03".to_vec(), numbers, corners, values].concat()
+    };
+    refused_with(&scene(""), &[("g.vol", b"nothing")], &["g.vol", "does not begin with VOL"]);
+    let cut = &grid(&[1.0, 2.0])[..52];
+    refused_with(
+        &scene(""),
+        &[("g.vol", cut)],
+        &["g.vol", "2 × 1 × 1 cells", "expected four bytes for each"],
+    );
+    refused_with(&scene(""), &[("g.vol", &grid(&[1.0, -2.0]))], &["cell (1, 0, 0)", "is -2"]);
+    refused_with(&scene(""), &[("g.vol", &grid(&[f32::NAN]))], &["cell (0, 0, 0)", "is NaN"]);
+    let own_box = r#"<boolean name="use_grid_bbox" value="true"/>"#;
+    refused_with(&scene(own_box), &[("g.vol", &grid(&[1.0]))], &["the file's box is empty"]);
+}

@@ -57,6 +57,52 @@ fn unknown_names_are_refused_and_the_known_ones_listed() {
 }
 
 #[test]
+fn media_that_cannot_be_meant_are_refused() {
+    all_refused(&[
+        (
+            "homogenous",
+            r#"<shape type="sphere"><medium name="interior" type="homogenous"/></shape>"#,
+            &["unknown medium `homogenous`", "did you mean `homogeneous`?"],
+        ),
+        (
+            "<bsdf",
+            r#"<shape type="sphere"><bsdf name="interior" type="null"/></shape>"#,
+            &["`interior` cannot be a <bsdf>", "expected <medium>"],
+        ),
+        (
+            "\"1\"",
+            r#"<phase type="hg"><float name="g" value="1"/></phase>"#,
+            &["`g`", "above −1 and below 1"],
+        ),
+        (
+            "1.5",
+            r#"<medium type="homogeneous"><float name="albedo" value="1.5"/></medium>"#,
+            &["1.5 is no reflectance"],
+        ),
+        (
+            "-2",
+            r#"<medium type="homogeneous"><float name="sigma_t" value="-2"/></medium>"#,
+            &["-2 is no amount"],
+        ),
+        (
+            "<texture",
+            r#"<medium type="homogeneous"><texture name="albedo" type="checkerboard"/></medium>"#,
+            &["no value in space", "<volume>"],
+        ),
+        (
+            "<volume",
+            r#"<medium type="heterogeneous"><volume name="sigma_t" type="gridvolume"/></medium>"#,
+            &["needs a `filename`"],
+        ),
+        (
+            "<phase type=\"hg\"",
+            r#"<medium type="homogeneous"><phase type="isotropic"/><phase type="hg"/></medium>"#,
+            &["a second <phase>"],
+        ),
+    ]);
+}
+
+#[test]
 fn references_that_lead_nowhere_or_in_circles_are_refused() {
     all_refused(&[
         (
