@@ -153,3 +153,30 @@ fn nothing_passes_an_endless_medium_and_all_passes_nothing() {
         }
     });
 }
+
+/// The albedo is that of the place where light is scattered.
+#[test]
+fn albedos_are_those_of_collisions() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rising.vol");
+    std::fs::write(&path, crate::volume::file_of([4, 1, 1], 1, &[0.1, 0.3, 0.6, 1.0])).unwrap();
+    let text = format!(
+        r#"<medium version="3.0.0" type="homogeneous"><volume type="gridvolume" name="albedo">
+        <string name="filename" value="{}"/></volume></medium>"#,
+        path.display()
+    );
+    let document = xml::read_text("example.xml", &text).unwrap();
+    let loader = Loader::new(&document, ColorMode::Rgb).unwrap();
+    let (medium, λ) = (loader.medium(&document.root).unwrap(), Wavelengths::rgb());
+    let mut scattered = 0;
+    for i in 0..256 {
+        let sampler = sampler(3, i);
+        let mut numbers = FlightNumbers::independent(&sampler, FLIGHTS);
+        let flight = medium.fly((&ray(), 1.5), Spectrum::ONE, &λ, &mut numbers);
+        let Flight::Scattered(t, weight) = flight else { continue };
+        let albedo = medium.albedo.eval(ray().at(t), &λ).0[0];
+        assert!((weight.0[0] - albedo).abs() < 1e-6, "{t}: {weight:?}, not {albedo}");
+        scattered += 1;
+    }
+    assert!(scattered > 100, "{scattered}");
+}

@@ -75,3 +75,38 @@ fn emitter_samples_change_no_mean() {
     let (with, without) = (mean(true), mean(false));
     assert!((with / without - 1.0).abs() < 0.01, "{with} {without}");
 }
+
+/// A medium is on the side of the surface that the file says, whichever way the normal points.
+#[test]
+fn media_are_on_their_side() {
+    let black = |name: &str, flipped: bool| {
+        format!(
+            r#"<bsdf type="null"/><boolean name="flip_normals" value="{flipped}"/>
+            <medium type="homogeneous" name="{name}"><float name="albedo" value="0"/></medium>"#
+        )
+    };
+    // The rays go nearly 2 through the middle of the ball.
+    for (name, flipped) in [("interior", false), ("exterior", true)] {
+        for [r, g, b] in colours(&ball(&black(name, flipped)), ColorMode::Rgb, 16) {
+            let passed = [(-2.0f64).exp(), (-1.9f64).exp()];
+            assert!([r, g, b].iter().all(|v| (passed[0]..passed[1]).contains(v)), "{name} {r}");
+        }
+    }
+}
+
+/// Passing an invisible surface is no edge: what is behind is lit by paths of two.
+#[test]
+fn invisible_surfaces_are_no_edges() {
+    let matte = r#"<shape type="sphere"><float name="radius" value="0.8"/></shape>"#;
+    let lit = |shells: &str| {
+        let shown = ball(r#"<bsdf type="null"/>"#).replace("</scene>", &format!("{matte}{shells}</scene>"));
+        let two = r#"<integrator type="volpath"><integer name="max_depth" value="2"/></integrator>"#;
+        colours(&shown.replace(r#"<integrator type="volpath"/>"#, two), ColorMode::Rgb, 1024)
+    };
+    for [r, g, b] in lit("")
+        .into_iter()
+        .chain(lit(r#"<shape type="sphere"><float name="radius" value="2"/><bsdf type="null"/></shape>"#))
+    {
+        assert!([r, g, b].iter().all(|v| (v - 0.5).abs() < 0.02), "{r} {g} {b}");
+    }
+}

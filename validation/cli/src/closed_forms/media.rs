@@ -19,7 +19,7 @@ pub fn cases() -> Vec<ClosedForm> {
     let slab = |medium: &str| shape("cube", &[scale([50.0, 50.0, 0.5])], &filled(medium));
     let absorbing = float("albedo", 0.0) + &float("sigma_t", SIGMA);
     let scattering = grey("albedo", 0.8) + &float("sigma_t", SIGMA) + &henyey_greenstein();
-    let white_medium = float("albedo", 1.0) + &float("sigma_t", 2.0) + &henyey_greenstein();
+    let white_medium = float("albedo", 1.0) + &float("sigma_t", 0.5) + &henyey_greenstein();
     let sky = constant(1.0);
     let beer = "exp(−σd) of what is behind it comes through (Beer and Lambert)";
     let back = "L = ϖ p E (1 − exp(−σd(1 + 1/cos θ)))/(1 + 1/cos θ) of light that is scattered once";
@@ -56,14 +56,14 @@ pub fn cases() -> Vec<ClosedForm> {
         })
         .spectral(),
         form("box_of_density", beer, seen(-1, &[&boxed, &sky]), libm::exp(-SIGMA)).samples(1 << 16),
-        form("lit_from_above", back, lit(0.0), scattered(0.0)).samples(1 << 14),
-        form("lit_from_aside", back, lit(60.0), scattered(60.0)).samples(1 << 14),
-        form("white_ball", furnace, white_ball("homogeneous"), 1.0).margin(0.005).samples(1 << 14),
+        form("lit_from_above", back, lit(0.0), scattered(0.0)).samples(1 << 16),
+        form("lit_from_aside", back, lit(60.0), scattered(60.0)).samples(1 << 16),
+        form("white_ball", furnace, white_ball("homogeneous"), 1.0).margin(0.0025).samples(1 << 16),
         form("white_ball_spectral", furnace, white_ball("homogeneous"), white())
             .spectral()
-            .margin(0.005)
-            .samples(1 << 14),
-        form("white_box", furnace, white_ball("heterogeneous"), 1.0).margin(0.005).samples(1 << 14),
+            .margin(0.0025)
+            .samples(1 << 16),
+        form("white_box", furnace, white_ball("heterogeneous"), 1.0).margin(0.0025).samples(1 << 16),
         form(
             "lamp_behind_a_veil",
             "E = (1 − opacity) I cos θ/d²",

@@ -42,7 +42,10 @@ fn drawn(models: &Models, folder: &str, draw: &mut Draw) -> Option<Scene> {
     root.children.extend(lights(&mut grower)?);
     for slot in SLOTS {
         if grower.draw.chance(0.7) {
-            let object = unknown(&mut grower, |g| object(g, *slot))?;
+            let mut object = unknown(&mut grower, |g| object(g, *slot))?;
+            if root.all().iter().any(|n| n.is("integrator", "volpath")) {
+                fill(&mut grower, &mut object)?;
+            }
             root.children.extend(hoisted(object, root.children.len()));
         }
     }
@@ -58,8 +61,8 @@ fn drawn(models: &Models, folder: &str, draw: &mut Draw) -> Option<Scene> {
 }
 
 /// Integrators whose channels differ between renderers even in expectation: a mean square is a property of
-/// the estimator.
-const UNLIKE: &[&str] = &["moment"];
+/// the estimator, and Mitsuba's `volpathmis` is a little darker than its `volpath`.
+const UNLIKE: &[&str] = &["moment", "volpathmis"];
 
 /// Places of objects on the floor, as x and z.
 const SLOTS: &[[f64; 2]] = &[[-1.5, 0.0], [0.0, 0.5], [1.5, 0.0], [-0.7, -1.4], [0.8, -1.4]];
@@ -78,7 +81,7 @@ fn integrator(grower: &mut Grower) -> Option<Node> {
     let depth = (2 + grower.draw.below(4)).to_string();
     let deep = Node::new("integer", &[("name", "max_depth"), ("value", &depth)]);
     node.children.retain(|c| c.get("name") != Some("max_depth"));
-    if node.is("integrator", "path") {
+    if is_of(&node, &["path", "volpath"]) {
         node.children.push(deep);
     }
     Some(node)
@@ -179,6 +182,25 @@ fn object(grower: &mut Grower, [x, z]: [f64; 2]) -> Option<Node> {
         node.children.push(grower.material(DEPTH)?);
     }
     Some(node)
+}
+
+/// Puts a medium into a shape that encloses something, and often makes its surface invisible.
+fn fill(grower: &mut Grower, object: &mut Node) -> Option<()> {
+    let encloses = ["sphere", "cube"].iter().any(|kind| object.is("shape", kind));
+    if !encloses || grower.draw.chance(0.2) {
+        return Some(());
+    }
+    let mut medium = grower.any("medium", 0, |_| true)?;
+    medium.set("name", "interior");
+    if !medium.children.iter().any(|c| c.tag == "phase") {
+        medium.children.push(grower.any("phase", 0, |_| true)?);
+    }
+    object.children.push(medium);
+    if grower.draw.chance(0.7) {
+        object.children.retain(|c| c.tag != "bsdf");
+        object.children.push(Node::new("bsdf", &[("type", "null")]));
+    }
+    Some(())
 }
 
 /// Moves a shape group to the top level under an id, where Mitsuba requires it.

@@ -28,6 +28,13 @@ const WITH_FILES: &[&str] = &[
     r#"<bsdf type="bumpmap"><texture type="bitmap" name="height">
         <string name="filename" value="textures/heights.png"/><boolean name="raw" value="true"/></texture>
         <float name="scale" value="0.3"/><bsdf type="diffuse"/></bsdf>"#,
+    r#"<volume type="gridvolume"><string name="filename" value="volumes/puff.vol"/></volume>"#,
+    r#"<medium type="homogeneous"><volume name="albedo" type="gridvolume">
+        <string name="filename" value="volumes/hues.vol"/></volume><float name="sigma_t" value="4"/></medium>"#,
+    r#"<medium type="heterogeneous"><volume name="sigma_t" type="gridvolume">
+        <string name="filename" value="volumes/puff.vol"/>
+        <transform name="to_world"><scale value="2"/><translate x="-2" y="-0.5" z="-0.5"/></transform></volume>
+        <float name="scale" value="5"/></medium>"#,
     r#"<film type="hdrfilm"/>"#,
     r#"<film type="specfilm"><spectrum name="band1" value="400:0, 450:1, 500:0"/>
         <spectrum name="band2" value="480:0, 520:0.8, 600:0.8, 640:0"/></film>"#,
