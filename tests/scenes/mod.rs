@@ -17,8 +17,8 @@ impl Default for Units {
     }
 }
 
-/// A scene without its units: `L(…)` encloses lists of radiances, `X(…)` lists of lengths, and `{place}` is
-/// at the end of every shape's transform.
+/// A scene without its units: `L(…)` encloses lists of radiances, `X(…)` lists of lengths, `P(…)` what is per
+/// length, and `{place}` is at the end of every shape's transform. With media in it, `volpath` renders it.
 pub struct Trial {
     pub name: &'static str,
     pub mode: ColorMode,
@@ -50,6 +50,22 @@ pub const SCENES: &[Trial] = &[
         content: r#"{lamp}<shape type="cube"><transform name="to_world"><scale value="0.5"/><rotate y="1" angle="30"/>{place}</transform>
           <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.6, 0.3"/></bsdf></bsdf></shape>
           <shape type="disk"><transform name="to_world"><translate x="0.7" z="2"/>{place}</transform></shape>"#,
+    },
+    Trial {
+        name: "media",
+        mode: ColorMode::Spectral,
+        options: "",
+        camera: CAMERA,
+        filter: r#"type="box""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="sphere"><transform name="to_world"><scale value="0.7"/><translate x="-0.8"/>{place}</transform>
+          <bsdf type="null"/><medium type="homogeneous" name="interior"><rgb name="albedo" value="0.9, 0.7, 0.5"/>
+          <spectrum name="sigma_t" value="400:2, 700:0.5"/><float name="scale" value="P(1.5)"/><phase type="hg"/></medium></shape>
+          <shape type="cube"><transform name="to_world"><scale value="0.6"/><translate x="0.8" z="0.5"/>{place}</transform>
+          <bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="dielectric"/></bsdf>
+          <medium type="heterogeneous" name="interior"><volume type="constvolume" name="sigma_t"><float name="value" value="2"/>
+          <transform name="to_world"><rotate y="1" angle="20"/><translate x="0.5" y="-0.5"/>{place}</transform></volume>
+          <float name="scale" value="P(1)"/></medium></shape>"#,
     },
     Trial {
         name: "many lamps",
@@ -214,7 +230,7 @@ impl Trial {
     /// number.
     pub fn text(&self, units: Units) -> String {
         let frame = format!(
-            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="7"/>{options}</integrator>
+            r#"<scene version="3.0.0"><integrator type="{integrator}"><integer name="max_depth" value="7"/>{options}</integrator>
 <sensor {camera}<float name="fov" value="45"/><float name="near_clip" value="X(0.0625)"/><float name="far_clip" value="X(64)"/>
 <transform name="to_world"><lookat origin="X(0.25, 0.75, -4)" target="X(0, 0, 0)" up="0, 1, 0"/></transform>
 <sampler type="{sampler}"><integer name="sample_count" value="4"/></sampler>
@@ -222,6 +238,7 @@ impl Trial {
 {content}
 </scene>
 "#,
+            integrator = if self.content.contains("<medium") { "volpath" } else { "path" },
             options = self.options,
             camera = self.camera,
             sampler = self.sampler,
@@ -229,7 +246,8 @@ impl Trial {
             content = self.content.replace("{lamp}", LAMP),
         );
         let placed = frame.replace("{place}", &format!(r#"<scale value="{}"/>"#, units.length));
-        scaled(&scaled(&placed, "\"L(", units.light), "\"X(", units.length)
+        let scales = [("\"L(", units.light), ("\"X(", units.length), ("\"P(", 1.0 / units.length)];
+        scales.into_iter().fold(placed, |text, (open, factor)| scaled(&text, open, factor))
     }
 }
 
