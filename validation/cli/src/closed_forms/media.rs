@@ -55,15 +55,15 @@ pub fn cases() -> Vec<ClosedForm> {
             libm::exp(-SIGMA) * white()
         })
         .spectral(),
-        form("box_of_density", beer, seen(-1, &[&boxed, &sky]), libm::exp(-SIGMA)).samples(1 << 16),
-        form("lit_from_above", back, lit(0.0), scattered(0.0)).samples(1 << 16),
-        form("lit_from_aside", back, lit(60.0), scattered(60.0)).samples(1 << 16),
-        form("white_ball", furnace, white_ball("homogeneous"), 1.0).margin(0.0025).samples(1 << 16),
+        form("box_of_density", beer, seen(-1, &[&boxed, &sky]), libm::exp(-SIGMA)).samples(1 << 14),
+        form("lit_from_above", back, lit(0.0), scattered(0.0)).samples(1 << 14),
+        form("lit_from_aside", back, lit(60.0), scattered(60.0)).samples(1 << 14),
+        form("white_ball", furnace, white_ball("homogeneous"), 1.0).margin(0.0025).samples(1 << 14),
         form("white_ball_spectral", furnace, white_ball("homogeneous"), white())
             .spectral()
             .margin(0.0025)
-            .samples(1 << 16),
-        form("white_box", furnace, white_ball("heterogeneous"), 1.0).margin(0.0025).samples(1 << 16),
+            .samples(1 << 14),
+        form("white_box", furnace, white_ball("heterogeneous"), 1.0).margin(0.0025).samples(1 << 14),
         form(
             "lamp_behind_a_veil",
             "E = (1 − opacity) I cos θ/d²",
