@@ -11,7 +11,6 @@ pub mod discrete;
 pub mod frame;
 pub mod function;
 pub mod quadrature;
-#[cfg(test)]
 pub mod random;
 pub mod ray;
 pub mod root;

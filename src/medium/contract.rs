@@ -3,6 +3,7 @@
 use super::*;
 use crate::math::DVec3;
 use crate::sampler::{FLIGHTS, Kind, Sampler};
+use crate::scene::catalogue::versioned;
 use crate::scene::loader::Loader;
 use crate::scene::xml;
 use crate::spectrum::ColorMode;
@@ -24,7 +25,7 @@ fn each(mut f: impl FnMut(&str, &Medium, &Wavelengths)) {
     let folder = tempfile::tempdir().unwrap();
     let examples = MEDIA.iter().flat_map(|entry| entry.examples.iter().map(|e| String::from(*e)));
     for example in examples.chain([on_a_grid(folder.path())]) {
-        let text = example.replacen(" type=", " version=\"3.0.0\" type=", 1);
+        let text = versioned(&example);
         let document = xml::read_text("example.xml", &text).unwrap();
         for (mode, λ) in
             [(ColorMode::Spectral, Wavelengths::sample_visible(0.03)), (ColorMode::Rgb, Wavelengths::rgb())]

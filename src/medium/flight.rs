@@ -17,10 +17,10 @@
 //! density.
 
 use crate::math::function::ln;
+use crate::math::random::uniform;
 use crate::sampler::Sampler;
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
 use rand_pcg::Pcg32;
-use rand_pcg::rand_core::Rng;
 
 /// How likely each lane is to be the one that a distance is drawn for.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +99,7 @@ impl<'a> FlightNumbers<'a> {
             return first;
         }
         let others = self.others.get_or_insert_with(|| self.sampler.generator(self.block));
-        f64::from(others.next_u32()) * (1.0 / 4_294_967_296.0)
+        uniform(others)
     }
 }
 

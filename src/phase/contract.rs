@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::math::length;
+use crate::scene::catalogue::versioned;
 use crate::scene::loader::Loader;
 use crate::scene::params::{Params, Usage};
 use crate::scene::xml;
@@ -11,7 +12,7 @@ use std::f64::consts::TAU;
 /// Calls `f` with every example.
 fn each(mut f: impl FnMut(&str, &AnyPhase)) {
     for (entry, example) in PHASES.iter().flat_map(|entry| entry.examples.iter().map(move |e| (entry, e))) {
-        let text = example.replacen(" type=", " version=\"3.0.0\" type=", 1);
+        let text = versioned(example);
         let document = xml::read_text("example.xml", &text).unwrap();
         let loader = Loader::new(&document, ColorMode::Spectral).unwrap();
         let mut params = Params::new(&document.root, &loader, Usage::Unbounded).unwrap();

@@ -69,7 +69,7 @@ impl Visitor for Models {
 }
 
 /// An example as the root of a document.
-fn versioned(example: &str) -> String {
+pub(crate) fn versioned(example: &str) -> String {
     example.replacen(" type=", " version=\"3.0.0\" type=", 1)
 }
 

@@ -173,24 +173,28 @@ impl<'d> Loader<'d> {
 
     /// A bitmap, decoded once.
     pub fn bitmap(&self, path: &Path) -> Result<Arc<Pixels>, SceneError> {
-        if let Some(pixels) = self.bitmaps.borrow().get(path) {
-            return Ok(pixels.clone());
-        }
-        self.depends_on(path);
-        let pixels = Arc::new(Pixels::read(path).map_err(SceneError::nowhere)?);
-        self.bitmaps.borrow_mut().insert(path.to_owned(), pixels.clone());
-        Ok(pixels)
+        self.once(&self.bitmaps, path, Pixels::read)
     }
 
     /// A grid of values, read once.
     pub fn voxels(&self, path: &Path) -> Result<Arc<Voxels>, SceneError> {
-        if let Some(voxels) = self.voxels.borrow().get(path) {
-            return Ok(voxels.clone());
+        self.once(&self.voxels, path, Voxels::read)
+    }
+
+    /// What is read from a file, unless it is known already.
+    fn once<T>(
+        &self,
+        known: &RefCell<BTreeMap<PathBuf, Arc<T>>>,
+        path: &Path,
+        read: impl Fn(&Path) -> Result<T, String>,
+    ) -> Result<Arc<T>, SceneError> {
+        if let Some(found) = known.borrow().get(path) {
+            return Ok(found.clone());
         }
         self.depends_on(path);
-        let voxels = Arc::new(Voxels::read(path).map_err(SceneError::nowhere)?);
-        self.voxels.borrow_mut().insert(path.to_owned(), voxels.clone());
-        Ok(voxels)
+        let found = Arc::new(read(path).map_err(SceneError::nowhere)?);
+        known.borrow_mut().insert(path.to_owned(), found.clone());
+        Ok(found)
     }
 
     /// A `<medium>`, read once.

@@ -63,11 +63,6 @@ impl Shape {
         self.sides.iter().all(|side| side.traits.refracts)
     }
 
-    /// Whether a side of it lets light straight through.
-    pub fn has_null(&self) -> bool {
-        self.sides.iter().any(|side| side.traits.has_null)
-    }
-
     /// Whether a side of it reflects like a mirror and in no other way.
     pub fn mirrors(&self) -> bool {
         self.sides.iter().any(|side| side.traits.mirrors)

@@ -65,8 +65,9 @@ impl Spectrum {
         // Added to a number, it leaves its nearest integer in the last bits.
         const ROUND: f32 = 12_582_912.0;
         self.map(|x| {
-            let n = (x.max(-87.0) * std::f32::consts::LOG2_E + ROUND) - ROUND;
-            let r = (x.max(-87.0) - n * LN_2[0]) - n * LN_2[1];
+            let finite = x.max(-87.0);
+            let n = (finite * std::f32::consts::LOG2_E + ROUND) - ROUND;
+            let r = (finite - n * LN_2[0]) - n * LN_2[1];
             let tail = 1.0 / 24.0 + r * (1.0 / 120.0 + r * (1.0 / 720.0 + r * (1.0 / 5040.0)));
             let exp = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * tail)));
             let scale = f32::from_bits(((n as i32 + 127) << 23) as u32);

@@ -1,6 +1,6 @@
 //! Images on surfaces.
 
-use super::AnyTexture;
+use super::{AnyTexture, Lookup};
 use crate::image::srgb;
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
@@ -44,13 +44,6 @@ impl Pixels {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Wrap {
-    Repeat,
-    Mirror,
-    Clamp,
-}
-
 /// The values of texels.
 #[derive(Clone, Debug)]
 enum Texels {
@@ -69,19 +62,14 @@ pub struct Bitmap {
     scalar: Arc<Vec<f32>>,
     width: usize,
     height: usize,
-    nearest: bool,
-    wrap: Wrap,
+    lookup: Lookup,
     to_uv: Transform,
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let found = params.file("filename", "an EXR, PNG, JPEG or HDR file")?;
-    let nearest = params.choice("filter_type", &["bilinear", "nearest"], "between texels")? == "nearest";
-    let wrap = match params.choice("wrap_mode", &["repeat", "mirror", "clamp"], "beyond the unit square")? {
-        "mirror" => Wrap::Mirror,
-        "clamp" => Wrap::Clamp,
-        _ => Wrap::Repeat,
-    };
+    let wraps = (["repeat", "mirror", "clamp"], "beyond the unit square");
+    let lookup = Lookup::parse(params, ["bilinear", "nearest"], wraps)?;
     let raw = params.boolean("raw", false, "whether the values are numbers and not sRGB colours")?;
     let to_uv = params.transform("to_uv", "applied to the surface's uv")?;
     params.choice(
@@ -126,7 +114,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         Texels::Reflectance(texels().map(|i| upsampler.fit(pixels.linear(i, false))).collect())
     };
     let (width, height) = (pixels.width, pixels.height);
-    Ok(AnyTexture::Bitmap(Box::new(Bitmap { texels, scalar, width, height, nearest, wrap, to_uv })))
+    Ok(AnyTexture::Bitmap(Box::new(Bitmap { texels, scalar, width, height, lookup, to_uv })))
 }
 
 impl Bitmap {
@@ -134,44 +122,19 @@ impl Bitmap {
     #[inline(always)]
     fn square(&self, uv: DVec2) -> ([usize; 4], f64, f64) {
         let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
-        let (columns, x) = self.between(p.x, self.width);
-        let (rows, y) = self.between(p.y, self.height);
+        let (columns, x) = self.lookup.between(p.x, self.width);
+        let (rows, y) = self.lookup.between(p.y, self.height);
         let rows = rows.map(|row| row * self.width);
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y): (usize, usize)| rows[y] + columns[x]);
         (corners, x, y)
-    }
-
-    /// The two columns or rows about a place, and the distance from the first, in texels.
-    #[inline(always)]
-    fn between(&self, p: f64, size: usize) -> ([usize; 2], f64) {
-        // Nearly all columns are inside then; `beyond`, which divides, is only for those on the border.
-        let p = if self.wrap == Wrap::Repeat { p - p.floor() } else { p };
-        let x = p * size as f64 - if self.nearest { 0.0 } else { 0.5 };
-        let first = x.floor();
-        let wrapped = |i: i64| if (0..size as i64).contains(&i) { i as usize } else { self.beyond(i, size) };
-        ([wrapped(first as i64), wrapped((first as i64).saturating_add(1))], x - first)
     }
 
     /// The texels about a place and their weights.
     #[inline(always)]
     fn corners(&self, uv: DVec2) -> [(usize, f32); 4] {
         let ([a, b, c, d], x, y) = self.square(uv);
-        let (tx, ty) = if self.nearest { (0.0, 0.0) } else { (x as f32, y as f32) };
+        let (tx, ty) = if self.lookup.nearest { (0.0, 0.0) } else { (x as f32, y as f32) };
         [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
-    }
-
-    /// The column or row that is used for one outside.
-    #[cold]
-    fn beyond(&self, i: i64, size: usize) -> usize {
-        let n = size as i64;
-        match self.wrap {
-            Wrap::Repeat => i.rem_euclid(n) as usize,
-            Wrap::Clamp => i.clamp(0, n - 1) as usize,
-            Wrap::Mirror => {
-                let j = i.rem_euclid(2 * n);
-                (if j < n { j } else { 2 * n - 1 - j }) as usize
-            }
-        }
     }
 
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
@@ -204,7 +167,7 @@ impl Bitmap {
     ///
     /// With J the linear part of `to_uv` and (w, h) the size in texels, the gradient is Jᵀ (w ∂/∂x, h ∂/∂y).
     pub fn gradient(&self, uv: DVec2) -> DVec2 {
-        if self.nearest {
+        if self.lookup.nearest {
             return DVec2::ZERO;
         }
         let (texels, x, y) = self.square(uv);
@@ -247,7 +210,7 @@ mod tests {
         let to_uv = Transform::scale(DVec3::new(2.0, 0.5, 1.0)).unwrap().after(&turn);
         let scalar = Arc::new(scalar);
         let texels = Texels::Grey(scalar.clone());
-        Bitmap { texels, scalar, width: 5, height: 3, nearest, wrap: Wrap::Repeat, to_uv }
+        Bitmap { texels, scalar, width: 5, height: 3, lookup: Lookup::repeated(nearest), to_uv }
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod checkerboard;
 mod color;
 mod d65;
 mod irregular;
+mod lookup;
 mod regular;
 mod srgb;
 mod uniform;
@@ -25,6 +26,7 @@ pub use bitmap::Bitmap;
 pub use checkerboard::Checkerboard;
 pub use color::scaled as color_scale;
 pub use d65::UnderD65;
+pub use lookup::Lookup;
 
 /// Any texture.
 #[derive(Clone, Debug)]

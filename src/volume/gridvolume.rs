@@ -6,7 +6,7 @@ use crate::scene::error::SceneError;
 use crate::scene::params::{MOST, Params, Usage};
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
-use crate::texture::color_scale;
+use crate::texture::{Lookup, color_scale};
 
 pub const NAME: &str = "gridvolume";
 pub const ABOUT: &str = "Values on a grid, from a file: numbers, or sRGB colours.";
@@ -23,19 +23,11 @@ enum Cells {
     Spectral(Vec<(Sigmoid, f32)>),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Wrap {
-    Clamp,
-    Repeat,
-    Mirror,
-}
-
 #[derive(Clone, Debug)]
 pub struct Grid {
     cells: Cells,
     size: [usize; 3],
-    nearest: bool,
-    wrap: Wrap,
+    lookup: Lookup,
     /// From the unit cube, which the grid fills.
     to_world: Transform,
 }
@@ -48,12 +40,8 @@ struct Between {
 
 pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
     let found = params.file("filename", "a .vol file")?;
-    let nearest = params.choice("filter_type", &["trilinear", "nearest"], "between cells")? == "nearest";
-    let wrap = match params.choice("wrap_mode", &["clamp", "repeat", "mirror"], "beyond the grid")? {
-        "repeat" => Wrap::Repeat,
-        "mirror" => Wrap::Mirror,
-        _ => Wrap::Clamp,
-    };
+    let wraps = (["clamp", "repeat", "mirror"], "beyond the grid");
+    let lookup = Lookup::parse(params, ["trilinear", "nearest"], wraps)?;
     let own_box = params.boolean("use_grid_bbox", false, "the grid fills the box that the file names")?;
     let to_world = params.transform("to_world", "from the unit cube, or the file's box, to the world")?;
     let raw = params.boolean("raw", false, "whether three channels are numbers and not sRGB colours")?;
@@ -88,7 +76,7 @@ pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
         }
     };
     let cells = cells(&voxels, params);
-    let grid = Grid { cells, size: voxels.size, nearest, wrap, to_world: to_world.after(&fills) };
+    let grid = Grid { cells, size: voxels.size, lookup, to_world: to_world.after(&fills) };
     Ok(AnyVolume::Grid(Box::new(grid)))
 }
 
@@ -143,12 +131,7 @@ impl Grid {
         let range = |axis: usize| {
             let size = self.size[axis] as f64;
             let (first, last) = ((lo[axis] * size - 0.5).floor() - 1.0, (hi[axis] * size + 0.5).ceil() + 1.0);
-            let (first, last) = match self.wrap {
-                Wrap::Clamp => (first.clamp(0.0, size - 1.0), last.clamp(0.0, size - 1.0)),
-                // Two grids hold all that there is.
-                Wrap::Repeat | Wrap::Mirror => (first, last.min(first + 2.0 * size)),
-            };
-            (first as i64..=last as i64).map(move |i| wrapped(i, self.size[axis], self.wrap))
+            self.lookup.range(first, last, self.size[axis])
         };
         let mut most = 0.0f32;
         for k in range(2) {
@@ -175,12 +158,10 @@ impl Grid {
     fn between(&self, p: DVec3) -> Between {
         let (mut cells, mut weights) = ([[0; 2]; 3], [0.0; 3]);
         for axis in 0..3 {
-            let size = self.size[axis];
-            // Far beyond the grid, where a number holds no cell, its end is as good as any.
-            let x = (p[axis] * size as f64).clamp(-1e9, 1e9) - if self.nearest { 0.0 } else { 0.5 };
-            let first = x.floor();
-            cells[axis] = [0, 1].map(|step| wrapped(first as i64 + step, size, self.wrap));
-            weights[axis] = if self.nearest { 0.0 } else { x - first };
+            (cells[axis], weights[axis]) = self.lookup.between(p[axis], self.size[axis]);
+            if self.lookup.nearest {
+                weights[axis] = 0.0;
+            }
         }
         Between { cells, weights }
     }
@@ -202,20 +183,6 @@ impl Grid {
         self.each(between, |i, weight| sum += weight * value(i));
         sum
     }
-}
-
-/// The cell that stands for cell `i`, perhaps beyond the `size` that there are.
-fn wrapped(i: i64, size: usize, wrap: Wrap) -> usize {
-    let n = size as i64;
-    let i = match wrap {
-        Wrap::Clamp => i.clamp(0, n - 1),
-        Wrap::Repeat => i.rem_euclid(n),
-        Wrap::Mirror => {
-            let i = i.rem_euclid(2 * n);
-            i.min(2 * n - 1 - i)
-        }
-    };
-    i as usize
 }
 
 #[cfg(test)]

@@ -24,19 +24,19 @@ pub fn between<const F: u32>(
     for _ in 0..MOST {
         counters.rays += 1;
         let hit = scene.accel.closest(&ray);
-        if let Some(medium) = medium {
-            let length = hit.map_or(ray.end, |hit| hit.t);
-            // A surface that nothing passes is cheaper to find than what is before it.
-            if hit.is_none_or(|hit| scene.shape_of(hit.primitive).0.has_null()) {
-                passed *= medium.transmittance((&ray, length), λ, numbers);
-            }
-        }
-        let Some(hit) = hit else { return passed };
-        let (shape, point) = scene.surface::<F>(&ray, &hit);
-        let side = side_towards(shape, point.ns.dot(-ray.direction));
-        if !side.traits.has_null {
+        let surface = hit.map(|hit| {
+            let (shape, point) = scene.surface::<F>(&ray, &hit);
+            (hit, shape, point, side_towards(shape, point.ns.dot(-ray.direction)))
+        });
+        // What is before a surface that nothing passes does not matter.
+        if surface.as_ref().is_some_and(|(.., side)| !side.traits.has_null) {
             return Spectrum::ZERO;
         }
+        if let Some(medium) = medium {
+            let length = hit.map_or(ray.end, |hit| hit.t);
+            passed *= medium.transmittance((&ray, length), λ, numbers);
+        }
+        let Some((hit, shape, point, side)) = surface else { return passed };
         let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         passed *= bsdf.null_transmission(side.turn(frame.to_local(-ray.direction)));

@@ -1,7 +1,7 @@
 //! A path through media, edge by edge.
 
 use super::visibility;
-use crate::bsdf::{AnyMaterial, Bsdf, Sample, Traits};
+use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::integrator::lengths::Lengths;
 use crate::integrator::light::{self, Proposal, Vertex, power_heuristic};
 use crate::integrator::path::{Arrival, environment, roulette, side_towards};
@@ -132,17 +132,18 @@ impl<'a> Walk<'a> {
             self.emission(shape, emitter as usize, &point);
         }
         self.log(hit.t, Some(hit.primitive), point.p);
-        if self.depth + 1 >= self.lengths.max_depth && !self.material(shape, &point).traits().has_null {
-            return None;
-        }
         let wo = -self.ray.direction;
         let side = side_towards(shape, point.ns.dot(wo));
+        let last = self.depth + 1 >= self.lengths.max_depth;
+        if last && !side.traits.has_null {
+            return None;
+        }
         let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
         let λ = self.path.λ;
         let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
         let n = vertex.gathers_about();
-        if side.traits.has_density && self.depth + 1 < self.lengths.max_depth {
+        if side.traits.has_density && !last {
             self.gather::<F, _>(&vertex, n, shape.interface.as_deref(), numbers);
         }
         let u = numbers.0;
@@ -154,7 +155,7 @@ impl<'a> Walk<'a> {
             return (!self.throughput.is_zero()).then_some(());
         }
         self.path.covered = true;
-        if self.depth + 1 >= self.lengths.max_depth {
+        if last {
             return None;
         }
         let arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n, emitter_samples: 1 };
@@ -163,11 +164,6 @@ impl<'a> Walk<'a> {
             self.medium = interface.towards(onward.direction.dot(point.ng));
         }
         self.scatter::<F>(&sample, (arrival, onward), u)
-    }
-
-    fn material(&self, shape: &Shape, point: &SurfacePoint) -> &'a AnyMaterial {
-        let side = side_towards(shape, point.ns.dot(-self.ray.direction));
-        &self.scene.materials[side.material as usize]
     }
 
     /// Goes straight on through a surface.
