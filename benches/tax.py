@@ -55,7 +55,7 @@ def sources():
     files = {}
     for name in listed:
         path = os.path.join(ROOT, name)
-        if re.match(r"Cargo|src/|benches/.*rs$|examples/|validation/.*(toml|rs)$", name) and os.path.isfile(path):
+        if re.match(r"Cargo|build\.rs$|src/|benches/.*rs$|examples/|validation/.*(toml|rs)$", name) and os.path.isfile(path):
             with open(path, "rb") as file:
                 files[name] = file.read()
     return files

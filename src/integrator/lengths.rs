@@ -14,13 +14,23 @@ pub struct Lengths {
     pub hide_emitters: bool,
 }
 
+impl Default for Lengths {
+    fn default() -> Self {
+        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false }
+    }
+}
+
 impl Lengths {
     pub fn parse(params: &mut Params) -> Result<Self, SceneError> {
+        let usual = Self::default();
         let about = "edges of the longest path; −1 means no limit";
         let max_depth = params.integer("max_depth", -1, -1..=i64::from(u32::MAX), about)?;
+        let max_depth = u32::try_from(max_depth).unwrap_or(usual.max_depth);
         let about = "edges before Russian roulette begins";
-        let rr_depth = params.integer("rr_depth", 5, 1..=i64::from(u32::MAX), about)? as u32;
-        let hide_emitters = params.boolean("hide_emitters", false, "emitters are not seen directly")?;
-        Ok(Self { max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX), rr_depth, hide_emitters })
+        let rr_depth =
+            params.integer("rr_depth", usual.rr_depth.into(), 1..=i64::from(u32::MAX), about)? as u32;
+        let about = "emitters are not seen directly";
+        let hide_emitters = params.boolean("hide_emitters", usual.hide_emitters, about)?;
+        Ok(Self { max_depth, rr_depth, hide_emitters })
     }
 }

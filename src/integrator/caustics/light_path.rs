@@ -95,7 +95,7 @@ impl Caustics {
             return None;
         }
         // The camera looks through emitters that are hidden.
-        let seen = !(self.settings.hide_emitters && shape.emitter.is_some());
+        let seen = !(self.settings.lengths.hide_emitters && shape.emitter.is_some());
         scene.materials[side.material as usize].visit(Scatter::<F> {
             caustics: self,
             scene,
@@ -152,7 +152,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             caustics.connect(scene, (index, path), (&vertex, to_light), (linked, u), connections);
         }
         // The next connection is one edge more.
-        if edges >= caustics.settings.max_depth.saturating_sub(1) {
+        if edges >= caustics.settings.lengths.max_depth.saturating_sub(1) {
             return None;
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
@@ -189,7 +189,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if sample.dispersed {
             path.λ.collapse();
         }
-        if edges >= caustics.settings.rr_depth {
+        if edges >= caustics.settings.lengths.rr_depth {
             let carried = path.λ.mean(path.throughput) as f64;
             path.throughput *= roulette(carried, edges, sample.delta, u.one(6))?;
         }

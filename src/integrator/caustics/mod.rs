@@ -73,7 +73,7 @@ impl Caustics {
     ) -> Option<Self> {
         let settings = *integrator.path()?;
         let ratio = settings.light_paths.unwrap_or(LIGHT_PATHS);
-        if settings.max_depth < 3 || ratio == 0.0 {
+        if settings.lengths.max_depth < 3 || ratio == 0.0 {
             return None;
         }
         let emission = Emission::new(emitters, shapes, instances)?;

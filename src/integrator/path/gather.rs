@@ -107,7 +107,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         counters: &mut Counters,
     ) {
         let Self { settings, scene, vertex, state, λ, .. } = *self;
-        let most = settings.max_depth.saturating_sub(state.depth + 2) as usize;
+        let most = settings.lengths.max_depth.saturating_sub(state.depth + 2) as usize;
         if !ways.any() || most == 0 {
             return;
         }

@@ -37,12 +37,7 @@ const FEW_EMITTERS: usize = 16;
 /// The settings, with Mitsuba's meaning of each.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
-    /// Edges of the longest path: 1 sees emitters, 2 direct light, and so on.
-    pub max_depth: u32,
-    /// Edges before Russian roulette begins.
-    pub rr_depth: u32,
-    /// Emitters are not seen directly.
-    pub hide_emitters: bool,
+    pub lengths: Lengths,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
     /// Emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth
@@ -77,9 +72,7 @@ pub const LIGHT_PATHS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
 impl Default for Path {
     fn default() -> Self {
         Self {
-            max_depth: u32::MAX,
-            rr_depth: 5,
-            hide_emitters: false,
+            lengths: Lengths::default(),
             emitter_samples: 1,
             first_emitter_samples: 1,
             light_paths: None,
@@ -92,7 +85,7 @@ impl Default for Path {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
-    let Lengths { max_depth, rr_depth, hide_emitters } = Lengths::parse(params)?;
+    let lengths = Lengths::parse(params)?;
     let about = "emitter samples at every vertex (an extension)";
     let most = i64::from(MOST_EMITTER_SAMPLES);
     let emitter_samples = params.integer("emitter_samples", 1, 1..=most, about)? as u32;
@@ -134,9 +127,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         first_emitter_samples: first == AUTO,
     };
     Ok(AnyIntegrator::Path(Path {
-        max_depth,
-        rr_depth,
-        hide_emitters,
+        lengths,
         emitter_samples,
         first_emitter_samples: if free.first_emitter_samples { emitter_samples } else { first },
         light_paths,

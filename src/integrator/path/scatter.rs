@@ -103,7 +103,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if F & Features::DISPERSION != 0 && sample.dispersed {
             path.λ.collapse();
         }
-        if state.depth >= settings.rr_depth {
+        if state.depth >= settings.lengths.rr_depth {
             // By the largest lane: a red path between red walls must not end early because of its other
             // lanes. What is shared must not end because the path's own receiver is dark: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;

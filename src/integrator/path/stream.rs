@@ -93,7 +93,7 @@ impl Path {
     /// processed one after another, then the shadow rays of the vertices are traced; no path depends on the
     /// others.
     pub fn trace<const F: u32>(&self, scene: &Scene, paths: &mut [CameraPath], counters: &mut Counters) {
-        if self.max_depth == 0 {
+        if self.lengths.max_depth == 0 {
             return;
         }
         let mut stream = Stream::default();
@@ -116,7 +116,7 @@ impl Path {
             let (now, later) = paths.split_at_mut(end);
             self.trace_stream::<F>(scene, now, &mut stream, counters);
             let Stream { exchange, shared, shadows, .. } = &mut stream;
-            exchange.share((scene, self.max_depth), now, (shared, &mut shadows.contested), counters);
+            exchange.share((scene, self.lengths.max_depth), now, (shared, &mut shadows.contested), counters);
             paths = later;
         }
     }
@@ -125,7 +125,7 @@ impl Path {
     /// `edges`: two for a place on an emitter and a direction; a third for more digits of a choice between
     /// many emitters and for a choice between lobes; a fourth for roulette and for a choice between links.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
-        if edges >= self.rr_depth || scene.links.is_some() {
+        if edges >= self.lengths.rr_depth || scene.links.is_some() {
             PAIRS
         } else if scene.emitters.list.len() > FEW_EMITTERS || scene.several_lobes {
             3
@@ -153,7 +153,7 @@ impl Path {
         ways.resize(paths.len(), Way::NONE);
         wavefront.begin(paths.iter().map(|path| path.ray).enumerate());
         // Surroundings in view cover everything.
-        let surrounded = !self.hide_emitters && scene.emitters.environment.is_some();
+        let surrounded = !self.lengths.hide_emitters && scene.emitters.environment.is_some();
         paths.iter_mut().for_each(|path| path.covered = surrounded);
         for edges in 1.. {
             let going = wavefront.trace(scene, counters);

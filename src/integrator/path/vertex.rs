@@ -45,7 +45,7 @@ impl Path {
     ) -> Option<Ray> {
         let λ = &mut path.λ;
         let Some(hit) = hit else {
-            if F & Features::ENVIRONMENT != 0 && !(self.hide_emitters && state.direct_view) {
+            if F & Features::ENVIRONMENT != 0 && !(self.lengths.hide_emitters && state.direct_view) {
                 let light = environment(scene, ray, state.arrival, λ);
                 let found = if state.shares { &mut shared.radiance } else { &mut path.radiance };
                 *found += state.throughput * light;
@@ -55,12 +55,12 @@ impl Path {
         let (shape, point) = scene.surface::<F>(ray, &hit);
         if let Some(emitter) = shape.emitter {
             // As in Mitsuba: behind a `null` surface emitters are seen again, surroundings are not.
-            if self.hide_emitters && state.depth == 0 {
+            if self.lengths.hide_emitters && state.depth == 0 {
                 // Light paths do not see the camera through an emitter.
                 state.light_ratio = 0.0;
                 return Some(Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive));
             }
-            path.covered |= !self.hide_emitters;
+            path.covered |= !self.lengths.hide_emitters;
             let entry = &scene.emitters.list[emitter as usize];
             let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
             if !emitted.is_zero() {
@@ -106,7 +106,7 @@ impl Path {
             let (throughput, radiance) = (state.throughput, path.radiance);
             log.push(Event { t: hit.t, primitive: Some(hit.primitive), p: point.p, throughput, radiance });
         }
-        if state.depth + 1 >= self.max_depth {
+        if state.depth + 1 >= self.lengths.max_depth {
             return None;
         }
         let side = side_towards(shape, point.ns.dot(-ray.direction));

@@ -45,9 +45,8 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
 impl VolPath {
     /// The path tracer of surfaces with the same settings, and with all others as if none was given.
     pub fn without_media(self) -> Path {
-        let Lengths { max_depth, rr_depth, hide_emitters } = self.lengths;
         let free = Free { reuse: false, shared_light_paths: true, first_emitter_samples: true };
-        Path { max_depth, rr_depth, hide_emitters, free, ..Path::default() }
+        Path { lengths: self.lengths, free, ..Path::default() }
     }
 
     /// Estimates the radiance along a camera ray.
