@@ -1,6 +1,7 @@
 //! Surfaces that emit light.
 
 use super::{AnyEmitter, DirectSample};
+use crate::math::cone::Cone;
 use crate::math::ray::{free_way, position_error};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::error::SceneError;
@@ -81,6 +82,13 @@ impl Area {
 
     pub fn varies(&self) -> bool {
         self.radiance.varies()
+    }
+
+    /// Along the normal; for a shape that is closed, whose shadow has a quarter of its surface on average, in
+    /// any direction.
+    pub fn intensity(&self, shape: &Geometry) -> f64 {
+        let seen = if shape.normals() == Cone::EVERYWHERE { 0.25 } else { 1.0 };
+        self.radiance.mean() * shape.area() * seen
     }
 
     pub fn power(&self, shape: &Geometry) -> f64 {

@@ -1,6 +1,6 @@
 //! The same radiance from every direction.
 
-use super::{AnyEmitter, DirectSample, require_constant};
+use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT, require_constant};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -44,7 +44,8 @@ impl Constant {
         (self.radiance.eval(DVec2::ZERO, λ), pdf)
     }
 
-    pub fn mean(&self) -> f64 {
-        self.radiance.mean()
+    /// The part of its radiance that is sought by emitter samples.
+    pub fn sought(&self) -> f64 {
+        OF_EVEN_LIGHT * self.radiance.mean()
     }
 }

@@ -50,6 +50,11 @@ impl Directional {
         })
     }
 
+    /// Against its direction.
+    pub fn towards(&self) -> DVec3 {
+        -self.direction
+    }
+
     pub fn irradiance(&self) -> f64 {
         self.irradiance.mean()
     }

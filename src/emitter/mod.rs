@@ -27,7 +27,12 @@ pub use envmap::EnvironmentMap;
 pub use point::Point;
 pub use select::Emitters;
 pub use spot::Spot;
+use std::f64::consts::PI;
 use tree::Cluster;
+
+/// How much of light that is the same on all sides is sought by emitter samples rather than left to
+/// scattering, where there are other emitters.
+const OF_EVEN_LIGHT: f64 = 0.25;
 
 /// A point on the surface of an emitter.
 #[derive(Clone, Copy, Debug)]
@@ -149,23 +154,31 @@ impl AnyEmitter {
         }
     }
 
-    /// Power to choose between emitters by, averaged over the visible range: in W·nm⁻¹ if lengths are in
-    /// metres. `radius` is that of the scene.
-    pub fn power(&self, shape: Option<&Geometry>, radius: f64) -> f64 {
-        let disk = std::f64::consts::PI * radius * radius;
+    /// What it emits in the direction in which it emits most, per solid angle, if it is within the scene.
+    fn intensity(&self, shape: Option<&Geometry>) -> f64 {
         match self {
-            Self::Area(area) => shape.map_or(0.0, |s| area.power(s)),
-            Self::Point(point) => point.power(),
-            Self::Spot(spot) => spot.power(),
-            Self::Directional(directional) => directional.irradiance() * disk,
-            Self::Constant(constant) => constant.mean() * 4.0 * std::f64::consts::PI * disk,
-            Self::Envmap(map) => map.mean() * 4.0 * std::f64::consts::PI * disk,
+            Self::Area(area) => shape.map_or(0.0, |s| area.intensity(s)),
+            Self::Point(point) => point.intensity(),
+            Self::Spot(spot) => spot.intensity(),
+            Self::Directional(_) | Self::Constant(_) | Self::Envmap(_) => 0.0,
+        }
+    }
+
+    /// The irradiance by one that is infinitely far, on a surface that faces it, and where that is; zero if
+    /// it is on all sides. Light that is much the same on all sides counts little, for scattering finds it.
+    fn from_afar(&self) -> (f64, DVec3) {
+        match self {
+            Self::Directional(directional) => (directional.irradiance(), directional.towards()),
+            Self::Constant(constant) => (PI * constant.sought(), DVec3::ZERO),
+            Self::Envmap(map) => (PI * map.sought(), DVec3::ZERO),
+            Self::Area(_) | Self::Point(_) | Self::Spot(_) => (0.0, DVec3::ZERO),
         }
     }
 
     /// Its bounds in space and direction, for a [`tree`]; `None` if it is infinitely far.
-    pub fn cluster(&self, shape: Option<&Geometry>, power: f64) -> Option<Cluster> {
-        let of = |bounds, normals, cos_beyond| Some(Cluster { bounds, normals, cos_beyond, power });
+    fn cluster(&self, shape: Option<&Geometry>) -> Option<Cluster> {
+        let intensity = self.intensity(shape);
+        let of = |bounds, normals, cos_beyond| Some(Cluster { bounds, normals, cos_beyond, intensity });
         match (self, shape) {
             (Self::Area(_), Some(shape)) => of(shape.bounds(), shape.normals(), 0.0),
             (Self::Point(point), _) => of((point.place(), point.place()), Cone::EVERYWHERE, 0.0),

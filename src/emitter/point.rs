@@ -51,8 +51,8 @@ impl Point {
         self.position
     }
 
-    pub fn power(&self) -> f64 {
-        self.intensity.mean() * 4.0 * std::f64::consts::PI
+    pub fn intensity(&self) -> f64 {
+        self.intensity.mean()
     }
 }
 

@@ -1,12 +1,19 @@
-//! The choice of the emitter that is sampled.
+//! The choice of the emitter that is sampled: by estimates of the light that each may bring where it is
+//! gathered.
+//!
+//! Emitters within the scene are in a [`tree`](super::tree), which is one choice; each of those infinitely
+//! far is another. All estimates are of irradiance, in the same unit, so a lamp outshines the sky in a room
+//! and not in the street. Of the sky only that counts which scattering would not find by itself.
 
 use super::AnyEmitter;
-use super::tree::{Cluster, Receiver, Tree};
-use crate::math::{DVec2, Discrete};
+use super::tree::{Look, Receiver, Tree};
+use crate::math::discrete::with_digits;
+use crate::math::{BELOW_ONE, DVec2, DVec3};
 use crate::shape::Geometry;
 
-/// Fewest emitters, of those not infinitely far, for which there is a [`Tree`].
-const MANY: usize = 2;
+/// The part of all choices that is made evenly, so that an estimate that is wrong for some corner of the
+/// scene costs at most a tenth of its samples.
+const EVEN: f64 = 0.1;
 
 /// All emitters of a scene.
 #[derive(Debug, Default)]
@@ -14,10 +21,11 @@ pub struct Emitters {
     pub list: Vec<Entry>,
     /// The one that surrounds the scene.
     pub environment: Option<usize>,
-    /// The choice between all emitters; if there is a tree, between those that it does not hold, and the
-    /// tree.
-    choice: Discrete,
-    local: Option<Local>,
+    /// Those within the scene; of each leaf, by its number, the emitter.
+    near: Option<(Tree, Vec<u32>)>,
+    far: Vec<Far>,
+    /// Of each emitter, its number among the near or the far ones.
+    places: Vec<Place>,
 }
 
 /// An emitter, and the shape it belongs to.
@@ -27,117 +35,164 @@ pub struct Entry {
     pub shape: Option<u32>,
 }
 
-/// The emitters within the scene, in a tree, and those infinitely far.
-#[derive(Debug)]
-struct Local {
-    tree: Tree,
-    /// The emitter of each leaf, by the leaf's number.
-    emitters: Vec<u32>,
-    /// Emitters that are infinitely far.
-    distant: Vec<u32>,
-    /// For each emitter its number in the tree, or among the distant ones.
-    places: Vec<Place>,
+/// An emitter that is infinitely far.
+#[derive(Clone, Copy, Debug)]
+struct Far {
+    emitter: u32,
+    /// On a surface that faces it, as far as emitter samples are wanted for it.
+    irradiance: f64,
+    /// Where it is; zero if it is on all sides.
+    towards: DVec3,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Place {
-    Tree(u32),
-    Distant(u32),
+    Near(u32),
+    Far(u32),
+}
+
+/// What may be chosen at a point.
+struct Choices<'a> {
+    near: Option<Look<'a>>,
+    /// How many choices there are, and the sum of their estimates.
+    count: f64,
+    total: f64,
+}
+
+impl Choices<'_> {
+    /// The probability of a choice by its estimate, which is `None` where no light can arrive.
+    #[inline]
+    fn probability(&self, estimate: Option<f64>) -> f64 {
+        match estimate {
+            None => 0.0,
+            Some(light) if self.total > 0.0 && self.total.is_finite() => {
+                EVEN / self.count + (1.0 - EVEN) * (light / self.total)
+            }
+            Some(_) => 1.0 / self.count,
+        }
+    }
+
+    #[inline]
+    fn near(&self) -> Option<f64> {
+        self.near.as_ref().map(Look::total).filter(|light| *light > 0.0)
+    }
+}
+
+impl Far {
+    /// An estimate of the irradiance of a surface of normal n, or of nothing in particular if n is zero;
+    /// `None` if none arrives.
+    #[inline]
+    fn irradiance(&self, n: DVec3) -> Option<f64> {
+        if self.towards == DVec3::ZERO || n == DVec3::ZERO {
+            return Some(self.irradiance);
+        }
+        let cos = n.dot(self.towards);
+        (cos > 0.0).then_some(self.irradiance * cos)
+    }
 }
 
 impl Emitters {
-    /// Emitters are chosen by power, one part in ten evenly, so that an estimate of power that is wrong for
-    /// some corner of the scene costs at most a tenth of its samples; where there are many, also by where
-    /// they are.
-    pub fn new<'a>(list: Vec<Entry>, radius: f64, shape: impl Fn(u32) -> &'a Geometry) -> Self {
-        const EVEN: f64 = 0.1;
-        let powers: Vec<f64> = list.iter().map(|e| e.emitter.power(e.shape.map(&shape), radius)).collect();
-        let total: f64 = powers.iter().sum();
-        let n = list.len() as f64;
-        let known = total > 0.0 && total.is_finite();
-        let weight = |p: &f64| if known { (1.0 - EVEN) * p / total + EVEN / n } else { 1.0 / n };
-        let weights: Vec<f64> = powers.iter().map(weight).collect();
-        let clusters =
-            list.iter().zip(&weights).map(|(e, weight)| e.emitter.cluster(e.shape.map(&shape), *weight));
-        let local = Local::new(&clusters.collect::<Vec<_>>());
-        let choice = match &local {
-            None => Discrete::new(weights),
-            Some(local) => {
-                let of = |emitters: &[u32]| emitters.iter().map(|i| weights[*i as usize]).collect::<Vec<_>>();
-                let of_tree = of(&local.emitters).iter().sum();
-                Discrete::new(of(&local.distant).into_iter().chain([of_tree]))
+    pub fn new<'a>(list: Vec<Entry>, shape: impl Fn(u32) -> &'a Geometry) -> Self {
+        let (mut near, mut leaves, mut far, mut places) = (vec![], vec![], vec![], vec![]);
+        for (index, entry) in (0..).zip(&list) {
+            match entry.emitter.cluster(entry.shape.map(&shape)) {
+                Some(cluster) => {
+                    places.push(Place::Near(near.len() as u32));
+                    near.push(cluster);
+                    leaves.push(index);
+                }
+                None => {
+                    let (irradiance, towards) = entry.emitter.from_afar();
+                    places.push(Place::Far(far.len() as u32));
+                    far.push(Far { emitter: index, irradiance, towards });
+                }
             }
-        };
+        }
+        let mean = near.iter().map(|cluster| cluster.intensity).sum::<f64>() / near.len() as f64;
+        let known = mean > 0.0 && mean.is_finite();
+        for cluster in &mut near {
+            let own = cluster.intensity;
+            cluster.intensity = if known { (1.0 - EVEN) * own + EVEN * mean } else { 1.0 };
+        }
         let environment = list.iter().position(|e| e.emitter.is_environment());
-        Self { list, environment, choice, local }
+        let near = (!near.is_empty()).then(|| (Tree::new(&near), leaves));
+        Self { list, environment, near, far, places }
     }
 
     /// Whether the choice depends on where light is gathered.
     #[inline(always)]
     pub fn chosen_by_place(&self) -> bool {
-        self.local.is_some()
+        self.list.len() > 1
     }
 
     /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers,
-    /// rescaled for reuse; see [`Discrete::sample_strip`]. `None` if no emitter lights the point.
+    /// rescaled for reuse; `None` if no emitter lights the point.
+    ///
+    /// Each emitter gets a strip of the unit square, over which points that are stratified over the square
+    /// are stratified as well. If another number made the choice, each would get an arbitrary subset of them.
+    /// The choice uses up bits of the first number; `digits`, in [0, 1), adds 32 bits to it.
     #[inline]
     pub fn sample(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
-        match (&self.local, self.list.len()) {
-            (None, 0) => None,
-            (None, 1) => Some((0, 1.0, u)),
-            (None, _) => Some(self.choice.sample_strip(u, digits)),
-            (Some(local), _) => local.sample(self.choice.sample_strip(u, digits), at),
+        match self.list.len() {
+            0 => None,
+            1 => Some((0, 1.0, u)),
+            _ => self.choose(at, u, digits),
         }
     }
 
     /// The probability of choosing emitter `index`.
     #[inline]
     pub fn probability(&self, index: usize, at: Receiver) -> f64 {
-        match &self.local {
-            None if self.list.len() == 1 => 1.0,
-            None => self.choice.probability(index),
-            Some(local) => match local.places[index] {
-                Place::Distant(slot) => self.choice.probability(slot as usize),
-                Place::Tree(leaf) => {
-                    self.choice.probability(local.distant.len()) * local.tree.probability(leaf as usize, at)
-                }
-            },
-        }
-    }
-}
-
-impl Local {
-    /// `None` if too few emitters are within the scene.
-    fn new(clusters: &[Option<Cluster>]) -> Option<Self> {
-        let (mut emitters, mut distant, mut places, mut inner) = (vec![], vec![], vec![], vec![]);
-        for (i, cluster) in (0..).zip(clusters) {
-            match cluster {
-                Some(cluster) => {
-                    places.push(Place::Tree(emitters.len() as u32));
-                    emitters.push(i);
-                    inner.push(*cluster);
-                }
-                None => {
-                    places.push(Place::Distant(distant.len() as u32));
-                    distant.push(i);
-                }
-            }
-        }
-        (inner.len() >= MANY).then(|| Self { tree: Tree::new(&inner), emitters, distant, places })
+        if self.list.len() == 1 { 1.0 } else { self.probability_of_several(index, at) }
     }
 
-    /// From a choice between the distant emitters and the tree.
+    #[inline]
+    fn choices(&self, at: Receiver) -> Choices<'_> {
+        let near = self.near.as_ref().map(|(tree, _)| tree.look(at));
+        let mut choices = Choices { near, count: 0.0, total: 0.0 };
+        let far = self.far.iter().filter_map(|far| far.irradiance(at.1));
+        for estimate in far.chain(choices.near()) {
+            choices.count += 1.0;
+            choices.total += estimate;
+        }
+        choices
+    }
+
     #[inline(never)]
-    fn sample(
-        &self,
-        (slot, probability, u): (usize, f64, DVec2),
-        at: Receiver,
-    ) -> Option<(usize, f64, DVec2)> {
-        if let Some(index) = self.distant.get(slot) {
-            return Some((*index as usize, probability, u));
+    fn choose(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
+        let choices = self.choices(at);
+        let mut left = with_digits(u.x, digits);
+        // Rounding may lead past the last.
+        let mut last = None;
+        for far in &self.far {
+            let probability = choices.probability(far.irradiance(at.1));
+            if left < probability {
+                return Some((far.emitter as usize, probability, DVec2::new(left / probability, u.y)));
+            }
+            if probability > 0.0 {
+                last = Some((far.emitter as usize, probability, DVec2::new(BELOW_ONE, u.y)));
+            }
+            left -= probability;
         }
-        let (leaf, chance, rest) = self.tree.sample(at, u.x)?;
-        Some((self.emitters[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
+        let (Some(estimate), Some((_, leaves)), Some(look)) = (choices.near(), &self.near, &choices.near)
+        else {
+            return last;
+        };
+        let probability = choices.probability(Some(estimate));
+        let (leaf, chance, rest) = look.sample((left / probability).min(BELOW_ONE))?;
+        Some((leaves[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
+    }
+
+    #[inline(never)]
+    fn probability_of_several(&self, index: usize, at: Receiver) -> f64 {
+        let choices = self.choices(at);
+        match (self.places[index], &choices.near) {
+            (Place::Near(leaf), Some(look)) => {
+                choices.probability(choices.near()) * look.probability(leaf as usize)
+            }
+            (Place::Near(_), None) => 0.0,
+            (Place::Far(number), _) => choices.probability(self.far[number as usize].irradiance(at.1)),
+        }
     }
 }
 
@@ -176,5 +231,25 @@ mod tests {
             let nearest = if x > 1.5 { 4 } else { 2 * usize::from(x > -0.5) };
             assert!([0, 2, 4].iter().all(|i| shares[*i] <= shares[nearest]), "{shares:?}");
         }
+    }
+
+    #[test]
+    fn a_lamp_outshines_the_sky_near_by_alone() {
+        let text = r#"<scene version="3.0.0"><sensor type="perspective"/>
+            <emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
+            <emitter type="point"><rgb name="intensity" value="1"/></emitter>
+            <emitter type="directional"><vector name="direction" x="0" y="0" z="1"/></emitter></scene>"#;
+        let emitters = load_text("scene.xml", text, ColorMode::Rgb).unwrap().emitters;
+        let of_lamp = |z: f64| emitters.probability(1, (DVec3::Z * z, -DVec3::Z));
+        let of_sun = |n: DVec3| emitters.probability(2, (DVec3::X, n));
+        assert!(
+            of_lamp(0.1) > 0.9 && (0.4..0.7).contains(&of_lamp(1.0)),
+            "{} {}",
+            of_lamp(0.1),
+            of_lamp(1.0)
+        );
+        // From a tenth of the choices, made evenly, all get some.
+        assert!((0.03..0.05).contains(&of_lamp(100.0)), "{}", of_lamp(100.0));
+        assert!(of_sun(-DVec3::Z) > 0.3 && of_sun(DVec3::Z) == 0.0 && of_sun(DVec3::ZERO) > 0.3);
     }
 }

@@ -81,10 +81,9 @@ impl Spot {
         }
     }
 
-    pub fn power(&self) -> f64 {
-        let texture = self.texture.as_ref().map_or(1.0, AnyTexture::mean);
-        let half_way = 0.5 * (self.cutoff + self.beam);
-        self.intensity.mean() * texture * 2.0 * std::f64::consts::PI * (1.0 - cos(half_way))
+    /// Along its axis, or the mean of its texture.
+    pub fn intensity(&self) -> f64 {
+        self.intensity.mean() * self.texture.as_ref().map_or(1.0, AnyTexture::mean)
     }
 }
 

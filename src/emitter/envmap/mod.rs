@@ -3,7 +3,7 @@
 mod directions;
 mod steps;
 
-use super::{AnyEmitter, DirectSample};
+use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT};
 use crate::math::frame::unit;
 use crate::math::function::{acos, turn};
 use crate::math::{DVec2, DVec3, INV_PI, Transform};
@@ -45,7 +45,7 @@ pub struct EnvironmentMap {
     directions: Directions,
     /// Mean brightness, which importances leave out; see [`importance`].
     common: f64,
-    mean: f64,
+    sought: f64,
 }
 
 /// Most texels along a side: a block of [`directions`] then has fewer cells along a side than a choice has
@@ -85,11 +85,14 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let texels: Vec<Texel> = rgb.iter().map(texel).collect();
     let (width, rows) = (pixels.width, pixels.height - 1);
     let common = mean(width, texels.iter().map(|texel| f64::from(texel.scale)));
-    let directions = Directions::new(width, rows, |cell| importance(&corners(&texels, width, cell), common));
+    let directions = Directions::new(width, rows, |cell| importances(&corners(&texels, width, cell), common));
     let luminance = mean(width, rgb.iter().map(|c| observer::luminance(c.map(f64::from))));
-    let (mean, scale) = (scale * luminance, scale as f32);
+    let important = mean(width, texels.iter().map(|texel| importance(texel, common)));
+    let uneven = if common > 0.0 { important / common } else { 0.0 };
+    let sought = scale * luminance * (uneven + OF_EVEN_LIGHT * (1.0 - uneven));
+    let scale = scale as f32;
     let (to_local, to_world) = (to_world.inverted(), to_world);
-    let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, common, mean };
+    let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, common, sought };
     Ok(AnyEmitter::Envmap(Box::new(map)))
 }
 
@@ -107,7 +110,7 @@ impl EnvironmentMap {
     pub fn sample(&self, n: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
         let n = self.to_local.vector(n);
         let (place, pdf) =
-            self.directions.sample(n, u, |cell| importance(&self.corners(cell), self.common))?;
+            self.directions.sample(n, u, |cell| importances(&self.corners(cell), self.common))?;
         let corners = self.corners(place.cell);
         let (turn, height) = self.directions.turn_and_height(&place);
         let half_turns = INV_PI * acos(height.clamp(-1.0, 1.0));
@@ -129,7 +132,7 @@ impl EnvironmentMap {
         let half_turns = INV_PI * acos(w.y.clamp(-1.0, 1.0));
         let place = self.directions.place(turn, half_turns, w.y);
         let corners = self.corners(place.cell);
-        let pdf = self.directions.pdf(self.to_local.vector(n), &place, importance(&corners, self.common));
+        let pdf = self.directions.pdf(self.to_local.vector(n), &place, importances(&corners, self.common));
         (self.eval(&place, half_turns, &corners, λ), pdf)
     }
 
@@ -160,9 +163,9 @@ impl EnvironmentMap {
         }
     }
 
-    /// Mean radiance over all directions, as luminance.
-    pub fn mean(&self) -> f64 {
-        self.mean
+    /// Mean radiance over all directions that is sought by emitter samples, as luminance.
+    pub fn sought(&self) -> f64 {
+        self.sought
     }
 }
 
@@ -176,13 +179,13 @@ fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
 /// rest as well (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance
 /// Sampling"); and a fraction of the brightness everywhere, for no light may be left out where directions are
 /// sampled in no other way.
-fn importance(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
-    corners.map(|row| {
-        row.map(|texel| {
-            let brightness = f64::from(texel.scale);
-            (brightness - common).max(DARK * brightness)
-        })
-    })
+fn importance(texel: &Texel, common: f64) -> f64 {
+    let brightness = f64::from(texel.scale);
+    (brightness - common).max(DARK * brightness)
+}
+
+fn importances(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
+    corners.map(|row| row.map(|texel| importance(&texel, common)))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::math::simd::{F64x4, dot};
 /// Most children of a node.
 pub const WIDTH: usize = 4;
 
-/// [`Cluster`]s, one to a lane; those that are missing have no power.
+/// [`Cluster`]s, one to a lane; those that are missing emit nothing.
 #[derive(Debug)]
 pub struct Children {
     centre: [[f64; WIDTH]; 3],
@@ -19,8 +19,11 @@ pub struct Children {
     /// Sine of that angle.
     sin: [f64; WIDTH],
     cos_beyond: [f64; WIDTH],
-    power: [f64; WIDTH],
+    intensity: [f64; WIDTH],
 }
+
+/// For each child an estimate of its irradiance, and their sum.
+pub type Importance = ([f64; WIDTH], f64);
 
 /// Cosine and sine of an angle from 0 to π.
 type Angle = (F64x4, F64x4);
@@ -36,25 +39,25 @@ impl Children {
             cos: of(&|cluster| cluster.normals.cos),
             sin: of(&|cluster| (1.0 - cluster.normals.cos * cluster.normals.cos).max(0.0).sqrt()),
             cos_beyond: of(&|cluster| cluster.cos_beyond),
-            power: of(&|cluster| cluster.power),
+            intensity: of(&|cluster| cluster.intensity),
         }
     }
 
-    /// Estimates of the irradiance from each child at a point p (from all directions, if n is zero), up to a
-    /// common factor, and their sum. An estimate is zero only if no light of the child can arrive there.
+    /// Estimates of the irradiance from each child at a point p (from all directions, if n is zero), and their
+    /// sum. An estimate is zero only if no light of the child can arrive there.
     ///
-    /// Power over squared distances, times the largest cosines that can be at either end: as seen from the
+    /// Intensity over squared distances, times the largest cosines that can be at either end: as seen from the
     /// point all emitters are within a cone about the centre, and from any of them the point is as far from
     /// the axis of the normals, less the angle of that cone and of the normals' own.
     #[inline(always)]
-    pub fn importance(&self, (p, n): Receiver) -> ([f64; WIDTH], f64) {
+    pub fn importance(&self, (p, n): Receiver) -> Importance {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
         let p = p.to_array().map(F64x4::splat);
         let way = [0, 1, 2].map(|axis| F64x4::new(self.centre[axis]) - p[axis]);
         let (distance2, radius) = (dot(way, way), F64x4::new(self.radius));
         let inverse = one / distance2.sqrt();
         let sin_seen = radius * inverse;
-        let near = F64x4::new(self.power) * mean_inverse_square((distance2, radius), (inverse, sin_seen));
+        let near = F64x4::new(self.intensity) * mean_inverse_square((distance2, radius), (inverse, sin_seen));
         let w = way.map(|v| v * inverse);
         let seen = ((one - sin_seen * sin_seen).sqrt(), sin_seen);
         let from_axis = with_sine(-dot(self.axis.map(F64x4::new), w));

@@ -5,7 +5,7 @@ use crate::math::bounds::{Bounds, union};
 use crate::math::cone::Cone;
 use crate::math::function::{acos, cos, sin};
 
-/// Bounds of emitters in space and direction, and their power.
+/// Bounds of emitters in space and direction, and how much they emit.
 #[derive(Clone, Copy, Debug)]
 pub struct Cluster {
     pub bounds: Bounds,
@@ -13,8 +13,8 @@ pub struct Cluster {
     pub normals: Cone,
     /// Cosine of the largest angle with a normal at which light leaves.
     pub cos_beyond: f64,
-    /// Their power, relative to a total of at most 1 of all emitters.
-    pub power: f64,
+    /// The sum of what each emits in the direction in which it emits most, per solid angle.
+    pub intensity: f64,
 }
 
 impl Cluster {
@@ -23,7 +23,7 @@ impl Cluster {
             bounds: union(a.bounds, b.bounds),
             normals: Cone::union(a.normals, b.normals),
             cos_beyond: a.cos_beyond.min(b.cos_beyond),
-            power: a.power + b.power,
+            intensity: a.intensity + b.intensity,
         }
     }
 
@@ -33,13 +33,13 @@ impl Cluster {
         (0.5 * lo + 0.5 * hi, (0.5 * hi - 0.5 * lo).length_squared())
     }
 
-    /// Cost of a node of the tree: its power, times its extent, times the solid angle into which it emits,
+    /// Cost of a node of the tree: its intensity, times its extent, times the solid angle into which it emits,
     /// weighted by the cosine beyond the normals (Conty Estevez and Kulla 2018, §4.1). The extent is the
     /// squared diagonal of the box, not its surface, which is zero for emitters in a row.
     pub fn cost(&self) -> f64 {
         use std::f64::consts::{FRAC_PI_2, PI, TAU};
         let (lo, hi) = self.bounds;
-        let extent = self.power * (hi - lo).length_squared();
+        let extent = self.intensity * (hi - lo).length_squared();
         if self.normals == Cone::EVERYWHERE {
             return 2.0 * TAU * extent;
         }

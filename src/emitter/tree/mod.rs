@@ -2,7 +2,7 @@
 //! where light is gathered.
 //!
 //! Every node stores for each of its children where the emitters are, in which directions they emit, and
-//! their power ([`Cluster`]), from which follow estimates of the light that they contribute at a point. A
+//! how much ([`Cluster`]), from which follow estimates of the light that they contribute at a point. A
 //! choice descends from the root, at each node to one of the children with a probability in proportion to
 //! these estimates (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting"; PBRT, 4th edition, §12.6.3). The estimate for an emitter that may light the point is never
@@ -13,7 +13,7 @@ mod children;
 mod cluster;
 
 use crate::math::{BELOW_ONE, DVec3};
-use children::{Children, WIDTH};
+use children::{Children, Importance, WIDTH};
 pub use cluster::Cluster;
 
 /// The point where light is gathered, and the normal of the hemisphere from which it is; zero if it is
@@ -58,14 +58,33 @@ impl Tree {
         build::build(clusters)
     }
 
+    /// Estimates of what each child of the root brings to a point.
+    #[inline]
+    pub fn look(&self, at: Receiver) -> Look<'_> {
+        Look { tree: self, at, root: self.nodes[0].children.importance(at) }
+    }
+}
+
+/// A tree as seen from a point.
+pub struct Look<'a> {
+    tree: &'a Tree,
+    at: Receiver,
+    root: Importance,
+}
+
+impl Look<'_> {
+    /// An estimate of the irradiance from all emitters; zero only if none lights the point.
+    #[inline]
+    pub fn total(&self) -> f64 {
+        self.root.1
+    }
+
     /// The emitter that a number in [0, 1) falls on, its probability, and the number, rescaled to [0, 1) for
     /// reuse; `None` if no emitter lights the point.
-    #[inline(never)]
-    pub fn sample(&self, at: Receiver, mut u: f64) -> Option<(usize, f64, f64)> {
+    pub fn sample(&self, mut u: f64) -> Option<(usize, f64, f64)> {
         let (mut index, mut probability) = (0, 1.0);
+        let (mut importance, mut total) = self.root;
         loop {
-            let Node { children, targets, .. } = &self.nodes[index];
-            let (importance, total) = children.importance(at);
             let (mut child, mut left) = (0, u * total);
             while child + 1 < WIDTH && left >= importance[child] {
                 left -= importance[child];
@@ -77,22 +96,22 @@ impl Tree {
                 return None;
             }
             u = (left / importance[child]).min(BELOW_ONE);
-            match targets[child] {
+            match self.tree.nodes[index].targets[child] {
                 Target::Emitter(emitter) => return Some((emitter as usize, probability, u)),
                 Target::Node(next) => index = next as usize,
                 Target::Nothing => return None,
             }
+            (importance, total) = self.tree.nodes[index].children.importance(self.at);
         }
     }
 
     /// The probability of choosing an emitter.
-    #[inline(never)]
-    pub fn probability(&self, emitter: usize, at: Receiver) -> f64 {
+    pub fn probability(&self, emitter: usize) -> f64 {
         let mut probability = 1.0;
-        let mut place = Some(self.leaves[emitter]);
-        while let Some(Place { node, child }) = place {
-            let node = &self.nodes[node as usize];
-            let (importance, total) = node.children.importance(at);
+        let mut place = Some(self.tree.leaves[emitter]);
+        while let Some(Place { node: number, child }) = place {
+            let node = &self.tree.nodes[number as usize];
+            let (importance, total) = if number == 0 { self.root } else { node.children.importance(self.at) };
             if importance[child as usize] <= 0.0 {
                 return 0.0;
             }

@@ -5,7 +5,7 @@ use crate::math::cone::Cone;
 use crate::math::random::{direction, uniform};
 use rand_pcg::Pcg32;
 
-/// Points, small boxes with a normal, and spots, of many powers.
+/// Points, small boxes with a normal, and spots, of many intensities.
 fn emitters(count: usize, rng: &mut Pcg32) -> Vec<Cluster> {
     let emitter = |i: usize| {
         let at = direction(rng) * (3.0 * uniform(rng));
@@ -15,7 +15,12 @@ fn emitters(count: usize, rng: &mut Pcg32) -> Vec<Cluster> {
             1 => (Cone::along(direction(rng)), 0.0),
             _ => (Cone::along(direction(rng)), uniform(rng)),
         };
-        Cluster { bounds: (at - half, at + half), normals, cos_beyond, power: uniform(rng) / count as f64 }
+        Cluster {
+            bounds: (at - half, at + half),
+            normals,
+            cos_beyond,
+            intensity: uniform(rng) / count as f64,
+        }
     };
     (0..count).map(emitter).collect()
 }
@@ -32,7 +37,7 @@ fn emitters_are_chosen_as_often_as_is_said() {
         let tree = Tree::new(&emitters(count, &mut rng));
         for _ in 0..50 {
             let at = receiver(&mut rng);
-            let probabilities: Vec<f64> = (0..count).map(|i| tree.probability(i, at)).collect();
+            let probabilities: Vec<f64> = (0..count).map(|i| tree.look(at).probability(i)).collect();
             let total: f64 = probabilities.iter().sum();
             // The numbers that fall on an emitter are as many as its probability says, and go on from 0 to 1
             // within.
@@ -40,7 +45,8 @@ fn emitters_are_chosen_as_often_as_is_said() {
             let mut shares = vec![0.0; count];
             let mut last: Option<(usize, f64)> = None;
             for i in 0..NUMBERS {
-                let Some((emitter, probability, rest)) = tree.sample(at, (i as f64 + 0.5) / NUMBERS as f64)
+                let Some((emitter, probability, rest)) =
+                    tree.look(at).sample((i as f64 + 0.5) / NUMBERS as f64)
                 else {
                     last = None;
                     continue;
@@ -78,7 +84,7 @@ fn what_shines_at_a_point_has_a_chance() {
             let arrives = n == DVec3::ZERO || n.dot(w) < 0.0;
             if leaves && arrives {
                 lit += 1;
-                assert!(tree.probability(i, (p, n)) > 0.0, "{cluster:?} at {p} about {n}");
+                assert!(tree.look((p, n)).probability(i) > 0.0, "{cluster:?} at {p} about {n}");
             }
         }
     }
@@ -102,7 +108,7 @@ fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
         bounds: (p, p),
         normals: Cone::along(-DVec3::Z),
         cos_beyond: 0.0,
-        power: 1.0 / LAMPS as f64,
+        intensity: 1.0 / LAMPS as f64,
     };
     let lamps: Vec<Cluster> = (0..LAMPS).map(|_| lamp(place(1.0))).collect();
     let tree = Tree::new(&lamps);
@@ -112,7 +118,7 @@ fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
         let light: Vec<f64> =
             lamps.iter().map(|lamp| (lamp.bounds.0 - at.0).length_squared().powi(-2)).collect();
         let scatters =
-            [scatter(&light, |i| tree.probability(i, at)), scatter(&light, |_| 1.0 / LAMPS as f64)];
+            [scatter(&light, |i| tree.look(at).probability(i)), scatter(&light, |_| 1.0 / LAMPS as f64)];
         sums = [0, 1].map(|i| sums[i] + scatters[i] / 200.0);
     }
     assert!(sums[0] < 0.4 && sums[1] > 40.0 * sums[0], "{sums:?}");
@@ -127,6 +133,6 @@ fn scaling_by_a_power_of_two_changes_no_choice() {
     let (a, b) = (Tree::new(&clusters), Tree::new(&clusters.iter().map(scaled).collect::<Vec<_>>()));
     for _ in 0..1000 {
         let ((p, n), u) = (receiver(&mut rng), uniform(&mut rng));
-        assert_eq!(a.sample((p, n), u), b.sample((p * factor, n), u));
+        assert_eq!(a.look((p, n)).sample(u), b.look((p * factor, n)).sample(u));
     }
 }
