@@ -25,6 +25,7 @@ pub mod image;
 pub mod integrator;
 pub mod math;
 pub mod medium;
+mod pages;
 pub mod phase;
 pub mod render;
 pub mod sampler;

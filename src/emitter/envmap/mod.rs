@@ -7,12 +7,14 @@ use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT};
 use crate::math::frame::unit;
 use crate::math::function::{acos, turn};
 use crate::math::{DVec2, DVec3, INV_PI, Transform};
+use crate::pages::Pages;
 use crate::scene::error::SceneError;
 use crate::scene::params::{MOST, Params};
 use crate::shape::require_orthogonal;
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use crate::texture::color_scale;
+use bytemuck::{Pod, Zeroable};
 use directions::{Cell, Corners, Directions, Place};
 
 pub const NAME: &str = "envmap";
@@ -24,8 +26,8 @@ pub const EXAMPLES: &[&str] = &[];
 const DARK: f64 = 1.0 / 32.0;
 
 /// Everything about a texel in one place, for a lookup waits for memory.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(16))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(16))]
 struct Texel {
     /// Coefficients of a [`Sigmoid`], or R, G and B.
     color: [f32; 3],
@@ -37,7 +39,7 @@ struct Texel {
 /// as in Mitsuba; between them all is bilinear.
 #[derive(Debug)]
 pub struct EnvironmentMap {
-    texels: Vec<Texel>,
+    texels: Pages<Texel>,
     width: usize,
     scale: f32,
     to_local: Transform,
@@ -92,6 +94,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let sought = scale * luminance * (uneven + OF_EVEN_LIGHT * (1.0 - uneven));
     let scale = scale as f32;
     let (to_local, to_world) = (to_world.inverted(), to_world);
+    let texels = Pages::from(&texels[..]);
     let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, common, sought };
     Ok(AnyEmitter::Envmap(Box::new(map)))
 }

@@ -1,10 +1,11 @@
 //! Arrays in large pages, for random access.
 //!
-//! A ray of a large scene waits for memory, and half of the wait is for the page tables. Large arrays are put
-//! in pages of two megabytes where the system provides them.
+//! A ray of a large scene waits for memory, as a look at a large environment map does, and half of the wait is
+//! for the page tables. Large arrays are put in pages of two megabytes where the system provides them.
 
 use bytemuck::Pod;
 use memmap2::MmapMut;
+use std::fmt::{Debug, Formatter};
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 
@@ -35,6 +36,20 @@ impl<T: Pod> Pages<T> {
             None => Memory::Small(bytemuck::zeroed_vec(count)),
         };
         Self { memory }
+    }
+}
+
+impl<T: Pod> From<&[T]> for Pages<T> {
+    fn from(items: &[T]) -> Self {
+        let mut pages = Self::zeroed(items.len());
+        pages.copy_from_slice(items);
+        pages
+    }
+}
+
+impl<T> Debug for Pages<T> {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        f.write_str("Pages")
     }
 }
 
