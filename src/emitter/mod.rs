@@ -166,7 +166,7 @@ impl AnyEmitter {
 
     /// The irradiance by one that is infinitely far, on a surface that faces it, and where that is; zero if
     /// it is on all sides. Light that is much the same on all sides counts little, for scattering finds it.
-    fn from_afar(&self) -> (f64, DVec3) {
+    pub fn from_afar(&self) -> (f64, DVec3) {
         match self {
             Self::Directional(directional) => (directional.irradiance(), directional.towards()),
             Self::Constant(constant) => (PI * constant.sought(), DVec3::ZERO),
