@@ -41,7 +41,7 @@ impl Directional {
     pub fn sample(&self, λ: &Wavelengths) -> Option<DirectSample> {
         let radiance = self.irradiance.eval(DVec2::ZERO, λ);
         Some(DirectSample {
-            wi: -self.direction,
+            wi: self.towards(),
             distance: f64::INFINITY,
             radiance,
             pdf: 1.0,

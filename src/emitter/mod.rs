@@ -155,7 +155,7 @@ impl AnyEmitter {
     }
 
     /// What it emits in the direction in which it emits most, per solid angle, if it is within the scene.
-    fn intensity(&self, shape: Option<&Geometry>) -> f64 {
+    pub fn intensity(&self, shape: Option<&Geometry>) -> f64 {
         match self {
             Self::Area(area) => shape.map_or(0.0, |s| area.intensity(s)),
             Self::Point(point) => point.intensity(),

@@ -54,18 +54,14 @@ impl Light {
         Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0, n: DVec3::ZERO })
     }
 
-    /// Divisor of the radiance, so that no weight is above 1: light is no albedo. Area over the squared
-    /// distance is the weight of a small flat source of radiance 1. Of light from afar the irradiance that is
-    /// sought is at least a quarter of all, which on a sphere is four times that on a plane. A colour differs
-    /// from its luminance by less than the remaining factor.
+    /// Divisor of the radiance, so that no weight is above 1: light is no albedo. Intensity over the squared
+    /// distance is the weight of a small source, of which a closed one shows a quarter of its surface. Of light
+    /// from afar the irradiance that is sought is at least a quarter of all, which on a sphere is four times
+    /// that on a plane. A colour differs from its luminance by less than the remaining factor.
     fn scale(&self) -> f64 {
-        match self.scene.shapes.first() {
-            Some(shape) => {
-                let nearest = self.radius * (DISTANCE - 1.0);
-                16.0 * shape.geometry.area() / (nearest * nearest)
-            }
-            None => 64.0 * self.emitter().from_afar().0,
-        }
+        let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
+        let nearest = self.radius * (DISTANCE - 1.0);
+        16.0 * self.emitter().intensity(geometry) / (nearest * nearest) + 64.0 * self.emitter().from_afar().0
     }
 
     fn emitter(&self) -> &AnyEmitter {
