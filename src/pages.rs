@@ -39,14 +39,6 @@ impl<T: Pod> Pages<T> {
     }
 }
 
-impl<T: Pod> From<&[T]> for Pages<T> {
-    fn from(items: &[T]) -> Self {
-        let mut pages = Self::zeroed(items.len());
-        pages.copy_from_slice(items);
-        pages
-    }
-}
-
 impl<T> Debug for Pages<T> {
     fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
         f.write_str("Pages")

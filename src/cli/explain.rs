@@ -58,7 +58,7 @@ impl Arguments {
             "shared_light_paths": scene.light_sources.as_ref().map_or(0, |sources| sources.paths),
             "emitter_samples": path.map(|path| [path.first_emitter_samples, path.emitter_samples]),
             "emitter_count": scene.emitters.list.len(),
-            "emitter_choice": if scene.emitters.chosen_by_place() { "by place and power" } else { "by power" },
+            "emitter_choice": if scene.emitters.chosen_by_place() { "by place and power" } else { "none" },
             "uses": scene.features.names(),
             "kernel": kernel.name,
             "left_out": left_out.names(),

@@ -86,8 +86,8 @@ impl Area {
 
     /// Along the normal; for a shape that is closed, whose shadow has a quarter of its surface on average, in
     /// any direction.
-    pub fn intensity(&self, shape: &Geometry) -> f64 {
-        let seen = if shape.normals() == Cone::EVERYWHERE { 0.25 } else { 1.0 };
+    pub fn intensity(&self, shape: &Geometry, normals: Cone) -> f64 {
+        let seen = if normals == Cone::EVERYWHERE { 0.25 } else { 1.0 };
         self.radiance.mean() * shape.area() * seen
     }
 

@@ -26,6 +26,7 @@ pub use directional::Directional;
 pub use envmap::EnvironmentMap;
 pub use point::Point;
 pub use select::Emitters;
+use select::{Distant, Expected};
 pub use spot::Spot;
 use std::f64::consts::PI;
 use tree::Cluster;
@@ -154,39 +155,27 @@ impl AnyEmitter {
         }
     }
 
-    /// What it emits in the direction in which it emits most, per solid angle, if it is within the scene.
-    pub fn intensity(&self, shape: Option<&Geometry>) -> f64 {
-        match self {
-            Self::Area(area) => shape.map_or(0.0, |s| area.intensity(s)),
-            Self::Point(point) => point.intensity(),
-            Self::Spot(spot) => spot.intensity(),
-            Self::Directional(_) | Self::Constant(_) | Self::Envmap(_) => 0.0,
-        }
-    }
-
-    /// The irradiance by one that is infinitely far, on a surface that faces it, and where that is; zero if
-    /// it is on all sides. Light that is much the same on all sides counts little, for scattering finds it.
-    pub fn from_afar(&self) -> (f64, DVec3) {
-        match self {
-            Self::Directional(directional) => (directional.irradiance(), directional.towards()),
-            Self::Constant(constant) => (PI * constant.sought(), DVec3::ZERO),
-            Self::Envmap(map) => (PI * map.sought(), DVec3::ZERO),
-            Self::Area(_) | Self::Point(_) | Self::Spot(_) => (0.0, DVec3::ZERO),
-        }
-    }
-
-    /// Its bounds in space and direction, for a [`tree`]; `None` if it is infinitely far.
-    fn cluster(&self, shape: Option<&Geometry>) -> Option<Cluster> {
-        let intensity = self.intensity(shape);
-        let of = |bounds, normals, cos_beyond| Some(Cluster { bounds, normals, cos_beyond, intensity });
+    /// What may be expected of it, whoever gathers its light. Light that is much the same on all sides counts
+    /// little, for scattering finds it.
+    pub fn expected(&self, shape: Option<&Geometry>) -> Expected {
+        let near = |bounds, (normals, cos_beyond), intensity| {
+            Expected::Near(Cluster { bounds, normals, cos_beyond, intensity })
+        };
+        let far = |irradiance, towards| Expected::Far(Distant { irradiance, towards });
         match (self, shape) {
-            (Self::Area(_), Some(shape)) => of(shape.bounds(), shape.normals(), 0.0),
-            (Self::Point(point), _) => of((point.place(), point.place()), Cone::EVERYWHERE, 0.0),
-            (Self::Spot(spot), _) => {
-                let (cone, cos_beyond) = spot.cone();
-                of((spot.place(), spot.place()), cone, cos_beyond)
+            (Self::Area(area), Some(shape)) => {
+                let normals = shape.normals();
+                near(shape.bounds(), (normals, 0.0), area.intensity(shape, normals))
             }
-            _ => None,
+            // Without a surface there is no light.
+            (Self::Area(_), None) => far(0.0, DVec3::ZERO),
+            (Self::Point(point), _) => {
+                near((point.place(), point.place()), (Cone::EVERYWHERE, 0.0), point.intensity())
+            }
+            (Self::Spot(spot), _) => near((spot.place(), spot.place()), spot.cone(), spot.intensity()),
+            (Self::Directional(directional), _) => far(directional.irradiance(), directional.towards()),
+            (Self::Constant(constant), _) => far(PI * constant.sought(), DVec3::ZERO),
+            (Self::Envmap(map), _) => far(PI * map.sought(), DVec3::ZERO),
         }
     }
 

@@ -6,7 +6,7 @@
 //! and not in the street. Of the sky only that counts which scattering would not find by itself.
 
 use super::AnyEmitter;
-use super::tree::{Look, Receiver, Tree};
+use super::tree::{Cluster, Look, Receiver, Tree};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3};
 use crate::shape::Geometry;
@@ -23,7 +23,8 @@ pub struct Emitters {
     pub environment: Option<usize>,
     /// Those within the scene; of each leaf, by its number, the emitter.
     near: Option<(Tree, Vec<u32>)>,
-    far: Vec<Far>,
+    /// Those infinitely far, with their numbers.
+    far: Vec<(u32, Distant)>,
     /// Of each emitter, its number among the near or the far ones.
     places: Vec<Place>,
 }
@@ -35,14 +36,20 @@ pub struct Entry {
     pub shape: Option<u32>,
 }
 
-/// An emitter that is infinitely far.
+/// What may be expected of an emitter, whoever gathers its light.
 #[derive(Clone, Copy, Debug)]
-struct Far {
-    emitter: u32,
+pub enum Expected {
+    Near(Cluster),
+    Far(Distant),
+}
+
+/// What may be expected of an emitter that is infinitely far.
+#[derive(Clone, Copy, Debug)]
+pub struct Distant {
     /// On a surface that faces it, as far as emitter samples are wanted for it.
-    irradiance: f64,
+    pub irradiance: f64,
     /// Where it is; zero if it is on all sides.
-    towards: DVec3,
+    pub towards: DVec3,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +60,7 @@ enum Place {
 
 /// What may be chosen at a point.
 struct Choices<'a> {
+    /// The emitters within the scene, if light of any can arrive.
     near: Option<Look<'a>>,
     /// How many choices there are, and the sum of their estimates.
     count: f64,
@@ -60,29 +68,22 @@ struct Choices<'a> {
 }
 
 impl Choices<'_> {
-    /// The probability of a choice by its estimate, which is `None` where no light can arrive.
+    /// The probability of a choice of which this irradiance is expected.
     #[inline]
-    fn probability(&self, estimate: Option<f64>) -> f64 {
-        match estimate {
-            None => 0.0,
-            Some(light) if self.total > 0.0 && self.total.is_finite() => {
-                EVEN / self.count + (1.0 - EVEN) * (light / self.total)
-            }
-            Some(_) => 1.0 / self.count,
+    fn probability(&self, irradiance: f64) -> f64 {
+        if self.total > 0.0 && self.total.is_finite() {
+            EVEN / self.count + (1.0 - EVEN) * (irradiance / self.total)
+        } else {
+            1.0 / self.count
         }
-    }
-
-    #[inline]
-    fn near(&self) -> Option<f64> {
-        self.near.as_ref().map(Look::total).filter(|light| *light > 0.0)
     }
 }
 
-impl Far {
+impl Distant {
     /// An estimate of the irradiance of a surface of normal n, or of nothing in particular if n is zero;
     /// `None` if none arrives.
     #[inline]
-    fn irradiance(&self, n: DVec3) -> Option<f64> {
+    fn irradiance_about(&self, n: DVec3) -> Option<f64> {
         if self.towards == DVec3::ZERO || n == DVec3::ZERO {
             return Some(self.irradiance);
         }
@@ -95,16 +96,15 @@ impl Emitters {
     pub fn new<'a>(list: Vec<Entry>, shape: impl Fn(u32) -> &'a Geometry) -> Self {
         let (mut near, mut leaves, mut far, mut places) = (vec![], vec![], vec![], vec![]);
         for (index, entry) in (0..).zip(&list) {
-            match entry.emitter.cluster(entry.shape.map(&shape)) {
-                Some(cluster) => {
+            match entry.emitter.expected(entry.shape.map(&shape)) {
+                Expected::Near(cluster) => {
                     places.push(Place::Near(near.len() as u32));
                     near.push(cluster);
                     leaves.push(index);
                 }
-                None => {
-                    let (irradiance, towards) = entry.emitter.from_afar();
+                Expected::Far(distant) => {
                     places.push(Place::Far(far.len() as u32));
-                    far.push(Far { emitter: index, irradiance, towards });
+                    far.push((index, distant));
                 }
             }
         }
@@ -126,11 +126,8 @@ impl Emitters {
     }
 
     /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers,
-    /// rescaled for reuse; `None` if no emitter lights the point.
-    ///
-    /// Each emitter gets a strip of the unit square, over which points that are stratified over the square
-    /// are stratified as well. If another number made the choice, each would get an arbitrary subset of them.
-    /// The choice uses up bits of the first number; `digits`, in [0, 1), adds 32 bits to it.
+    /// rescaled for reuse; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None` if no
+    /// emitter lights the point.
     #[inline]
     pub fn sample(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
         match self.list.len() {
@@ -148,14 +145,14 @@ impl Emitters {
 
     #[inline]
     fn choices(&self, at: Receiver) -> Choices<'_> {
-        let near = self.near.as_ref().map(|(tree, _)| tree.look(at));
-        let mut choices = Choices { near, count: 0.0, total: 0.0 };
-        let far = self.far.iter().filter_map(|far| far.irradiance(at.1));
-        for estimate in far.chain(choices.near()) {
-            choices.count += 1.0;
-            choices.total += estimate;
+        let near = self.near.as_ref().map(|(tree, _)| tree.look(at)).filter(|look| look.total() > 0.0);
+        let (mut count, mut total) = (0.0, 0.0);
+        let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_about(at.1));
+        for irradiance in far.chain(near.as_ref().map(Look::total)) {
+            count += 1.0;
+            total += irradiance;
         }
-        choices
+        Choices { near, count, total }
     }
 
     #[inline(never)]
@@ -164,21 +161,18 @@ impl Emitters {
         let mut left = with_digits(u.x, digits);
         // Rounding may lead past the last.
         let mut last = None;
-        for far in &self.far {
-            let probability = choices.probability(far.irradiance(at.1));
+        for (emitter, distant) in &self.far {
+            let Some(irradiance) = distant.irradiance_about(at.1) else { continue };
+            let probability = choices.probability(irradiance);
+            let chosen = |rest: f64| Some((*emitter as usize, probability, DVec2::new(rest, u.y)));
             if left < probability {
-                return Some((far.emitter as usize, probability, DVec2::new(left / probability, u.y)));
+                return chosen(left / probability);
             }
-            if probability > 0.0 {
-                last = Some((far.emitter as usize, probability, DVec2::new(BELOW_ONE, u.y)));
-            }
+            last = chosen(BELOW_ONE);
             left -= probability;
         }
-        let (Some(estimate), Some((_, leaves)), Some(look)) = (choices.near(), &self.near, &choices.near)
-        else {
-            return last;
-        };
-        let probability = choices.probability(Some(estimate));
+        let (Some((_, leaves)), Some(look)) = (&self.near, &choices.near) else { return last };
+        let probability = choices.probability(look.total());
         let (leaf, chance, rest) = look.sample((left / probability).min(BELOW_ONE))?;
         Some((leaves[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
     }
@@ -186,13 +180,17 @@ impl Emitters {
     #[inline(never)]
     fn probability_of_several(&self, index: usize, at: Receiver) -> f64 {
         let choices = self.choices(at);
-        match (self.places[index], &choices.near) {
-            (Place::Near(leaf), Some(look)) => {
-                choices.probability(choices.near()) * look.probability(leaf as usize)
+        let chance = match self.places[index] {
+            Place::Near(leaf) => choices
+                .near
+                .as_ref()
+                .map(|look| choices.probability(look.total()) * look.probability(leaf as usize)),
+            Place::Far(number) => {
+                let (_, distant) = self.far[number as usize];
+                distant.irradiance_about(at.1).map(|irradiance| choices.probability(irradiance))
             }
-            (Place::Near(_), None) => 0.0,
-            (Place::Far(number), _) => choices.probability(self.far[number as usize].irradiance(at.1)),
-        }
+        };
+        chance.unwrap_or(0.0)
     }
 }
 

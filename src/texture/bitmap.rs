@@ -133,7 +133,7 @@ impl Bitmap {
     #[inline(always)]
     fn corners(&self, uv: DVec2) -> [(usize, f32); 4] {
         let ([a, b, c, d], x, y) = self.square(uv);
-        let (tx, ty) = if self.lookup.nearest { (0.0, 0.0) } else { (x as f32, y as f32) };
+        let (tx, ty) = (x as f32, y as f32);
         [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
     }
 

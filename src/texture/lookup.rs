@@ -40,7 +40,7 @@ impl Lookup {
     }
 
     /// Along one axis of `size` cells that fill [0, 1], the two about a place, and the distance from the
-    /// first, in cells.
+    /// first, in cells; zero if that alone counts.
     #[inline(always)]
     pub fn between(&self, p: f64, size: usize) -> ([usize; 2], f64) {
         // Nearly all cells are inside then; `beyond`, which divides, is only for those on the border.
@@ -48,7 +48,8 @@ impl Lookup {
         let x = p * size as f64 - if self.nearest { 0.0 } else { 0.5 };
         let first = x.floor();
         let wrapped = |i: i64| if (0..size as i64).contains(&i) { i as usize } else { self.beyond(i, size) };
-        ([wrapped(first as i64), wrapped((first as i64).saturating_add(1))], x - first)
+        let distance = if self.nearest { 0.0 } else { x - first };
+        ([wrapped(first as i64), wrapped((first as i64).saturating_add(1))], distance)
     }
 
     /// The cells, each perhaps several times, that stand for those from `first` to `last`.

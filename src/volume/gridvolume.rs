@@ -159,9 +159,6 @@ impl Grid {
         let (mut cells, mut weights) = ([[0; 2]; 3], [0.0; 3]);
         for axis in 0..3 {
             (cells[axis], weights[axis]) = self.lookup.between(p[axis], self.size[axis]);
-            if self.lookup.nearest {
-                weights[axis] = 0.0;
-            }
         }
         Between { cells, weights }
     }

@@ -47,6 +47,7 @@ pub struct EnvironmentMap {
     directions: Directions,
     /// Mean brightness, which importances leave out; see [`importance`].
     common: f64,
+    /// Mean radiance over all directions that is sought by emitter samples, as luminance.
     sought: f64,
 }
 
@@ -84,7 +85,8 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
             ColorMode::Spectral => Texel { color: params.loader.upsampler.fit(color).0, scale },
         }
     };
-    let texels: Vec<Texel> = rgb.iter().map(texel).collect();
+    let mut texels = Pages::zeroed(rgb.len());
+    texels.iter_mut().zip(&rgb).for_each(|(place, rgb)| *place = texel(rgb));
     let (width, rows) = (pixels.width, pixels.height - 1);
     let common = mean(width, texels.iter().map(|texel| f64::from(texel.scale)));
     let directions = Directions::new(width, rows, |cell| importances(&corners(&texels, width, cell), common));
@@ -94,7 +96,6 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let sought = scale * luminance * (uneven + OF_EVEN_LIGHT * (1.0 - uneven));
     let scale = scale as f32;
     let (to_local, to_world) = (to_world.inverted(), to_world);
-    let texels = Pages::from(&texels[..]);
     let map = EnvironmentMap { texels, width, scale, to_local, to_world, directions, common, sought };
     Ok(AnyEmitter::Envmap(Box::new(map)))
 }
@@ -166,7 +167,7 @@ impl EnvironmentMap {
         }
     }
 
-    /// Mean radiance over all directions that is sought by emitter samples, as luminance.
+    /// The part of its mean radiance that is sought by emitter samples.
     pub fn sought(&self) -> f64 {
         self.sought
     }

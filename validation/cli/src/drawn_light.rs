@@ -1,6 +1,7 @@
 //! Sampled directions towards emitters, as distributions over the sphere.
 
 use etalon::emitter::AnyEmitter;
+use etalon::emitter::select::Expected;
 use etalon::math::{DVec2, Ray};
 use etalon::scene::{self, Features, Scene};
 use etalon::spectrum::{ColorMode, Wavelengths};
@@ -61,7 +62,10 @@ impl Light {
     fn scale(&self) -> f64 {
         let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
         let nearest = self.radius * (DISTANCE - 1.0);
-        16.0 * self.emitter().intensity(geometry) / (nearest * nearest) + 64.0 * self.emitter().from_afar().0
+        match self.emitter().expected(geometry) {
+            Expected::Near(cluster) => 16.0 * cluster.intensity / (nearest * nearest),
+            Expected::Far(distant) => 64.0 * distant.irradiance,
+        }
     }
 
     fn emitter(&self) -> &AnyEmitter {
