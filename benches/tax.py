@@ -62,9 +62,12 @@ def sources():
 
 
 def removed(removal, files):
-    """The files that a removal changes, with their new content."""
+    """The files that a removal changes, with their new content. What is removed `with` it goes first: code
+    that cannot be without the feature, and that no scene of the table runs.
+    """
+    others = [other for other in removals() if other["feature"] in removal.get("with", [])]
     changed = {}
-    for edit in removal["edits"]:
+    for edit in [edit for part in [*others, removal] for edit in part["edits"]]:
         name, expected = edit["file"], edit.get("count", 1)
         text = changed.get(name, files.get(name, b""))
         count = text.count(edit["find"].encode())
@@ -91,8 +94,12 @@ def cargo(what, files, removal, whole=False):
     """
     tree = os.path.join(FOLDER, what, "tree")
     files = {**files, **(removed(removal, files) if removal else {})}
-    for name, data in (files if whole else with_one_kernel(files)).items():
+    files = files if whole else with_one_kernel(files)
+    for name, data in files.items():
         write_if_new(os.path.join(tree, name), data)
+    for path in glob.glob(os.path.join(tree, "**", "*.*"), recursive=True):
+        if os.path.relpath(path, tree) not in files:
+            os.remove(path)
     environment = {**os.environ, "CARGO_TARGET_DIR": os.path.join(FOLDER, what)}
     told = subprocess.run(["cargo", what, "--release", "--quiet", "--bin", "etalon"], cwd=tree, env=environment, capture_output=True, text=True)
     if told.returncode:
