@@ -9,7 +9,8 @@
 
 use clap::Parser;
 use etalon::film::BLOCK;
-use etalon::render::pilot::{Pilot, Quality, for_error};
+use etalon::render::pilot::{Pilot, for_error};
+use etalon::render::quality::Quality;
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{Overrides, Scene, load};
 use etalon::spectrum::ColorMode;

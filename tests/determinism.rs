@@ -72,6 +72,15 @@ fn require_content(trial: &Trial, image: &Image) {
 }
 
 #[test]
+fn one_trial_has_samples_that_count_for_several_pixels() {
+    let spreads = |trial: &Trial| {
+        let scene = load_text("scene.xml", &trial.text(Units::default()), trial.mode).unwrap();
+        scene.sensor.film.spread.is_some()
+    };
+    assert_eq!(SCENES.iter().filter(|trial| spreads(trial)).count(), 1);
+}
+
+#[test]
 fn threads_and_repetition_change_no_byte() {
     for trial in SCENES {
         let folder = folder(trial);

@@ -46,7 +46,12 @@ impl Arguments {
             say!("  radiance so far {:?}", event.radiance.0);
         }
         say!("radiance {:?}", radiance.0);
-        say!("filter weight {:?}", replay.weight);
+        match camera.place_in_pixels(self.sample) {
+            None => say!("filter weight {:?}", replay.weight),
+            Some([x, y]) => {
+                say!("counts for all pixels whose filters reach {:?}, {:?} within its own", x.ξ, y.ξ)
+            }
+        }
         for (number, added) in &replay.light_paths {
             say!("light path {number} adds {added:?}");
         }

@@ -2,7 +2,8 @@
 
 use super::say;
 use etalon::image::Image;
-use etalon::render::pilot::{Pilot, Quality};
+use etalon::render::pilot::Pilot;
+use etalon::render::quality::Quality;
 use etalon::render::{Report, memory};
 use etalon::scene::Scene;
 use std::io;

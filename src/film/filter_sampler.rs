@@ -44,6 +44,10 @@ impl FilterSampler {
         Self { profile, half, absolute, signed, guide, pieces }
     }
 
+    pub fn profile(&self) -> Profile {
+        self.profile
+    }
+
     /// Whether on a film of so many pixels in a row the weights of a pixel's samples nearly cancel, so that
     /// no mean can be made of them.
     pub fn cancels(&self, count: u32) -> bool {
@@ -102,6 +106,12 @@ impl FilterSampler {
         ((self.half - bin_at(before)) as usize, (self.half + bin_at(after)) as usize)
     }
 
+    /// ∫f over what is left to a pixel with so many others before and after it.
+    pub fn integral(&self, before: u32, after: u32) -> f64 {
+        let (first, last) = self.bins(before, after);
+        self.signed[last] - self.signed[first]
+    }
+
     /// The inverse of [`Self::sample`]: one of `count` pixels in a row, the first of which begins at 0, for
     /// light that falls on `x`; and its weight f/∫f over the probability of the choice, which is in
     /// proportion to that of |f|/∫f. `limits` gives how many pixels the film has before and after one.
@@ -124,8 +134,7 @@ impl FilterSampler {
             if offset < -f64::from(before) - 0.5 || offset >= f64::from(after) + 0.5 {
                 return 0.0;
             }
-            let (first, last) = self.bins(before, after);
-            self.profile.eval(offset) / (self.signed[last] - self.signed[first])
+            self.profile.eval(offset) / self.integral(before, after)
         };
         let total: f64 = (first..end).map(|pixel| value(pixel).abs()).sum();
         let mut rest = u * total;

@@ -11,6 +11,7 @@ mod accumulator;
 mod channel;
 pub mod filter;
 pub mod filter_sampler;
+pub mod filter_weights;
 mod grid;
 mod settings;
 

@@ -2,6 +2,7 @@
 
 use super::filter::{FILTERS, Profile};
 use super::filter_sampler::FilterSampler;
+use super::filter_weights::{FilterWeights, Place, Weights};
 use crate::image::Window;
 use crate::math::DVec2;
 use crate::scene::error::{SceneError, Span, known};
@@ -24,6 +25,9 @@ pub struct Film {
     pub filter: FilterSampler,
     /// Whether filters reach beyond the crop; otherwise they end there, as in Mitsuba.
     pub border: bool,
+    /// Where samples count for all pixels that the filter reaches, instead of lying where a pixel's filter
+    /// says; see [`crate::render::plan::reuse`], which settles it.
+    pub spread: Option<FilterWeights>,
     /// Whether there is a channel `A`, which says how much of a pixel is covered.
     pub alpha: bool,
     /// The responses of a spectral film, by name; an RGB film has none.
@@ -71,22 +75,54 @@ impl Default for Film {
 impl Film {
     pub fn new(size: (u32, u32), profile: Profile) -> Self {
         let crop = Window { x: 0, y: 0, width: size.0, height: size.1 };
-        Self { size, crop, filter: FilterSampler::new(profile), border: false, alpha: false, bands: vec![] }
+        let filter = FilterSampler::new(profile);
+        Self { size, crop, filter, border: false, spread: None, alpha: false, bands: vec![] }
     }
 
     /// Where a sample of pixel (x, y) lies, in pixels of the film, and its weight; u is in [0, 1)².
     #[inline]
     pub fn place(&self, (x, y): (u32, u32), u: DVec2) -> (DVec2, f64) {
-        let (c, all) = (self.crop, u32::MAX);
+        let [(left, right), (above, below)] = self.sides((x, y));
+        let (dx, wx) = self.filter.sample(u.x, left, right);
+        let (dy, wy) = self.filter.sample(u.y, above, below);
+        (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)
+    }
+
+    /// The place of all samples of a number within their pixels, by column and by row, if samples count for
+    /// all pixels that the filter reaches; u is in [0, 1)².
+    pub fn place_in_pixels(&self, u: DVec2) -> Option<[Place; 2]> {
+        self.spread.as_ref().map(|spread| [spread.place(u.x), spread.place(u.y)])
+    }
+
+    /// The weights, by column and by row, that samples at this place within their pixels have for pixel
+    /// (x, y), which is in the middle.
+    pub fn weights(&self, pixel: (u32, u32), [column, row]: [Place; 2]) -> Option<[Weights; 2]> {
+        let [columns, rows] = self.sides(pixel);
+        let spread = self.spread.as_ref()?;
+        Some([spread.at(column, &self.filter, columns), spread.at(row, &self.filter, rows)])
+    }
+
+    /// How filters can be splatted, if they can. Beyond the film there are no samples.
+    pub fn spreadable(&self) -> Option<FilterWeights> {
+        if self.border { None } else { FilterWeights::new(self.filter.profile()) }
+    }
+
+    /// Variance of a sum of many pixels over the sum of their variances: where samples count for several
+    /// pixels, errors of these are alike.
+    pub fn correlation(&self) -> f64 {
+        let along = |spread: &FilterWeights| spread.squares(&self.filter);
+        self.spread.as_ref().map_or(1.0, |spread| 1.0 / (along(spread) * along(spread)))
+    }
+
+    /// How many further pixels the filter of pixel (x, y) may reach: left and right, above and below.
+    #[inline]
+    fn sides(&self, (x, y): (u32, u32)) -> [(u32, u32); 2] {
+        let (c, all) = (self.crop, (u32::MAX, u32::MAX));
         // Pixels that share with those of the crop may lie beyond it.
         let sides = |pixel: u32, begin: u32, size: u32| {
             (pixel.saturating_sub(begin), (begin + size - 1).saturating_sub(pixel))
         };
-        let (left, right) = if self.border { (all, all) } else { sides(x, c.x, c.width) };
-        let (above, below) = if self.border { (all, all) } else { sides(y, c.y, c.height) };
-        let (dx, wx) = self.filter.sample(u.x, left, right);
-        let (dy, wy) = self.filter.sample(u.y, above, below);
-        (DVec2::new(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy), wx * wy)
+        if self.border { [all, all] } else { [sides(x, c.x, c.width), sides(y, c.y, c.height)] }
     }
 
     /// The pixel that light at a place of the film (in pixels) is given to, and its weight: the inverse of
@@ -193,7 +229,7 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         return Err(params.error("rfilter", message, "expected another filter, or a larger film"));
     }
     let bands = if spectral { parse_bands(params)? } else { vec![] };
-    Ok(Film { size: (width, height), crop, filter, border, alpha, bands })
+    Ok(Film { size: (width, height), crop, filter, border, spread: None, alpha, bands })
 }
 
 /// Every nested spectrum or texture is a channel, named as [`channel_of`] says.

@@ -8,23 +8,24 @@ pub mod passes;
 pub mod pilot;
 pub mod plan;
 pub mod preview;
+pub mod quality;
 mod replay;
 pub mod sample;
 mod splats;
+pub mod spread;
 mod tile;
 
 use crate::film::BLOCK;
-use crate::image::{Attribute, Channel, Image, Provenance, Window};
-use crate::integrator::path::reuse::correlated_edge;
+use crate::film::Film;
+use crate::image::{Channel, Image, Provenance, Window};
 use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
-use pilot::{Noise, Quality};
+use quality::{Correlation, Noise, Quality};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sample::Camera;
 use splats::Splats;
-use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use tile::{Tile, tile};
@@ -32,9 +33,8 @@ use tile::{Tile, tile};
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
 
-/// The attribute of an image that says how many pixels shared what their paths found: their errors are not
-/// independent.
-pub const REUSE: &str = "reuse";
+/// The same where tiles need samples of the pixels around them.
+const LARGE_TILE: u32 = 64;
 
 /// What to render of a scene.
 #[derive(Clone, Debug)]
@@ -154,11 +154,11 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     let camera = Camera::new(scene, settings.seed, kernel);
     let names = camera.channel_names();
     let pool = pool(settings.threads).ok()?;
-    let windows: Vec<Window> = tiles(settings.window).collect();
-    let samples = &settings.samples;
+    let windows: Vec<Window> = tiles(camera.film(), settings.window).collect();
+    let (samples, correlation) = (&settings.samples, Correlation::of(scene));
     let part = |window| {
         let tile = tile(&camera, window, &Splats::default(), names.len(), samples, progress)?;
-        Some(Part::of(tile, names.len(), samples.end - samples.start, camera.reuse()))
+        Some(Part::of(tile, names.len(), samples.end - samples.start, correlation))
     };
     let parts: Vec<Part> = pool.install(|| windows.into_par_iter().map(part).collect::<Option<_>>())?;
     let mut report = Report { kernel: kernel.name, threads: pool.current_num_threads(), ..Report::default() };
@@ -183,11 +183,12 @@ struct Part {
 }
 
 impl Part {
-    /// From a tile of so many channels and samples, of which `reuse` pixels share.
-    fn of(Tile { window, sums, report }: Tile, channels: usize, count: u64, reuse: u32) -> Self {
+    /// From a tile of so many channels and samples.
+    fn of(tile: Tile, channels: usize, count: u64, correlation: Correlation) -> Self {
+        let Tile { window, sums, report } = tile;
         let channel = |c: usize| sums.iter().skip(c).step_by(channels);
         let exact = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
-        let noise = Noise::of(window, correlated_edge(reuse), exact);
+        let noise = Noise::of(window, correlation, exact);
         let moments = sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
         Self { window, moments, noise, report }
     }
@@ -201,20 +202,18 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
         samples: settings.samples.clone(),
         kernel: kernel.name.into(),
         integrator: scene.integrator.name().into(),
-        extra: match scene.integrator.reuse() {
-            1 => BTreeMap::new(),
-            pixels => BTreeMap::from([(REUSE.into(), Attribute::Integer(pixels as i32))]),
-        },
+        extra: Correlation::attributes(scene),
     }
 }
 
 /// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut
 /// without need.
-fn tiles(window: Window) -> impl Iterator<Item = Window> {
-    let cut = |begin: u32, size: u32| {
-        (begin / TILE * TILE..begin + size).step_by(TILE as usize).map(move |at| {
+fn tiles(film: &Film, window: Window) -> impl Iterator<Item = Window> {
+    let edge = if film.spread.is_some() { LARGE_TILE } else { TILE };
+    let cut = move |begin: u32, size: u32| {
+        (begin / edge * edge..begin + size).step_by(edge as usize).map(move |at| {
             let first = at.max(begin);
-            (first, (at + TILE).min(begin + size) - first)
+            (first, (at + edge).min(begin + size) - first)
         })
     };
     cut(window.y, window.height).flat_map(move |(y, height)| {

@@ -4,7 +4,7 @@
 //! multiple of that length. The sums are exact, so that neither the division into passes nor the order in
 //! which tiles arrive can change a pixel: the clock may decide how long a pass is.
 
-use super::pilot::Quality;
+use super::quality::Quality;
 use super::tile::{Tile, tile};
 use super::{Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
@@ -86,7 +86,7 @@ pub fn render_passes(
     let kernel = settings.kernel(scene);
     let camera = Camera::new(scene, settings.seed, kernel);
     let pool = super::pool(settings.threads).ok()?;
-    let windows: Vec<Window> = tiles(settings.window).collect();
+    let windows: Vec<Window> = tiles(camera.film(), settings.window).collect();
     let mut partial = partial;
     (partial.report.kernel, partial.report.threads) = (kernel.name, pool.current_num_threads());
     let mut longest = BLOCK;

@@ -1,19 +1,23 @@
 //! Replay of one sample: its vertices and its contributions.
 
 use super::sample::Camera;
+use super::spread::Spread;
+use crate::image::Window;
 use crate::integrator::path::reuse;
 use crate::integrator::{CameraPath, Counters, Event};
 
 /// A sample of a pixel that was replayed.
 pub struct Replay {
     pub path: CameraPath,
-    /// Weight of the reconstruction filter, which the path's radiance does not include.
+    /// Weight of the reconstruction filter, which the path's radiance does not include; 1 where the filter
+    /// spreads the sample over several pixels.
     pub weight: f64,
     /// The vertices of the path, if the integrator traces any.
     pub vertices: Vec<Event>,
     /// Light paths that reach the pixel, by number, and what they add to the colour channels.
     pub light_paths: Vec<(u64, Vec<f64>)>,
-    /// What is added to each channel, all in all, before the pixel is divided by the filter's weights.
+    /// What is added to each channel, all in all: also by samples of other pixels, where these count for
+    /// several.
     pub values: Vec<f64>,
 }
 
@@ -36,6 +40,11 @@ impl Camera<'_> {
             traced = trace(&together, &mut Counters::default());
         }
         let (path, weight, mut values) = traced;
+        if let Some(place) = self.place_in_pixels(sample) {
+            let window = Window { x: pixel.0, y: pixel.1, width: 1, height: 1 };
+            let mut spread = Spread::new(self.film(), window, channels);
+            spread.make(self, (sample, place), usize::MAX, &mut Counters::default(), &mut values);
+        }
         let mut light_paths = vec![];
         let numbers = sample * self.light_paths()..(sample + 1) * self.light_paths();
         self.trace_light(numbers, &mut Counters::default(), |number, reached, added| {

@@ -1,5 +1,6 @@
 //! Camera samples: from (seed, pixel, sample number) to the values of all channels.
 
+use crate::film::filter_weights::Place;
 use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
 use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
@@ -51,7 +52,7 @@ impl<'a> Camera<'a> {
     }
 
     /// The values of camera samples, given by pixel and number: for each all channels, weighted by the
-    /// reconstruction filter. Also their paths, and those weights.
+    /// reconstruction filter unless that spreads them. Also their paths, and those weights.
     pub fn samples(
         &self,
         which: &[((u32, u32), u64)],
@@ -88,6 +89,21 @@ impl<'a> Camera<'a> {
     pub fn color_channels(&self) -> usize {
         let film = &self.scene.sensor.film;
         if self.radiance { 3 + usize::from(film.alpha) + film.bands.len() } else { 0 }
+    }
+
+    pub fn film(&self) -> &'a Film {
+        &self.scene.sensor.film
+    }
+
+    /// The place of all samples of this number within their pixels, if these count for several; see
+    /// [`super::spread`].
+    pub fn place_in_pixels(&self, sample: u64) -> Option<[Place; 2]> {
+        /// No pixel of any film.
+        const NONE: (u32, u32) = (u32::MAX, u32::MAX);
+        let film = self.film();
+        film.spread.as_ref()?;
+        let sampler = Sampler::new(self.scene.sensor.sampler.kind, self.seed, NONE, sample as u32);
+        film.place_in_pixels(sampler.block(CAMERA).pair(0))
     }
 
     /// How many neighbouring pixels share what their paths find.
@@ -163,10 +179,16 @@ impl<'a> Camera<'a> {
         let mut numbers = ManyNumbers::<8>::default();
         // Pairs for the place, the wavelengths and the lens.
         let pairs = if self.scene.sensor.camera.has_lens() { 3 } else { 2 };
+        let mut common = None;
         for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
             numbers.fill(which.len(), pairs, |i| (&samplers[i], CAMERA));
-            for (i, (&(pixel, _), sampler)) in which.iter().zip(samplers).enumerate() {
-                let (path, weight) = self.path(pixel, *sampler, numbers.of(i), groups.get(first + i));
+            for (i, (&(pixel, sample), sampler)) in which.iter().zip(samplers).enumerate() {
+                if self.film().spread.is_some() && common.is_none_or(|(of, _)| of != sample) {
+                    common = self.place_in_pixels(sample).map(|place| (sample, place));
+                }
+                let place = common.map(|(_, place)| place);
+                let (path, weight) =
+                    self.path((pixel, place), *sampler, numbers.of(i), groups.get(first + i));
                 paths.push(path);
                 weights.push(weight);
             }
@@ -214,13 +236,16 @@ impl<'a> Camera<'a> {
     #[inline]
     fn path(
         &self,
-        pixel: (u32, u32),
+        (pixel, place): ((u32, u32), Option<[Place; 2]>),
         sampler: Sampler,
         u: Numbers,
         group: Option<&(u32, Wavelengths)>,
     ) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;
-        let (place, weight) = film.place(pixel, u.pair(0));
+        let (place, weight) = match place {
+            None => film.place(pixel, u.pair(0)),
+            Some([x, y]) => (DVec2::new(f64::from(pixel.0) + x.ξ, f64::from(pixel.1) + y.ξ), 1.0),
+        };
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
         let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.one(2))));
         let ray = self.scene.sensor.camera.ray(place, u.pair(2));

@@ -2,6 +2,7 @@
 
 use super::sample::Camera;
 use super::splats::Splats;
+use super::spread::Spread;
 use super::{LISTED, NonFinite, Progress, Report, pixel};
 use crate::film::ChannelAccumulator;
 use crate::image::Window;
@@ -34,17 +35,43 @@ pub fn tile(
     let sums = vec![ChannelAccumulator::default(); channels * window.pixels()];
     let mut tile = Tile { window, sums, report: Report::default() };
     let mut counters = Counters::default();
-    let mut which = Vec::with_capacity(BATCH);
-    let mut values = vec![0.0; channels * BATCH];
-    let mut make = |which: &mut Vec<((u32, u32), u64)>| {
-        if progress.stop.load(Ordering::Relaxed) {
-            return None;
+    if camera.film().spread.is_some() {
+        let mut spread = Spread::new(camera.film(), window, channels);
+        let mut values = vec![0.0; channels * window.pixels()];
+        for sample in samples.clone() {
+            if progress.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            spread.make(camera, (sample, camera.place_in_pixels(sample)?), BATCH, &mut counters, &mut values);
+            let which: Vec<_> = (0..window.pixels()).map(|i| (pixel(window, i), sample)).collect();
+            tile.add(camera, &which, splats, &mut values, progress);
         }
-        let values = &mut values[..channels * which.len()];
-        camera.samples(which, &mut counters, values);
-        let done = tile.add(camera, which, splats, values);
-        tile.report.samples += done;
-        progress.done.fetch_add(done, Ordering::Relaxed);
+    } else {
+        let mut values = vec![0.0; channels * BATCH];
+        batches(camera, window, samples, |which| {
+            if progress.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let values = &mut values[..channels * which.len()];
+            camera.samples(which, &mut counters, values);
+            tile.add(camera, which, splats, values, progress);
+            Some(())
+        })?;
+    }
+    tile.report.count(&counters);
+    Some(tile)
+}
+
+/// Hands out the samples of a window in batches, with what else is needed to make them.
+fn batches(
+    camera: &Camera,
+    window: Window,
+    samples: &Range<u64>,
+    mut make: impl FnMut(&[((u32, u32), u64)]) -> Option<()>,
+) -> Option<()> {
+    let mut which = Vec::with_capacity(BATCH);
+    let mut make = |which: &mut Vec<_>| {
+        make(which)?;
         which.clear();
         Some(())
     };
@@ -75,22 +102,19 @@ pub fn tile(
             }
         }
     }
-    if !which.is_empty() {
-        make(&mut which)?;
-    }
-    tile.report.count(&counters);
-    Some(tile)
+    if which.is_empty() { Some(()) } else { make(&mut which) }
 }
 
 impl Tile {
-    /// Adds camera samples and their splats to the sums; returns how many of them lie in the window.
+    /// Adds those camera samples that lie in the window, and their splats, to the sums.
     fn add(
         &mut self,
         camera: &Camera,
         which: &[((u32, u32), u64)],
         splats: &Splats,
         values: &mut [f64],
-    ) -> u64 {
+        progress: &Progress,
+    ) {
         let channels = values.len() / which.len();
         let mut done = 0;
         for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
@@ -115,6 +139,7 @@ impl Tile {
                 }
             }
         }
-        done
+        self.report.samples += done;
+        progress.done.fetch_add(done, Ordering::Relaxed);
     }
 }

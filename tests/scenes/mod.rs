@@ -210,6 +210,20 @@ pub const SCENES: &[Trial] = &[
           <transform name="to_uv"><scale x="6" y="3"/></transform></texture></bsdf></shape>"#,
     },
     Trial {
+        name: "samples that count for several pixels",
+        mode: ColorMode::Spectral,
+        options: r#"<integer name="reuse" value="0"/>"#,
+        camera: LENS,
+        filter: r#"type="gaussian""#,
+        sampler: "sobol",
+        // Nothing here could be shared.
+        content: r#"<emitter type="constant"><rgb name="radiance" value="L(0.25, 0.5, 1)"/></emitter>
+          <shape type="sphere"><transform name="to_world"><scale value="0.5"/><translate x="-0.7"/>{place}</transform>
+          <bsdf type="plastic"/></shape>
+          <shape type="cube"><transform name="to_world"><scale value="0.5"/><rotate y="1" angle="30"/><translate x="0.7"/>{place}</transform>
+          <bsdf type="conductor"/></shape>"#,
+    },
+    Trial {
         name: "shared light paths",
         mode: ColorMode::Spectral,
         options: r#"<integer name="reuse" value="16"/><integer name="shared_light_paths" value="4"/>"#,

@@ -131,67 +131,6 @@ fn a_time_becomes_whole_blocks() {
 }
 
 #[test]
-fn few_pixels_with_all_the_variance_are_heavy_tails() {
-    let quality = |variances: &[f64]| {
-        let channel = || variances.iter().map(|&v| (1.0, v));
-        let window = Window { x: 3, y: 1, width: variances.len() as u32 / 4, height: 4 };
-        Quality::new(window, 1, [channel(), channel(), channel()])
-    };
-    let even = quality(&[2.0; 1000]);
-    assert!((even.effective_pixels - 1000.0).abs() < 1e-6 && !even.heavy_tailed());
-    assert!((even.relative_standard_error - 2f64.sqrt()).abs() < 1e-12);
-    // The channels see the same light: there are as many independent values as pixels.
-    assert!((even.relative_standard_error_of_mean - 0.002f64.sqrt()).abs() < 1e-12);
-    let mut outliers = [1e-6; 1000];
-    outliers[..3].fill(5.0);
-    let heavy = quality(&outliers);
-    assert!(heavy.heavy_tailed() && (heavy.effective_pixels - 3.0).abs() < 0.01);
-    assert!(!quality(&[0.0; 100]).heavy_tailed());
-    // Nine squares of pixels that share, all alike, are few, but none of them stands out.
-    let channel = (0..24 * 24).map(|_| (1.0, 2.0));
-    let shared = Quality::new(Window { x: 0, y: 0, width: 24, height: 24 }, 8, [channel]);
-    assert!((shared.effective_pixels - 9.0).abs() < 1e-9 && !shared.heavy_tailed());
-}
-
-#[test]
-fn errors_are_those_of_the_channels_that_there_are_and_positive() {
-    let window = Window { x: 0, y: 0, width: 10, height: 10 };
-    let quality = |value: f64, channels: usize| {
-        Quality::new(window, 1, vec![std::iter::repeat_n((value, 4.0), 100); channels])
-    };
-    let three = quality(5.0, 3);
-    assert!((three.relative_standard_error - 0.4).abs() < 1e-12);
-    assert!((three.relative_standard_error_of_mean - 0.04).abs() < 1e-12);
-    for channels in 1..=3 {
-        for sign in [1.0, -1.0] {
-            let found = quality(5.0 * sign, channels);
-            let mean = std::array::from_fn(|i| if i < channels { 5.0 * sign } else { 0.0 });
-            assert_eq!(found, Quality { mean, ..three }, "{channels} channels");
-        }
-    }
-}
-
-#[test]
-fn errors_of_pixels_that_share_paths_may_add_up() {
-    let channel = || (0..24).map(|i| (2.0, f64::from(1 + i % 4)));
-    let quality = |edge| Quality::new(Window { x: 3, y: 2, width: 6, height: 4 }, edge, [channel()]);
-    let (alone, together) = (quality(1), quality(2));
-    assert_eq!(alone.relative_standard_error, together.relative_standard_error);
-    // Columns 3 | 4 5 | 6 7 | 8 and rows 2 3 | 4 5, by hand.
-    let deviation = |i: usize| f64::from(1 + i as u32 % 4).sqrt();
-    let rows = [[0, 6], [12, 18]].map(|rows| {
-        [vec![0], vec![1, 2], vec![3, 4], vec![5]].map(|columns| {
-            let pixels = columns.iter().flat_map(|c| rows.map(|r| r + c));
-            pixels.map(deviation).sum::<f64>()
-        })
-    });
-    let sum: f64 = rows.iter().flatten().map(|deviation| deviation * deviation).sum();
-    let expected = sum.sqrt() / 24.0 / 2.0;
-    assert!((together.relative_standard_error_of_mean / expected - 1.0).abs() < 1e-12);
-    assert!(together.relative_standard_error_of_mean > 1.7 * alone.relative_standard_error_of_mean);
-}
-
-#[test]
 fn the_count_is_that_of_the_last_look_with_its_margin() {
     let scene = scene(LIT);
     for (seed, target) in [(0, 0.0003), (1, 0.0002), (2, 0.0001), (3, 0.0001)] {
@@ -207,25 +146,4 @@ fn the_count_is_that_of_the_last_look_with_its_margin() {
         let beyond = pilot.count as f64 - plain * (1.0 + margin);
         assert!((-1e-6..BLOCK as f64 + 1e-6).contains(&beyond), "{pilot:?}: {beyond}");
     }
-}
-
-#[test]
-fn an_image_whose_pixels_share_paths_knows_that_their_errors_are_correlated() {
-    let mut scene = scene(LIT);
-    scene.integrator.path_mut().unwrap().reuse = 16;
-    crate::render::plan::reuse::settle(&mut scene);
-    let settings = Settings { samples: 0..16, ..settings(&scene, 0) };
-    let (image, _) = render(&scene, &settings, &Progress::default()).expect("it renders");
-    let double = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<_>>();
-    let quality = |edge| {
-        let channels = image.channels.iter().map(|channel| {
-            let variance = channel.variance.as_deref().expect("variances");
-            double(&channel.mean).into_iter().zip(double(variance))
-        });
-        Quality::new(settings.window, edge, channels)
-    };
-    assert_eq!(Quality::of_image(&image), quality(correlated_edge(16)));
-    let ratio =
-        |edge| quality(edge).relative_standard_error_of_mean / quality(1).relative_standard_error_of_mean;
-    assert!(ratio(4) > 1.5, "{}", ratio(4));
 }

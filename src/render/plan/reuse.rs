@@ -11,8 +11,10 @@
 //! samples grows, whatever is shared. So two looks at pixels that share nothing, with few emitter samples and
 //! with many, predict any other look for any number of these, and all is chosen together.
 
+use super::super::LARGE_TILE;
 use super::light_paths;
 use super::look::{CELLS, Cell, GLANCE, Look};
+use crate::film::Film;
 use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
@@ -95,6 +97,7 @@ impl Direct {
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
     let free = path.free;
+    scene.sensor.film.spread = None;
     let given = Choice {
         pixels: path.reuse,
         light_paths: path.shared_light_paths,
@@ -119,6 +122,11 @@ pub fn settle(scene: &mut Scene) {
         scene.settle_caustics();
     }
     set(scene, best.choice);
+    if best.choice.pixels == 1 {
+        scene.sensor.film.spread = scene.sensor.film.spreadable();
+        let squares = 1.0 / scene.sensor.film.correlation();
+        best.look.cells.iter_mut().for_each(|cell| cell.variance *= squares);
+    }
     if light_paths::is_free(scene) {
         light_paths::balance(scene, &best.look);
     }
@@ -138,6 +146,7 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
 /// The best choice, and whether sharing is far from paying; a glance is for the latter.
 fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
+    let spread = price_of_spreading(&scene.sensor.film);
     let mut look = |choice: Choice| {
         set(scene, choice);
         Look::at(scene, if glance { GLANCE } else { CELLS })
@@ -151,6 +160,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     });
     // The best number of emitter samples, from a look with `choice.samples` of them.
     let judge = |choice: Choice, look: Look, price: f64| {
+        let price = if choice.pixels == 1 { spread } else { price };
         let Some(direct) = &direct else {
             let product = price * product(&look);
             return Judged { choice, look, product };
@@ -184,6 +194,16 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
         best = better(best, judged);
     }
     (best, far)
+}
+
+/// The factor of variance and cost where no pixels share paths, and samples count for all pixels that the film's
+/// filter reaches.
+fn price_of_spreading(film: &Film) -> f64 {
+    film.spreadable().map_or(1.0, |spread| {
+        let traced = f64::from(LARGE_TILE + 2 * spread.reach()) / f64::from(LARGE_TILE);
+        let along = traced * spread.squares(&film.filter);
+        along * along
+    })
 }
 
 /// The one with the smaller product; of equals the first.
@@ -230,7 +250,7 @@ mod tests {
         format!(
             r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="8"/>{options}</integrator>
                 <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, -3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
-                    <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film></sensor>
+                    <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/><rfilter type="box"/></film></sensor>
                 <shape type="{sides}"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>{wears}</shape>
                 {inside}</scene>"#
         )
@@ -259,6 +279,20 @@ mod tests {
         assert_eq!(pixels("rectangle", BRIGHT, ASKED), 1);
         assert_eq!(pixels("cube", BRIGHT, ""), 1);
         assert_eq!(pixels("cube", plastic, r#"<integer name="reuse" value="4"/>"#), 4);
+    }
+
+    #[test]
+    fn samples_count_for_several_pixels_where_no_paths_are_shared() {
+        let plastic = r#"<bsdf type="plastic"/>"#;
+        let spreads = |wears: &str, options: &str, filter: &str| {
+            let text = scene("cube", wears, options, &ball(2.0, 0.7, LAMP)).replace("box", filter);
+            let scene = load_text("room.xml", &text, ColorMode::Rgb).expect("it loads");
+            assert!(scene.sensor.film.spread.is_none() || scene.integrator.reuse() == 1);
+            scene.sensor.film.spread.is_some()
+        };
+        assert!(spreads(plastic, ASKED, "tent") && spreads(plastic, ASKED, "gaussian"));
+        assert!(!spreads(plastic, ASKED, "box"));
+        assert!(!spreads(plastic, "", "tent") && !spreads(BRIGHT, ASKED, "tent"));
     }
 
     #[test]

@@ -6,8 +6,8 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 
 use super::{Channel, Image, ImageError};
 
-/// The attribute that Etalon writes to files whose pixels share paths.
-const CORRELATED: &str = "etalon.reuse";
+/// The attributes that Etalon writes to files whose pixels share paths, or whose samples count for several.
+const CORRELATED: [&str; 2] = ["etalon.reuse", "etalon.spread"];
 
 /// The prefix of the names of variance channels.
 const VARIANCE: &str = "variance.";
@@ -65,7 +65,8 @@ pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
         return Err(ImageError("subsampled channels are not supported".into()));
     }
     let mut channels = pair_variances(channels);
-    if file.layer_data.iter().any(|layer| layer.attributes.other.keys().any(|name| name == CORRELATED)) {
+    let correlated = |name: &exr::meta::attribute::Text| CORRELATED.iter().any(|of| name == *of);
+    if file.layer_data.iter().any(|layer| layer.attributes.other.keys().any(correlated)) {
         channels.iter_mut().for_each(|channel| channel.variance = None);
     }
     Ok(Image { width, height, channels })

@@ -1,0 +1,189 @@
+//! How well an image is known, from its pixels' variances.
+
+use super::passes::Partial;
+use super::pixel;
+use crate::image::{Attribute, Image, Provenance, Window};
+use crate::integrator::path::reuse::correlated_edge;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+
+/// With fewer effective pixels than this, the noise is put down to a few outlier samples.
+const FEW: f64 = 20.0;
+
+/// The attribute of an image that says how many pixels shared what their paths found.
+const REUSE: &str = "reuse";
+
+/// The attribute of an image whose samples counted for several pixels; see [`Correlation::gain`].
+const SPREAD: &str = "spread";
+
+/// How errors of pixels depend on one another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correlation {
+    /// Edge of the squares of the film beyond which no two pixels share paths: within these, errors may be
+    /// correlated by however much.
+    pub edge: u32,
+    /// Variance of a sum of many pixels over the sum of their variances, where samples count for several
+    /// pixels; otherwise 1. At borders of the film this is a little too much.
+    pub gain: f64,
+}
+
+impl Correlation {
+    pub const NONE: Self = Self { edge: 1, gain: 1.0 };
+
+    /// That of the images of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self { edge: correlated_edge(scene.integrator.reuse()), gain: scene.sensor.film.correlation() }
+    }
+
+    /// That which an image tells.
+    fn told(provenance: Option<&Provenance>) -> Self {
+        let attribute = |name| provenance.and_then(|provenance| provenance.extra.get(name));
+        let pixels = if let Some(Attribute::Integer(pixels)) = attribute(REUSE) { *pixels as u32 } else { 1 };
+        let gain = if let Some(Attribute::Real(gain)) = attribute(SPREAD) { f64::from(*gain) } else { 1.0 };
+        Self { edge: correlated_edge(pixels.max(1)), gain }
+    }
+
+    /// What an image of the scene tells.
+    pub fn attributes(scene: &Scene) -> BTreeMap<String, Attribute> {
+        let mut attributes = BTreeMap::new();
+        if scene.integrator.reuse() > 1 {
+            attributes.insert(REUSE.into(), Attribute::Integer(scene.integrator.reuse() as i32));
+        }
+        if scene.sensor.film.spread.is_some() {
+            attributes.insert(SPREAD.into(), Attribute::Real(scene.sensor.film.correlation() as f32));
+        }
+        attributes
+    }
+}
+
+/// The image's mean and how well it is known, over its first three channels, or as many as it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Mean of each channel; 0 of one that the image does not have.
+    pub mean: [f64; 3],
+    /// Root mean square over pixels of the standard error, relative to the absolute value of the image's
+    /// mean.
+    pub relative_standard_error: f64,
+    /// Standard error of the image's mean, relative to its absolute value.
+    pub relative_standard_error_of_mean: f64,
+    /// How many pixels, were they all alike, would make as uncertain a variance: (Σ v)²/Σ v². Of pixels that
+    /// share, how many squares of them; of samples that count for several, how many pixels had them alone.
+    pub effective_pixels: f64,
+    /// That number, if all were alike.
+    pub pixels: usize,
+}
+
+/// Sums over pixels from which a [`Quality`] follows; those of parts of a window whose borders cut no square
+/// of correlated pixels add up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// Number of channels that are summed over.
+    channels: usize,
+    sum: [f64; 3],
+    /// Sum of the variances of pixels.
+    variance: f64,
+    /// Largest variance that the sum of pixels can have: the sum of those of squares of correlated pixels.
+    of_sum: f64,
+    /// Sum of the squared variances of those squares.
+    fourth: f64,
+    /// Number of squares that are independent.
+    squares: f64,
+}
+
+impl Noise {
+    /// Sums up values and variances of the pixels of a window, channel by channel; of more than three
+    /// channels the first three.
+    pub fn of<C, V>(window: Window, Correlation { edge, gain }: Correlation, channels: C) -> Self
+    where
+        C: IntoIterator<Item = V>,
+        V: IntoIterator<Item = (f64, f64)>,
+    {
+        let columns = ((window.x + window.width).div_ceil(edge) - window.x / edge) as usize;
+        let rows = ((window.y + window.height).div_ceil(edge) - window.y / edge) as usize;
+        let mut noise = Self { squares: (columns * rows) as f64 / gain, ..Self::default() };
+        // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel
+        // it is just that.
+        let mut squares = vec![0.0; columns * rows];
+        for (sum, channel) in noise.sum.iter_mut().zip(channels) {
+            noise.channels += 1;
+            let mut deviations = vec![0.0; columns * rows];
+            for (i, (value, v)) in channel.into_iter().enumerate() {
+                let (x, y) = pixel(window, i);
+                let square =
+                    (y / edge - window.y / edge) as usize * columns + (x / edge - window.x / edge) as usize;
+                *sum += value;
+                noise.variance += v;
+                deviations[square] += v.sqrt();
+            }
+            squares.iter_mut().zip(&deviations).for_each(|(sum, deviation)| *sum += deviation * deviation);
+        }
+        noise.of_sum = gain * squares.iter().sum::<f64>();
+        // Alike as errors of neighbours are, so are estimates of their variances.
+        noise.fourth = gain * squares.iter().map(|v| (gain * v) * (gain * v)).sum::<f64>();
+        noise
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        self.channels = self.channels.max(other.channels);
+        self.sum.iter_mut().zip(other.sum).for_each(|(sum, more)| *sum += more);
+        self.variance += other.variance;
+        self.of_sum += other.of_sum;
+        self.fourth += other.fourth;
+        self.squares += other.squares;
+    }
+
+    pub fn quality(&self, window: Window) -> Quality {
+        let pixels = window.pixels();
+        let channels = self.channels as f64;
+        let mean = self.sum.map(|sum| sum / pixels as f64);
+        // Properties of what is seen, unlike light, may be negative.
+        let scale = mean.iter().sum::<f64>().abs() / channels;
+        Quality {
+            mean,
+            relative_standard_error: (self.variance / pixels as f64 / channels).sqrt() / scale,
+            relative_standard_error_of_mean: (self.of_sum / channels).sqrt() / pixels as f64 / scale,
+            effective_pixels: if self.fourth > 0.0 {
+                self.of_sum * self.of_sum / self.fourth
+            } else {
+                self.squares
+            },
+            pixels: self.squares.round() as usize,
+        }
+    }
+}
+
+impl Quality {
+    /// The quality of pixels with these values and variances; see [`Noise::of`].
+    pub fn new<C, V>(window: Window, correlation: Correlation, channels: C) -> Self
+    where
+        C: IntoIterator<Item = V>,
+        V: IntoIterator<Item = (f64, f64)>,
+    {
+        Noise::of(window, correlation, channels).quality(window)
+    }
+
+    /// The quality of an image; without variances nothing is known, and the errors are infinite.
+    pub fn of_image(image: &Image) -> Self {
+        let channels = image.channels.iter().map(|channel| {
+            let variance = |i: usize| channel.variance.as_ref().map_or(f64::INFINITY, |v| f64::from(v[i]));
+            channel.mean.iter().enumerate().map(move |(i, &mean)| (f64::from(mean), variance(i)))
+        });
+        Self::new(image.crop, Correlation::told(image.provenance.as_ref()), channels)
+    }
+
+    /// The quality of what is rendered so far.
+    pub fn of(partial: &Partial, scene: &Scene, window: Window) -> Self {
+        let samples = partial.samples.end - partial.samples.start;
+        let channels = (0..partial.channels.len())
+            .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
+        Self::new(window, Correlation::of(scene), channels)
+    }
+
+    /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.
+    pub fn heavy_tailed(&self) -> bool {
+        self.effective_pixels < FEW && self.effective_pixels < self.pixels as f64 / 8.0
+    }
+}
+
+#[cfg(test)]
+mod tests;
