@@ -5,7 +5,7 @@ use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
 use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
-use crate::sampler::{CAMERA, ManyNumbers, Numbers, Sampler};
+use crate::sampler::{CAMERA, ManyNumbers, Numbers, PLACE_COLUMN, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
@@ -98,11 +98,10 @@ impl<'a> Camera<'a> {
     /// The place of all samples of this number within their pixels, if these count for several; see
     /// [`super::spread`].
     pub fn place_in_pixels(&self, sample: u64) -> Option<[Place; 2]> {
-        /// No pixel of any film.
-        const NONE: (u32, u32) = (u32::MAX, u32::MAX);
         let film = self.film();
         film.spread.as_ref()?;
-        let sampler = Sampler::new(self.scene.sensor.sampler.kind, self.seed, NONE, sample as u32);
+        let sampler =
+            Sampler::new(self.scene.sensor.sampler.kind, self.seed, (PLACE_COLUMN, 0), sample as u32);
         film.place_in_pixels(sampler.block(CAMERA).pair(0))
     }
 

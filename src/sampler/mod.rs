@@ -102,10 +102,13 @@ pub const FLIGHTS: u32 = 1 << 31;
 pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
 
 /// The column that stands for light paths that find caustics where samplers are given a pixel; no film is as
-/// wide as this and the next.
+/// wide as this and the next two.
 pub const CAUSTICS_COLUMN: u32 = u32::MAX;
 /// The column of the light paths whose photons guide emitter samples.
 pub const GUIDE_COLUMN: u32 = u32::MAX - 1;
+/// The column of the place that all samples of a number have within their pixels; see
+/// [`crate::render::spread`].
+pub const PLACE_COLUMN: u32 = u32::MAX - 2;
 
 // No two uses share a block.
 const _: () = assert!(

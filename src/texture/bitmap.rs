@@ -36,21 +36,27 @@ impl Pixels {
 
     /// The linear values of a texel: one channel three times over, or three.
     pub fn linear(&self, texel: usize, raw: bool) -> [f32; 3] {
-        let decode = |v: f32| if self.encoded && !raw { srgb::decode_channel(v) } else { v };
         match self.channels {
-            1 => [decode(self.values[texel]); 3],
-            _ => [0, 1, 2].map(|c| decode(self.values[3 * texel + c])),
+            1 => [self.decoded(self.values[texel], raw); 3],
+            _ => [0, 1, 2].map(|c| self.decoded(self.values[3 * texel + c], raw)),
         }
+    }
+
+    /// The linear value for one that is stored.
+    fn decoded(&self, value: f32, raw: bool) -> f32 {
+        if self.encoded && !raw { srgb::decode_channel(value) } else { value }
     }
 }
 
-/// The values of texels.
+/// The values of texels. A look at them waits for memory, so they are short.
 #[derive(Clone, Debug)]
 enum Texels {
     /// One number for all wavelengths.
     Grey(Arc<Vec<f32>>),
     /// Linear sRGB.
     Rgb(Vec<[f32; 3]>),
+    /// The same of a file with eight bits a channel, and what each of their values is.
+    Bytes(Vec<[u8; 3]>, Box<[f32; 256]>),
     /// Coefficients of reflectance spectra.
     Reflectance(Vec<Sigmoid>),
 }
@@ -106,7 +112,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let texels = if pixels.channels == 1 {
         Texels::Grey(scalar.clone())
     } else if params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any) {
-        Texels::Rgb(texels().map(|i| pixels.linear(i, raw)).collect())
+        Texels::rgb(&pixels, raw)
     } else if raw {
         Texels::Grey(scalar.clone())
     } else {
@@ -115,6 +121,37 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     };
     let (width, height) = (pixels.width, pixels.height);
     Ok(AnyTexture::Bitmap(Box::new(Bitmap { texels, scalar, width, height, lookup, to_uv })))
+}
+
+impl Texels {
+    /// Linear sRGB, of three channels.
+    fn rgb(pixels: &Pixels, raw: bool) -> Self {
+        let byte = |value: f32| {
+            let byte = (value * 255.0 + 0.5) as u8;
+            (f32::from(byte) / 255.0 == value).then_some(byte)
+        };
+        let bytes = |texel: &[f32]| Some([byte(texel[0])?, byte(texel[1])?, byte(texel[2])?]);
+        match pixels.values.par_chunks_exact(3).map(bytes).collect() {
+            Some(texels) => {
+                let decoded = |byte: usize| pixels.decoded(byte as f32 / 255.0, raw);
+                Self::Bytes(texels, Box::new(std::array::from_fn(decoded)))
+            }
+            None => {
+                let texels = (0..pixels.width * pixels.height).into_par_iter();
+                Self::Rgb(texels.map(|i| pixels.linear(i, raw)).collect())
+            }
+        }
+    }
+
+    /// Linear sRGB of a texel; `None` of numbers and spectra.
+    #[inline(always)]
+    fn linear(&self, texel: usize) -> Option<[f32; 3]> {
+        match self {
+            Self::Rgb(values) => Some(values[texel]),
+            Self::Bytes(texels, values) => Some(texels[texel].map(|byte| values[usize::from(byte)])),
+            Self::Grey(_) | Self::Reflectance(_) => None,
+        }
+    }
 }
 
 impl Bitmap {
@@ -141,8 +178,8 @@ impl Bitmap {
         let corners = self.corners(uv);
         match &self.texels {
             Texels::Grey(values) => Spectrum::splat(weighted(&corners, 0.0, |texel| values[texel])),
-            Texels::Rgb(values) => weighted(&corners, Spectrum::ZERO, |texel| {
-                let [r, g, b] = values[texel];
+            Texels::Rgb(_) | Texels::Bytes(..) => weighted(&corners, Spectrum::ZERO, |texel| {
+                let [r, g, b] = self.texels.linear(texel).unwrap_or_default();
                 Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
             }),
             Texels::Reflectance(values) => {
@@ -157,10 +194,10 @@ impl Bitmap {
 
     /// The three channels as numbers; `None` unless there are three that were not turned into spectra.
     pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
-        let Texels::Rgb(values) = &self.texels else { return None };
-        let weighted =
-            |(texel, weight): (usize, f32)| DVec3::from(values[texel].map(f64::from)) * weight as f64;
-        Some(self.corners(uv).into_iter().map(weighted).sum())
+        let weighted = |(texel, weight): (usize, f32)| {
+            self.texels.linear(texel).map(|rgb| DVec3::from(rgb.map(f64::from)) * weight as f64)
+        };
+        self.corners(uv).into_iter().map(weighted).sum()
     }
 
     /// (∂/∂u, ∂/∂v) of the interpolated luminance; 0 where texels are not interpolated.
@@ -255,6 +292,28 @@ mod tests {
             assert!(bump.is_ok(), "{}", bump.unwrap_err());
             let matte = load(r#"type="diffuse"><ref name="reflectance" id="h"/>"#, mode).unwrap_err();
             assert!(matte.to_string().contains("expected 0 to 1"), "{matte}");
+        }
+    }
+
+    #[test]
+    fn bytes_hold_what_a_file_of_eight_bits_has() {
+        for encoded in [false, true] {
+            let pixels = |values: Vec<f32>| Pixels { width: 16, height: 16, channels: 3, values, encoded };
+            let whole = pixels((0..768).map(|i| (i * 7 % 256) as f32 / 255.0).collect());
+            // One value between two bytes, and one beyond the last.
+            let finer = [0.5, 300.0 / 255.0].map(|other| {
+                pixels(whole.values.iter().map(|v| if *v == 1.0 { other } else { *v }).collect())
+            });
+            for raw in [false, true] {
+                let stored = Texels::rgb(&whole, raw);
+                assert!(matches!(stored, Texels::Bytes(..)));
+                assert!((0..256).all(|texel| stored.linear(texel) == Some(whole.linear(texel, raw))));
+                for finer in &finer {
+                    let stored = Texels::rgb(finer, raw);
+                    assert!(matches!(stored, Texels::Rgb(_)));
+                    assert!((0..256).all(|texel| stored.linear(texel) == Some(finer.linear(texel, raw))));
+                }
+            }
         }
     }
 
