@@ -90,7 +90,8 @@ impl Arguments {
         let chosen = self.time.is_some() || self.target_error.is_some();
         let passes = self.in_passes() || chosen || scene.caustics.is_some();
         let light_paths = scene.light_paths().into();
-        let needs = memory::Needs { channels: channels.len(), passes, light_paths };
+        let spreads = scene.sensor.film.spread.is_some();
+        let needs = memory::Needs { channels: channels.len(), passes, light_paths, spreads };
         memory::check(&settings, needs, memory::available())?;
         let resumed = self.resumed(&scene, &settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);

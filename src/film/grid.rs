@@ -49,6 +49,11 @@ impl Accumulators {
         &mut self.data[first..first + self.channels]
     }
 
+    /// All accumulators, pixel by pixel in rows.
+    pub fn all_mut(&mut self) -> &mut [ChannelAccumulator] {
+        &mut self.data
+    }
+
     /// The accumulators of one channel, pixel by pixel in rows.
     pub fn channel(&self, channel: usize) -> impl Iterator<Item = &ChannelAccumulator> {
         self.data.iter().skip(channel).step_by(self.channels)

@@ -14,20 +14,24 @@ pub struct Needs {
     pub passes: bool,
     /// Light paths for each sample number; a pass has no fewer samples than a block.
     pub light_paths: u64,
+    /// Whether samples count for several pixels ([`super::spread`]).
+    pub spreads: bool,
 }
 
 /// Bytes of the pixels of a render at its peak, which is when the file is made, and of the splats of light
 /// paths in a pass. The scene and what threads need besides are not counted.
-pub fn estimate(settings: &Settings, Needs { channels, passes, light_paths }: Needs) -> u64 {
+pub fn estimate(settings: &Settings, Needs { channels, passes, light_paths, spreads }: Needs) -> u64 {
     const MOMENTS: u64 = 2 * size_of::<f32>() as u64;
     const SUMS: u64 = size_of::<ChannelAccumulator>() as u64;
     // What is left of the tiles, or their sums; the image, with sums of its own if it is a shard; and the
     // bytes of the file.
     let kept = match settings.shard {
         true => 2 * SUMS,
-        false if passes => SUMS,
+        false if passes || spreads => SUMS,
         false => MOMENTS,
     };
+    // One sample of every pixel.
+    let kept = if spreads { kept + size_of::<f64>() as u64 } else { kept };
     let file = if settings.shard { MOMENTS + SUMS } else { MOMENTS };
     let of_channel = (kept + MOMENTS + file).saturating_mul(settings.window.pixels() as u64);
     // About one splat per light path, before and after they are sorted: the sample, the pixel, and values.
@@ -103,10 +107,12 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused() {
         // A million pixels of three channels: 24 bytes a channel in one go.
-        let at_once = Needs { channels: 3, passes: false, light_paths: 0 };
+        let at_once = Needs { channels: 3, passes: false, light_paths: 0, spreads: false };
         let in_passes = Needs { passes: true, ..at_once };
         assert_eq!(estimate(&settings(false), at_once), 72_000_000);
         assert!(estimate(&settings(false), in_passes) > 200_000_000);
+        let spread = estimate(&settings(false), Needs { spreads: true, ..at_once });
+        assert_eq!(spread, estimate(&settings(false), in_passes) + 24_000_000);
         assert!(estimate(&settings(true), in_passes) > estimate(&settings(false), in_passes));
         assert_eq!(check(&settings(false), at_once, Some(72_000_000)), Ok(()));
         assert_eq!(check(&settings(false), at_once, None), Ok(()));
@@ -116,7 +122,7 @@ mod tests {
 
     #[test]
     fn light_paths_beyond_memory_are_refused() {
-        let needs = Needs { channels: 3, passes: true, light_paths: 64_000_000 };
+        let needs = Needs { channels: 3, passes: true, light_paths: 64_000_000, spreads: false };
         let refused = check(&settings(false), needs, Some(1 << 33));
         assert!(
             refused.is_err_and(|e| e.contains("--light-paths")),

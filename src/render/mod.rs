@@ -16,7 +16,6 @@ pub mod spread;
 mod tile;
 
 use crate::film::BLOCK;
-use crate::film::Film;
 use crate::image::{Channel, Image, Provenance, Window};
 use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::scene::Scene;
@@ -32,9 +31,6 @@ use tile::{Tile, tile};
 
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
-
-/// The same where tiles need samples of the pixels around them.
-const LARGE_TILE: u32 = 64;
 
 /// What to render of a scene.
 #[derive(Clone, Debug)]
@@ -144,8 +140,9 @@ fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
 /// [`with_threads`] tells before.
 pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
-    // Exact sums are needed in the end, or light paths of as many samples as are held at a time.
-    if settings.shard || scene.caustics.is_some() {
+    // Exact sums are needed in the end, or light paths or samples of other pixels for as many samples as are
+    // held at a time.
+    if settings.shard || scene.caustics.is_some() || scene.sensor.film.spread.is_some() {
         let begun = Partial::new(scene, settings);
         let done = render_passes(scene, settings, begun, progress, |_| ControlFlow::Continue(()))?;
         return Some(done.finished(scene, settings));
@@ -154,7 +151,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     let camera = Camera::new(scene, settings.seed, kernel);
     let names = camera.channel_names();
     let pool = pool(settings.threads).ok()?;
-    let windows: Vec<Window> = tiles(camera.film(), settings.window).collect();
+    let windows: Vec<Window> = tiles(settings.window).collect();
     let (samples, correlation) = (&settings.samples, Correlation::of(scene));
     let part = |window| {
         let tile = tile(&camera, window, &Splats::default(), names.len(), samples, progress)?;
@@ -208,12 +205,11 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
 
 /// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut
 /// without need.
-fn tiles(film: &Film, window: Window) -> impl Iterator<Item = Window> {
-    let edge = if film.spread.is_some() { LARGE_TILE } else { TILE };
-    let cut = move |begin: u32, size: u32| {
-        (begin / edge * edge..begin + size).step_by(edge as usize).map(move |at| {
+fn tiles(window: Window) -> impl Iterator<Item = Window> {
+    let cut = |begin: u32, size: u32| {
+        (begin / TILE * TILE..begin + size).step_by(TILE as usize).map(move |at| {
             let first = at.max(begin);
-            (first, (at + edge).min(begin + size) - first)
+            (first, (at + TILE).min(begin + size) - first)
         })
     };
     cut(window.y, window.height).flat_map(move |(y, height)| {

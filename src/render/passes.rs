@@ -5,6 +5,7 @@
 //! which tiles arrive can change a pixel: the clock may decide how long a pass is.
 
 use super::quality::Quality;
+use super::spread::Spread;
 use super::tile::{Tile, tile};
 use super::{Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
@@ -86,9 +87,11 @@ pub fn render_passes(
     let kernel = settings.kernel(scene);
     let camera = Camera::new(scene, settings.seed, kernel);
     let pool = super::pool(settings.threads).ok()?;
-    let windows: Vec<Window> = tiles(camera.film(), settings.window).collect();
+    let windows: Vec<Window> = tiles(settings.window).collect();
     let mut partial = partial;
     (partial.report.kernel, partial.report.threads) = (kernel.name, pool.current_num_threads());
+    let spreads = scene.sensor.film.spread.is_some();
+    let mut spread = spreads.then(|| Spread::new(&camera, settings.window, partial.channels.len()));
     let mut longest = BLOCK;
     while partial.samples.end < settings.samples.end {
         let pass = next_pass(partial.samples.end, settings.samples.end, longest);
@@ -96,14 +99,19 @@ pub fn render_passes(
         let channels = partial.channels.len();
         let splats = pool.install(|| Splats::trace(&camera, settings.window, &pass, progress))?;
         partial.report.count(&splats.counters);
-        let shared = Mutex::new(&mut partial);
-        pool.install(|| {
-            windows.par_iter().try_for_each(|&window| {
-                let done = tile(&camera, window, &splats, channels, &pass, progress)?;
-                shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
-                Some(())
-            })
-        })?;
+        if let Some(spread) = &mut spread {
+            let report = pool.install(|| spread.add(&pass, &splats, &mut partial.sums, progress))?;
+            partial.report.add(&report);
+        } else {
+            let shared = Mutex::new(&mut partial);
+            pool.install(|| {
+                windows.par_iter().try_for_each(|&window| {
+                    let done = tile(&camera, window, &splats, channels, &pass, progress)?;
+                    shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
+                    Some(())
+                })
+            })?;
+        }
         partial.report.list_first();
         partial.samples.end = pass.end;
         let many = (pass.end - pass.start) * camera.light_paths() >= splats::MANY;

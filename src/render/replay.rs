@@ -40,10 +40,9 @@ impl Camera<'_> {
             traced = trace(&together, &mut Counters::default());
         }
         let (path, weight, mut values) = traced;
-        if let Some(place) = self.place_in_pixels(sample) {
+        if self.film().spread.is_some() {
             let window = Window { x: pixel.0, y: pixel.1, width: 1, height: 1 };
-            let mut spread = Spread::new(self.film(), window, channels);
-            spread.make(self, (sample, place), usize::MAX, &mut Counters::default(), &mut values);
+            values = Spread::new(self, window, channels).one(sample);
         }
         let mut light_paths = vec![];
         let numbers = sample * self.light_paths()..(sample + 1) * self.light_paths();

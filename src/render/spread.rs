@@ -7,80 +7,176 @@
 //! of radius one, 1/π with Mitsuba's default, a gaussian.
 //!
 //! That sum is still a function of scene, seed, pixel and number, and all that holds for samples (merging,
-//! blocks, variances) holds for it. Samples of pixels around a tile are made again for their other tiles.
+//! blocks, variances) holds for it. It needs samples of the same number of pixels all around, so the whole
+//! window makes a few numbers at a time.
 
-use super::pixel;
 use super::sample::Camera;
-use crate::film::Film;
+use super::splats::Splats;
+use super::tile::{BATCH, add, batches};
+use super::{Progress, Report};
 use crate::film::filter_weights::{Place, Weights};
+use crate::film::{Accumulators, ChannelAccumulator, Film};
 use crate::image::Window;
 use crate::integrator::Counters;
+use crate::integrator::path::reuse::CELL;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::Ordering;
 
-/// One sample of every pixel of a window.
+/// Bytes that the samples which are made together may take, if there is more than one of each pixel.
+const TOGETHER: usize = 1 << 26;
+
+/// Most samples of a pixel that are made together: enough for many threads.
+const MOST: usize = 16;
+
+/// The samples of a window.
 pub struct Spread<'a> {
+    camera: &'a Camera<'a>,
     film: &'a Film,
     window: Window,
     /// The pixels that count for any of the window.
     around: Window,
     reach: u32,
     channels: usize,
-    /// All channels of the samples of the pixels around, row by row.
-    values: Vec<f64>,
-    /// The same, summed along rows for the columns of the window.
+    /// Sample by sample and row by row of those pixels, for each column of the window: all channels, summed
+    /// along the row.
     columns: Vec<f64>,
 }
 
+/// A sample that is not finite. It counts for its own pixel only, where it is found and named.
+struct Lost {
+    pixel: (u32, u32),
+    sample: u64,
+    values: Vec<f64>,
+}
+
 impl<'a> Spread<'a> {
-    pub fn new(film: &'a Film, window: Window, channels: usize) -> Self {
+    pub fn new(camera: &'a Camera<'a>, window: Window, channels: usize) -> Self {
+        let film = camera.film();
         let reach = film.spread.as_ref().map_or(0, |spread| spread.reach());
         let around = around(window, film.crop, reach);
-        let values = vec![0.0; channels * around.pixels()];
-        let columns = vec![0.0; channels * (around.height * window.width) as usize];
-        Self { film, window, around, reach, channels, values, columns }
+        let size = channels * (around.height * window.width) as usize;
+        let together = (TOGETHER / (size * size_of::<f64>())).clamp(1, MOST);
+        Self { camera, film, window, around, reach, channels, columns: vec![0.0; together * size] }
     }
 
-    /// Sets `sums` to what all channels of the window's pixels have of the sample with this number, whose
-    /// place within pixels is given. At most so many paths are traced at a time.
-    ///
-    /// What is not finite counts for its own pixel only, where it is found and named.
-    pub fn make(
+    /// Adds these samples of all pixels of the window to their sums, and what light paths bring to them. `None`
+    /// if told to stop.
+    pub fn add(
         &mut self,
-        camera: &Camera,
-        (sample, place): (u64, [Place; 2]),
-        batch: usize,
-        counters: &mut Counters,
-        sums: &mut [f64],
-    ) {
-        let which: Vec<_> = (0..self.around.pixels()).map(|i| (pixel(self.around, i), sample)).collect();
-        let batch = batch.min(which.len());
-        for (which, values) in which.chunks(batch).zip(self.values.chunks_mut(self.channels * batch)) {
-            camera.samples(which, counters, values);
+        samples: &Range<u64>,
+        splats: &Splats,
+        sums: &mut Accumulators,
+        progress: &Progress,
+    ) -> Option<Report> {
+        let mut report = Report::default();
+        let together = (self.columns.len() / self.size()) as u64;
+        for first in samples.clone().step_by(together as usize) {
+            let some = first..samples.end.min(first + together);
+            let (counters, lost) = self.trace(&some, progress)?;
+            report.count(&counters);
+            let length = self.channels * self.window.width as usize;
+            let row = |(y, sums): (usize, &mut [ChannelAccumulator])| {
+                let mut report = Report::default();
+                let mut values = vec![0.0; length];
+                for sample in some.clone() {
+                    self.gather(
+                        (sample - first) as usize,
+                        sample,
+                        self.window.y + y as u32,
+                        &lost,
+                        &mut values,
+                    );
+                    let pixels =
+                        values.chunks_exact_mut(self.channels).zip(sums.chunks_exact_mut(self.channels));
+                    for (x, (values, sums)) in (self.window.x..).zip(pixels) {
+                        let of = ((x, self.window.y + y as u32), sample);
+                        add(self.camera, splats, of, values, sums, &mut report);
+                    }
+                }
+                report
+            };
+            let rows = sums.all_mut().par_chunks_exact_mut(length).enumerate();
+            rows.map(row).collect::<Vec<_>>().iter().for_each(|more| report.add(more));
+            progress.done.fetch_add((some.end - first) * self.window.pixels() as u64, Ordering::Relaxed);
         }
-        let mut lost = vec![];
-        for (i, values) in self.values.chunks_exact_mut(self.channels).enumerate() {
-            if !values.iter().all(|value| value.is_finite()) {
-                lost.push((pixel(self.around, i), values.to_vec()));
-                values.fill(0.0);
-            }
-        }
-        self.sum_along_rows(place);
-        self.sum_along_columns(place, sums);
-        for ((x, y), values) in lost {
-            let (x, y) = (x.wrapping_sub(self.window.x), y.wrapping_sub(self.window.y));
-            if x < self.window.width && y < self.window.height {
-                let at = (y * self.window.width + x) as usize * self.channels;
-                sums[at..at + self.channels].copy_from_slice(&values);
-            }
-        }
+        report.list_first();
+        Some(report)
     }
 
-    fn sum_along_rows(&mut self, place: [Place; 2]) {
-        let (channels, width) = (self.channels, self.window.width as usize);
-        let rows = self.values.chunks_exact(channels * self.around.width as usize);
-        let weights = |x: u32| self.film.weights((x, self.window.y), place).map(|[of_columns, _]| of_columns);
-        let weights: Vec<_> = (self.window.x..).take(width).map(weights).collect();
+    /// All channels of one sample of a window of one pixel, without what light paths bring.
+    pub fn one(mut self, sample: u64) -> Vec<f64> {
+        let mut values = vec![0.0; self.channels];
+        if let Some((_, lost)) = self.trace(&(sample..sample + 1), &Progress::default()) {
+            self.gather(0, sample, self.window.y, &lost, &mut values);
+        }
+        values
+    }
+
+    /// Numbers of a sample's columns.
+    fn size(&self) -> usize {
+        self.channels * (self.around.height * self.window.width) as usize
+    }
+
+    /// Traces these samples of all pixels around, and sums them along rows.
+    fn trace(&mut self, samples: &Range<u64>, progress: &Progress) -> Option<(Counters, Vec<Lost>)> {
+        let length = self.channels * self.window.width as usize;
+        let mut columns = std::mem::take(&mut self.columns);
+        let mut jobs = vec![];
+        let mut rest = columns.as_mut_slice();
+        for (sample, band) in
+            samples.clone().flat_map(|sample| bands(self.around).map(move |band| (sample, band)))
+        {
+            let (sums, others) = rest.split_at_mut(band.height as usize * length);
+            jobs.push((sample, band, sums));
+            rest = others;
+        }
+        let job = |(sample, band, sums): (u64, Window, &mut [f64])| self.band(sample, band, sums, progress);
+        let done = jobs.into_par_iter().map(job).collect::<Option<Vec<_>>>();
+        self.columns = columns;
+        let (mut counters, mut lost) = (Counters::default(), vec![]);
+        for (more, found) in done? {
+            counters.rays += more.rays;
+            counters.cut += more.cut;
+            lost.extend(found);
+        }
+        Some((counters, lost))
+    }
+
+    /// Traces one sample of some whole rows of pixels.
+    fn band(
+        &self,
+        sample: u64,
+        band: Window,
+        sums: &mut [f64],
+        progress: &Progress,
+    ) -> Option<(Counters, Vec<Lost>)> {
+        let (mut counters, mut lost) = (Counters::default(), vec![]);
+        let (channels, width) = (self.channels, band.width as usize);
+        let mut row_by_row = vec![0.0; channels * band.pixels()];
+        let mut values = vec![0.0; channels * BATCH];
+        batches(self.camera, band, &(sample..sample + 1), |which| {
+            if progress.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let values = &mut values[..channels * which.len()];
+            self.camera.samples(which, &mut counters, values);
+            for (&(pixel, _), values) in which.iter().zip(values.chunks_exact(channels)) {
+                let Some(at) = place_in(band, pixel) else { continue };
+                if values.iter().all(|value| value.is_finite()) {
+                    row_by_row[at * channels..][..channels].copy_from_slice(values);
+                } else {
+                    lost.push(Lost { pixel, sample, values: values.to_vec() });
+                }
+            }
+            Some(())
+        })?;
+        let place = self.camera.place_in_pixels(sample)?;
+        let weights = |x: u32| self.film.weights((x, self.window.y), place).map(|[columns, _]| columns);
+        let weights: Vec<_> = (self.window.x..).take(self.window.width as usize).map(weights).collect();
         let shift = self.window.x - self.around.x;
-        for (row, sums) in rows.zip(self.columns.chunks_exact_mut(channels * width)) {
+        let rows = row_by_row.chunks_exact(channels * width);
+        for (row, sums) in rows.zip(sums.chunks_exact_mut(channels * self.window.width as usize)) {
             for ((x, sums), weights) in (shift..).zip(sums.chunks_exact_mut(channels)).zip(&weights) {
                 sums.fill(0.0);
                 for (from, weight) in neighbours(x, weights, self.reach) {
@@ -89,18 +185,25 @@ impl<'a> Spread<'a> {
                 }
             }
         }
+        Some((counters, lost))
     }
 
-    fn sum_along_columns(&self, place: [Place; 2], sums: &mut [f64]) {
-        let row_length = self.channels * self.window.width as usize;
-        let shift = self.window.y - self.around.y;
-        for (y, sums) in (0..).zip(sums.chunks_exact_mut(row_length)) {
-            let weights = self.film.weights((self.window.x, self.window.y + y), place);
-            let weights = weights.map(|[_, of_rows]| of_rows);
-            sums.fill(0.0);
-            for (from, weight) in neighbours(shift + y, &weights, self.reach) {
-                let row = &self.columns[from * row_length..][..row_length];
-                sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+    /// Sums the nth of the samples that were traced, whose number is `sample`, along the columns at row `y`.
+    fn gather(&self, n: usize, sample: u64, y: u32, lost: &[Lost], sums: &mut [f64]) {
+        let place: Option<[Place; 2]> = self.camera.place_in_pixels(sample);
+        let weights = place.and_then(|place| self.film.weights((self.window.x, y), place));
+        let columns = &self.columns[n * self.size()..];
+        sums.fill(0.0);
+        for (from, weight) in neighbours(y - self.around.y, &weights.map(|[_, rows]| rows), self.reach) {
+            let row = &columns[from * sums.len()..][..sums.len()];
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+        }
+        for Lost { pixel, values, .. } in
+            lost.iter().filter(|lost| lost.sample == sample && lost.pixel.1 == y)
+        {
+            let row = Window { y, height: 1, ..self.window };
+            if let Some(at) = place_in(row, *pixel) {
+                sums[at * self.channels..][..self.channels].copy_from_slice(values);
             }
         }
     }
@@ -111,6 +214,22 @@ fn neighbours(at: u32, weights: &Option<Weights>, reach: u32) -> impl Iterator<I
     let weights = weights.unwrap_or_default().into_iter().enumerate();
     let weighty = weights.filter(|(_, weight)| *weight != 0.0);
     weighty.map(move |(i, weight)| (at as usize + i - reach as usize, weight))
+}
+
+/// Which pixel of a window this is, row by row, if it is one.
+fn place_in(window: Window, (x, y): (u32, u32)) -> Option<usize> {
+    let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
+    (x < window.width && y < window.height).then(|| (y * window.width + x) as usize)
+}
+
+/// The rows of a window in bands that cut no cell of pixels that share.
+fn bands(window: Window) -> impl Iterator<Item = Window> {
+    let end = window.y + window.height;
+    let begin = (window.y / CELL * CELL..end).step_by(CELL as usize);
+    begin.map(move |at| {
+        let y = at.max(window.y);
+        Window { y, height: (at + CELL).min(end) - y, ..window }
+    })
 }
 
 /// A window with `reach` pixels more on each side, as far as they are on the film.
@@ -130,6 +249,7 @@ mod tests {
     use super::*;
     use crate::image::Image;
     use crate::integrator::kernel_for;
+    use crate::render::pixel;
     use crate::render::quality::{Correlation, Quality};
     use crate::render::{Progress, Settings, render};
     use crate::scene::{Scene, load_text};
@@ -145,8 +265,15 @@ mod tests {
     /// Twice: with samples that count for one pixel each, and for all that the filter reaches. The film shows a
     /// part that begins within it.
     fn scenes(filter: &str, content: &str) -> [Scene; 2] {
+        sharing(1, filter, content)
+    }
+
+    /// The same where so many pixels share paths.
+    fn sharing(pixels: u32, filter: &str, content: &str) -> [Scene; 2] {
+        let depth = if pixels > 1 { 4 } else { 2 };
         let text = format!(
-            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="2"/></integrator>
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="{depth}"/>
+                <integer name="reuse" value="{pixels}"/></integrator>
             <sensor type="perspective"><float name="fov" value="40"/><sampler type="independent"/><film type="hdrfilm">
                 <integer name="width" value="14"/><integer name="height" value="12"/>
                 <integer name="crop_offset_x" value="1"/><integer name="crop_offset_y" value="2"/>
@@ -184,6 +311,20 @@ mod tests {
                 // Four filters of 108 pixels; beyond five deviations is one in four thousand.
                 let z = (a - b) / (va + vb).sqrt();
                 assert!(z.abs() < 5.0, "{filter}, pixel {i}: {a} {b}, {z} deviations");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_that_share_paths_are_what_their_filters_say() {
+        let room = r#"<shape type="cube"><transform name="to_world"><scale value="3"/><translate z="2.5"/></transform>
+                <boolean name="flip_normals" value="true"/><bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>
+            <shape type="sphere"><point name="center" x="0.6" y="0.4" z="4"/><float name="radius" value="0.4"/><emitter type="area"/></shape>"#;
+        for pixels in [4, 64] {
+            let [own, spread] = sharing(pixels, FILTERS[0], room).map(|scene| image(&scene, 0, 4096));
+            for (i, ((a, va), (b, vb))) in green(&own).zip(green(&spread)).enumerate() {
+                let z = (a - b) / (va + vb).sqrt();
+                assert!(z.abs() < 5.0, "{pixels} share, pixel {i}: {a} {b}, {z} deviations");
             }
         }
     }

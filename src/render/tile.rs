@@ -2,7 +2,6 @@
 
 use super::sample::Camera;
 use super::splats::Splats;
-use super::spread::Spread;
 use super::{LISTED, NonFinite, Progress, Report, pixel};
 use crate::film::ChannelAccumulator;
 use crate::image::Window;
@@ -12,7 +11,7 @@ use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 /// Camera samples that are handed to a kernel at once: many, so that what it needs is set up rarely.
-const BATCH: usize = 512;
+pub const BATCH: usize = 512;
 
 /// The samples that were rendered of a window.
 pub struct Tile {
@@ -35,35 +34,30 @@ pub fn tile(
     let sums = vec![ChannelAccumulator::default(); channels * window.pixels()];
     let mut tile = Tile { window, sums, report: Report::default() };
     let mut counters = Counters::default();
-    if camera.film().spread.is_some() {
-        let mut spread = Spread::new(camera.film(), window, channels);
-        let mut values = vec![0.0; channels * window.pixels()];
-        for sample in samples.clone() {
-            if progress.stop.load(Ordering::Relaxed) {
-                return None;
-            }
-            spread.make(camera, (sample, camera.place_in_pixels(sample)?), BATCH, &mut counters, &mut values);
-            let which: Vec<_> = (0..window.pixels()).map(|i| (pixel(window, i), sample)).collect();
-            tile.add(camera, &which, splats, &mut values, progress);
+    let mut values = vec![0.0; channels * BATCH];
+    batches(camera, window, samples, |which| {
+        if progress.stop.load(Ordering::Relaxed) {
+            return None;
         }
-    } else {
-        let mut values = vec![0.0; channels * BATCH];
-        batches(camera, window, samples, |which| {
-            if progress.stop.load(Ordering::Relaxed) {
-                return None;
+        let values = &mut values[..channels * which.len()];
+        camera.samples(which, &mut counters, values);
+        let before = tile.report.samples;
+        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
+            let (x, y) = (pixel.0.wrapping_sub(window.x), pixel.1.wrapping_sub(window.y));
+            if x < window.width && y < window.height {
+                let sums = &mut tile.sums[(y * window.width + x) as usize * channels..][..channels];
+                add(camera, splats, (pixel, sample), values, sums, &mut tile.report);
             }
-            let values = &mut values[..channels * which.len()];
-            camera.samples(which, &mut counters, values);
-            tile.add(camera, which, splats, values, progress);
-            Some(())
-        })?;
-    }
+        }
+        progress.done.fetch_add(tile.report.samples - before, Ordering::Relaxed);
+        Some(())
+    })?;
     tile.report.count(&counters);
     Some(tile)
 }
 
 /// Hands out the samples of a window in batches, with what else is needed to make them.
-fn batches(
+pub fn batches(
     camera: &Camera,
     window: Window,
     samples: &Range<u64>,
@@ -105,41 +99,29 @@ fn batches(
     if which.is_empty() { Some(()) } else { make(&mut which) }
 }
 
-impl Tile {
-    /// Adds those camera samples that lie in the window, and their splats, to the sums.
-    fn add(
-        &mut self,
-        camera: &Camera,
-        which: &[((u32, u32), u64)],
-        splats: &Splats,
-        values: &mut [f64],
-        progress: &Progress,
-    ) {
-        let channels = values.len() / which.len();
-        let mut done = 0;
-        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
-            let (x, y) = (pixel.0.wrapping_sub(self.window.x), pixel.1.wrapping_sub(self.window.y));
-            if x >= self.window.width || y >= self.window.height {
-                continue;
-            }
-            done += 1;
-            splats.add_to(pixel, sample, values);
-            camera.complete(values);
-            let at = (y * self.window.width + x) as usize * channels;
-            let mut finite = true;
-            for (sum, value) in self.sums[at..at + channels].iter_mut().zip(values) {
-                sum.add(sample, *value);
-                finite &= value.is_finite();
-            }
-            if !finite {
-                self.report.non_finite += 1;
-                self.report.first_non_finite.push(NonFinite { pixel, sample });
-                if self.report.first_non_finite.len() > 2 * LISTED {
-                    self.report.list_first();
-                }
-            }
+/// Adds a camera sample and its splats to the sums of its pixel.
+#[inline]
+pub fn add(
+    camera: &Camera,
+    splats: &Splats,
+    (pixel, sample): ((u32, u32), u64),
+    values: &mut [f64],
+    sums: &mut [ChannelAccumulator],
+    report: &mut Report,
+) {
+    splats.add_to(pixel, sample, values);
+    camera.complete(values);
+    let mut finite = true;
+    for (sum, value) in sums.iter_mut().zip(values) {
+        sum.add(sample, *value);
+        finite &= value.is_finite();
+    }
+    report.samples += 1;
+    if !finite {
+        report.non_finite += 1;
+        report.first_non_finite.push(NonFinite { pixel, sample });
+        if report.first_non_finite.len() > 2 * LISTED {
+            report.list_first();
         }
-        self.report.samples += done;
-        progress.done.fetch_add(done, Ordering::Relaxed);
     }
 }

@@ -210,6 +210,17 @@ pub const SCENES: &[Trial] = &[
           <transform name="to_uv"><scale x="6" y="3"/></transform></texture></bsdf></shape>"#,
     },
     Trial {
+        name: "shared paths and samples",
+        mode: ColorMode::Spectral,
+        options: r#"<integer name="reuse" value="0"/>"#,
+        camera: CAMERA,
+        filter: r#"type="tent""#,
+        sampler: "sobol",
+        content: r#"{lamp}<shape type="cube"><transform name="to_world"><scale value="6"/>{place}</transform><boolean name="flip_normals" value="true"/>
+          <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.7, 0.8"/></bsdf></shape>
+          <shape type="sphere"><transform name="to_world"><scale value="0.5"/><translate x="-0.7"/>{place}</transform></shape>"#,
+    },
+    Trial {
         name: "samples that count for several pixels",
         mode: ColorMode::Spectral,
         options: r#"<integer name="reuse" value="0"/>"#,
