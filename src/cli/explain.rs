@@ -55,6 +55,10 @@ impl Arguments {
                 Some(_) => "unaided",
             },
             "pixels_that_share": scene.integrator.reuse(),
+            "samples_count_for": match &scene.sensor.film.spread {
+                None => "their own pixel",
+                Some(_) => "all pixels that the filter reaches",
+            },
             "shared_light_paths": scene.light_sources.as_ref().map_or(0, |sources| sources.paths),
             "emitter_samples": path.map(|path| [path.first_emitter_samples, path.emitter_samples]),
             "emitter_count": scene.emitters.list.len(),

@@ -89,8 +89,8 @@ struct SceneArguments {
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
     light_paths: Option<f64>,
-    /// Neighbouring pixels that share what their paths find: a power of two up to 64, or `auto`; less noise,
-    /// but no longer independent
+    /// Neighbouring pixels that share what their paths find: a power of two up to 64, or `auto`, with which
+    /// samples also count for all pixels that the filter reaches; less noise, but no longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
     /// Light paths per group of sharing pixels, at most one per pixel; they find light that all of the group
