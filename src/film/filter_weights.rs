@@ -5,8 +5,8 @@
 //!
 //!   Σₖ f(k + ξ − ½) L(k + ξ) / (p(ξ) ∫f)
 //!
-//! has the mean ∫f L / ∫f. If p(ξ) is Σₖ f(k + ξ − ½) / ∫f, which is 1 with tents and cubics and nearly so with
-//! other filters, these weights sum to one, and where light is even, so is the picture.
+//! has the mean ∫f L / ∫f. If p(ξ) is Σₖ f(k + ξ − ½) / ∫f, which is 1 with tents and cubics and nearly so
+//! with other filters, these weights sum to one, and where light is even, so is the picture.
 
 use super::filter::Profile;
 use super::filter_sampler::FilterSampler;
@@ -72,8 +72,8 @@ impl FilterWeights {
         Place { ξ: (part as f64 + within) / PARTS as f64, density: probability * PARTS as f64 }
     }
 
-    /// The weights of the samples around a pixel, which is in the middle. The film, where the filter ends, has
-    /// `before` and `after` further pixels on each side; `sampler` is that of the same filter.
+    /// The weights of the samples around a pixel, which is in the middle. The film, where the filter ends,
+    /// has `before` and `after` further pixels on each side; `sampler` is that of the same filter.
     pub fn at(&self, place: Place, sampler: &FilterSampler, (before, after): (u32, u32)) -> Weights {
         let all = place.density * sampler.integral(before, after);
         let reach = self.reach as usize;

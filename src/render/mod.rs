@@ -206,20 +206,30 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
 /// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut
 /// without need.
 fn tiles(window: Window) -> impl Iterator<Item = Window> {
-    let cut = |begin: u32, size: u32| {
-        (begin / TILE * TILE..begin + size).step_by(TILE as usize).map(move |at| {
-            let first = at.max(begin);
-            (first, (at + TILE).min(begin + size) - first)
-        })
-    };
-    cut(window.y, window.height).flat_map(move |(y, height)| {
-        cut(window.x, window.width).map(move |(x, width)| Window { x, y, width, height })
+    cut(window.y, window.height, TILE).flat_map(move |(y, height)| {
+        cut(window.x, window.width, TILE).map(move |(x, width)| Window { x, y, width, height })
+    })
+}
+
+/// Cuts so many pixels in a row at multiples of `edge` on the film: where each piece begins, and how long it
+/// is.
+fn cut(begin: u32, size: u32, edge: u32) -> impl Iterator<Item = (u32, u32)> {
+    (begin / edge * edge..begin + size).step_by(edge as usize).map(move |at| {
+        let first = at.max(begin);
+        (first, (at + edge).min(begin + size) - first)
     })
 }
 
 /// Pixel `i` of a window, row by row, in coordinates of the film.
 fn pixel(window: Window, i: usize) -> (u32, u32) {
     (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
+}
+
+/// The inverse of [`pixel`]; `None` of a pixel that is not in the window.
+#[inline(always)]
+fn number_of(window: Window, (x, y): (u32, u32)) -> Option<usize> {
+    let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
+    (x < window.width && y < window.height).then(|| (y * window.width + x) as usize)
 }
 
 /// Places the parts; each pixel comes from exactly one.

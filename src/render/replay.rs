@@ -36,7 +36,7 @@ impl Camera<'_> {
         let mut traced = trace(&[(pixel, sample)], &mut counters);
         if self.reuse() > 1 {
             // Those without which this one would be another.
-            let together: Vec<_> = reuse::cell(pixel, sample, self.film_size()).collect();
+            let together: Vec<_> = reuse::cell(pixel, sample, self.film().size).collect();
             traced = trace(&together, &mut Counters::default());
         }
         let (path, weight, mut values) = traced;

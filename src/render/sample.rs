@@ -110,10 +110,6 @@ impl<'a> Camera<'a> {
         self.scene.integrator.reuse()
     }
 
-    pub fn film_size(&self) -> (u32, u32) {
-        self.scene.sensor.film.size
-    }
-
     /// Number of light paths per sample number.
     pub fn light_paths(&self) -> u64 {
         u64::from(self.scene.light_paths())

@@ -5,8 +5,8 @@
 //! function of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances)
 //! holds for both together.
 
-use super::Progress;
 use super::sample::Camera;
+use super::{Progress, number_of};
 use crate::image::Window;
 use crate::integrator::Counters;
 use rayon::prelude::*;
@@ -58,10 +58,9 @@ impl Splats {
             }
             let Part { pixels, samples: offsets, values, counters } = &mut part;
             let chunk = first..numbers.end.min(first + CHUNK);
-            camera.trace_light(chunk, counters, |number, (x, y), channels| {
-                let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
-                if x < window.width && y < window.height {
-                    pixels.push(y * window.width + x);
+            camera.trace_light(chunk, counters, |number, pixel, channels| {
+                if let Some(at) = number_of(window, pixel) {
+                    pixels.push(at as u32);
                     offsets.push((number / per_sample - samples.start) as u32);
                     values.extend_from_slice(channels);
                 }

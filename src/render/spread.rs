@@ -3,8 +3,8 @@
 //! Drawn from its own pixel's filter ([`Film::place`]), a sample counts for that pixel alone, and errors of
 //! pixels are independent. Where pixels may share, samples lie evenly in their own pixels instead, and what a
 //! pixel has of sample number s is a sum over its neighbours' samples s, weighted by its filter
-//! ([`filter_weights`](crate::film::filter_weights)). White noise then has ∫f² of its variance: 4/9 with a tent
-//! of radius one, 1/π with Mitsuba's default, a gaussian.
+//! ([`filter_weights`](crate::film::filter_weights)). White noise then has ∫f² of its variance: 4/9 with a
+//! tent of radius one, 1/π with Mitsuba's default, a gaussian.
 //!
 //! That sum is still a function of scene, seed, pixel and number, and all that holds for samples (merging,
 //! blocks, variances) holds for it. It needs samples of the same number of pixels all around, so the whole
@@ -13,7 +13,7 @@
 use super::sample::Camera;
 use super::splats::Splats;
 use super::tile::{BATCH, add, batches};
-use super::{Progress, Report};
+use super::{Progress, Report, cut, number_of};
 use crate::film::filter_weights::Weights;
 use crate::film::{Accumulators, ChannelAccumulator, Film};
 use crate::image::Window;
@@ -66,8 +66,8 @@ impl<'a> Spread<'a> {
         Self { camera, film, window, around, reach, channels, columns: vec![0.0; together * size] }
     }
 
-    /// Adds these samples of all pixels of the window to their sums, and what light paths bring to them. `None`
-    /// if told to stop.
+    /// Adds these samples of all pixels of the window to their sums, and what light paths bring to them.
+    /// `None` if told to stop.
     pub fn add(
         &mut self,
         samples: &Range<u64>,
@@ -79,8 +79,7 @@ impl<'a> Spread<'a> {
         let together = (self.columns.len() / self.size()) as u64;
         for first in samples.clone().step_by(together as usize) {
             let some = first..samples.end.min(first + together);
-            let (counters, lost) = self.trace(&some, progress)?;
-            report.count(&counters);
+            let lost = self.trace(&some, progress, &mut report)?;
             let length = self.channels * self.window.width as usize;
             let row = |(y, sums): (usize, &mut [ChannelAccumulator])| {
                 let mut report = Report::default();
@@ -108,7 +107,7 @@ impl<'a> Spread<'a> {
     /// All channels of one sample of a window of one pixel, without what light paths bring.
     pub fn one(mut self, sample: u64) -> Vec<f64> {
         let mut values = vec![0.0; self.channels];
-        if let Some((_, lost)) = self.trace(&(sample..sample + 1), &Progress::default()) {
+        if let Some(lost) = self.trace(&(sample..sample + 1), &Progress::default(), &mut Report::default()) {
             self.gather((0, sample), self.window.y, &lost, &mut values);
         }
         values
@@ -119,9 +118,9 @@ impl<'a> Spread<'a> {
         self.channels * (self.around.height * self.window.width) as usize
     }
 
-    /// Traces these samples of all pixels around, and sums them along rows. What is lost is sorted by number and
-    /// row.
-    fn trace(&mut self, samples: &Range<u64>, progress: &Progress) -> Option<(Counters, Vec<Lost>)> {
+    /// Traces these samples of all pixels around, and sums them along rows. What is lost is sorted by number
+    /// and row.
+    fn trace(&mut self, samples: &Range<u64>, progress: &Progress, report: &mut Report) -> Option<Vec<Lost>> {
         let length = self.channels * self.window.width as usize;
         let mut columns = std::mem::take(&mut self.columns);
         let mut jobs = vec![];
@@ -136,14 +135,13 @@ impl<'a> Spread<'a> {
         let job = |(sample, band, sums): (u64, Window, &mut [f64])| self.band(sample, band, sums, progress);
         let done = jobs.into_par_iter().map(job).collect::<Option<Vec<_>>>();
         self.columns = columns;
-        let (mut counters, mut lost) = (Counters::default(), vec![]);
-        for (more, found) in done? {
-            counters.rays += more.rays;
-            counters.cut += more.cut;
+        let mut lost = vec![];
+        for (counters, found) in done? {
+            report.count(&counters);
             lost.extend(found);
         }
         lost.sort_by_key(Lost::row);
-        Some((counters, lost))
+        Some(lost)
     }
 
     /// Traces one sample of some whole rows of pixels.
@@ -165,7 +163,7 @@ impl<'a> Spread<'a> {
             let values = &mut values[..channels * which.len()];
             self.camera.samples(which, &mut counters, values);
             for (&(pixel, _), values) in which.iter().zip(values.chunks_exact(channels)) {
-                let Some(at) = place_in(band, pixel) else { continue };
+                let Some(at) = number_of(band, pixel) else { continue };
                 if values.iter().all(|value| value.is_finite()) {
                     row_by_row[at * channels..][..channels].copy_from_slice(values);
                 } else {
@@ -204,7 +202,7 @@ impl<'a> Spread<'a> {
         let begin = lost.partition_point(|lost| lost.row() < (sample, y));
         let row = Window { y, height: 1, ..self.window };
         for Lost { pixel, values, .. } in lost[begin..].iter().take_while(|lost| lost.row() == (sample, y)) {
-            if let Some(at) = place_in(row, *pixel) {
+            if let Some(at) = number_of(row, *pixel) {
                 sums[at * self.channels..][..self.channels].copy_from_slice(values);
             }
         }
@@ -218,20 +216,9 @@ fn neighbours(at: u32, weights: &Option<Weights>, reach: u32) -> impl Iterator<I
     weighty.map(move |(i, weight)| (at as usize + i - reach as usize, weight))
 }
 
-/// Which pixel of a window this is, row by row, if it is one.
-fn place_in(window: Window, (x, y): (u32, u32)) -> Option<usize> {
-    let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
-    (x < window.width && y < window.height).then(|| (y * window.width + x) as usize)
-}
-
 /// The rows of a window in bands that cut no cell of pixels that share.
 fn bands(window: Window) -> impl Iterator<Item = Window> {
-    let end = window.y + window.height;
-    let begin = (window.y / CELL * CELL..end).step_by(CELL as usize);
-    begin.map(move |at| {
-        let y = at.max(window.y);
-        Window { y, height: (at + CELL).min(end) - y, ..window }
-    })
+    cut(window.y, window.height, CELL).map(move |(y, height)| Window { y, height, ..window })
 }
 
 /// A window with `reach` pixels more on each side, as far as they are on the film.

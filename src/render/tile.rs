@@ -2,7 +2,7 @@
 
 use super::sample::Camera;
 use super::splats::Splats;
-use super::{LISTED, NonFinite, Progress, Report, pixel};
+use super::{LISTED, NonFinite, Progress, Report, number_of, pixel};
 use crate::film::ChannelAccumulator;
 use crate::image::Window;
 use crate::integrator::Counters;
@@ -43,9 +43,8 @@ pub fn tile(
         camera.samples(which, &mut counters, values);
         let before = tile.report.samples;
         for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
-            let (x, y) = (pixel.0.wrapping_sub(window.x), pixel.1.wrapping_sub(window.y));
-            if x < window.width && y < window.height {
-                let sums = &mut tile.sums[(y * window.width + x) as usize * channels..][..channels];
+            if let Some(at) = number_of(window, pixel) {
+                let sums = &mut tile.sums[at * channels..][..channels];
                 add(camera, splats, (pixel, sample), values, sums, &mut tile.report);
             }
         }
@@ -89,7 +88,7 @@ pub fn batches(
         );
         for (y, x) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))) {
             for sample in samples.clone() {
-                which.extend(reuse::cell((x * CELL, y * CELL), sample, camera.film_size()));
+                which.extend(reuse::cell((x * CELL, y * CELL), sample, camera.film().size));
                 if which.len() + (CELL * CELL) as usize > BATCH {
                     make(&mut which)?;
                 }

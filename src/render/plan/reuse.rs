@@ -96,7 +96,6 @@ impl Direct {
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
     let free = path.free;
-    scene.sensor.film.spread = None;
     let given = Choice {
         pixels: path.reuse,
         light_paths: path.shared_light_paths,
@@ -121,8 +120,8 @@ pub fn settle(scene: &mut Scene) {
         scene.settle_caustics();
     }
     set(scene, best.choice);
-    let spread = price_of_spreading(&scene.sensor.film, best.choice.pixels);
-    best.look.cells.iter_mut().for_each(|cell| cell.variance *= spread);
+    let price = prices_of_spreading(&scene.sensor.film)[usize::from(best.choice.pixels > 1)];
+    best.look.cells.iter_mut().for_each(|cell| cell.variance *= price);
     scene.sensor.film.spread = scene.sensor.film.spreadable();
     if light_paths::is_free(scene) {
         light_paths::balance(scene, &best.look);
@@ -143,7 +142,7 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
 /// The best choice, and whether sharing is far from paying; a glance is for the latter.
 fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
-    let spread = [1, 2].map(|pixels| price_of_spreading(&scene.sensor.film, pixels));
+    let prices = prices_of_spreading(&scene.sensor.film);
     let mut look = |choice: Choice| {
         set(scene, choice);
         Look::at(scene, if glance { GLANCE } else { CELLS })
@@ -157,7 +156,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     });
     // The best number of emitter samples, from a look with `choice.samples` of them.
     let judge = |choice: Choice, look: Look, price: f64| {
-        let price = price * spread[usize::from(choice.pixels > 1)];
+        let price = price * prices[usize::from(choice.pixels > 1)];
         let Some(direct) = &direct else {
             let product = price * product(&look);
             return Judged { choice, look, product };
@@ -193,13 +192,13 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     (best, far)
 }
 
-/// What the variance is multiplied by where samples count for all pixels that the film's filter reaches, if so
-/// many pixels share paths. Errors that they have in common stay; of the gain, as a factor, about the root was
-/// left in three rooms (see the notebook).
-fn price_of_spreading(film: &Film, pixels: u32) -> f64 {
-    film.spreadable().map_or(1.0, |spread| {
+/// What the variance is multiplied by where samples count for all pixels that the film's filter reaches: if
+/// no pixels share paths, and if some do. Errors that these have in common stay; of the gain, as a factor,
+/// about the root was left in three rooms (see the notebook).
+fn prices_of_spreading(film: &Film) -> [f64; 2] {
+    film.spreadable().map_or([1.0; 2], |spread| {
         let along = spread.squares(&film.filter);
-        if pixels == 1 { along * along } else { along }
+        [along * along, along]
     })
 }
 
