@@ -1,6 +1,6 @@
 //! Surfaces that emit light.
 
-use super::{AnyEmitter, DirectSample};
+use super::{AnyEmitter, DirectSample, Radiance};
 use crate::math::cone::Cone;
 use crate::math::ray::{free_way, position_error};
 use crate::math::{DVec2, DVec3, Ray};
@@ -65,7 +65,7 @@ impl Area {
             return None;
         }
         let distance = free_way(d, position_error(p) + chosen.error);
-        let radiance = self.radiance.eval_light(chosen.uv, λ);
+        let radiance = Radiance::Known(self.radiance.eval_light(chosen.uv, λ));
         Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false, n: chosen.n })
     }
 

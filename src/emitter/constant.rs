@@ -1,6 +1,6 @@
 //! The same radiance from every direction.
 
-use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT, require_constant};
+use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT, Radiance, require_constant};
 use crate::math::{DVec2, DVec3, Frame, INV_PI, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -34,14 +34,18 @@ impl Constant {
         } else {
             Frame::about(n).to_world(warp::cosine_hemisphere(u))
         };
-        let (radiance, pdf) = self.radiance(wi, n, λ);
+        let (radiance, pdf) = (Radiance::Known(self.radiance(λ)), Self::pdf(wi, n));
         let n = DVec3::ZERO;
         (pdf > 0.0).then_some(DirectSample { wi, distance: f64::INFINITY, radiance, pdf, delta: false, n })
     }
 
-    pub fn radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
-        let pdf = if n == DVec3::ZERO { 0.25 * INV_PI } else { INV_PI * n.dot(w).max(0.0) };
-        (self.radiance.eval(DVec2::ZERO, λ), pdf)
+    pub fn radiance(&self, λ: &Wavelengths) -> Spectrum {
+        self.radiance.eval(DVec2::ZERO, λ)
+    }
+
+    /// The density of a direction ω (unit, world), in sr⁻¹.
+    pub fn pdf(w: DVec3, n: DVec3) -> f64 {
+        if n == DVec3::ZERO { 0.25 * INV_PI } else { INV_PI * n.dot(w).max(0.0) }
     }
 
     /// The part of its radiance that is sought by emitter samples.

@@ -1,6 +1,6 @@
 //! Parallel light.
 
-use super::{AnyEmitter, DirectSample, require_constant};
+use super::{AnyEmitter, DirectSample, Radiance, require_constant};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -39,7 +39,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 
 impl Directional {
     pub fn sample(&self, λ: &Wavelengths) -> Option<DirectSample> {
-        let radiance = self.irradiance.eval(DVec2::ZERO, λ);
+        let radiance = Radiance::Known(self.irradiance.eval(DVec2::ZERO, λ));
         Some(DirectSample {
             wi: self.towards(),
             distance: f64::INFINITY,

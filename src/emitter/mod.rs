@@ -23,7 +23,7 @@ use crate::texture::AnyTexture;
 pub use area::Area;
 pub use constant::Constant;
 pub use directional::Directional;
-pub use envmap::EnvironmentMap;
+pub use envmap::{EnvironmentMap, MapPlace};
 pub use point::Point;
 pub use select::Emitters;
 use select::{Distant, Expected};
@@ -95,13 +95,30 @@ pub struct DirectSample {
     /// Distance over which the shadow ray must be unoccluded; infinite for light from outside the scene.
     pub distance: f64,
     /// Radiance in W·m⁻²·sr⁻¹·nm⁻¹; for a delta emitter the irradiance on a plane facing it.
-    pub radiance: Spectrum,
+    pub radiance: Radiance,
     /// Density of `wi` in sr⁻¹; 1 for a delta emitter.
     pub pdf: f64,
     /// Whether no other technique can find this direction.
     pub delta: bool,
     /// Unit normal (world) of the surface that emits it, on the side that emits; zero if no surface does.
     pub n: DVec3,
+}
+
+/// Radiance that is known, or a place in the map of the surroundings: looking there waits for memory, in vain
+/// if the place is not seen.
+#[derive(Clone, Copy, Debug)]
+pub enum Radiance {
+    Known(Spectrum),
+    Mapped(MapPlace),
+}
+
+/// A direction out of the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Unit, world.
+    pub direction: DVec3,
+    /// Where a map of the surroundings has it.
+    pub place: Option<MapPlace>,
 }
 
 impl AnyEmitter {
@@ -122,7 +139,7 @@ impl AnyEmitter {
             (Self::Spot(spot), _) => spot.sample(p, λ),
             (Self::Directional(directional), _) => directional.sample(λ),
             (Self::Constant(constant), _) => constant.sample(n, u, λ),
-            (Self::Envmap(map), _) => map.sample(n, u, λ),
+            (Self::Envmap(map), _) => map.sample(n, u),
         }
     }
 
@@ -144,14 +161,34 @@ impl AnyEmitter {
         }
     }
 
-    /// Radiance from outside the scene against the direction ω, and the density with which it is sampled for
-    /// a surface that gathers light about `n`.
+    /// What is to be seen in direction ω (unit, world) of a ray that leaves the scene.
     #[inline]
-    pub fn distant_radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> Option<(Spectrum, f64)> {
-        match self {
-            Self::Constant(constant) => Some(constant.radiance(w, n, λ)),
-            Self::Envmap(map) => Some(map.radiance(w, n, λ)),
+    pub fn view(&self, direction: DVec3) -> View {
+        let place = match self {
+            Self::Envmap(map) => Some(map.place(direction)),
             _ => None,
+        };
+        View { direction, place }
+    }
+
+    /// Radiance from outside the scene; `None` if it does not surround the scene.
+    #[inline]
+    pub fn distant_radiance(&self, view: &View, λ: &Wavelengths) -> Option<Spectrum> {
+        match (self, &view.place) {
+            (Self::Constant(constant), _) => Some(constant.radiance(λ)),
+            (Self::Envmap(map), Some(place)) => Some(map.radiance(place, λ)),
+            _ => None,
+        }
+    }
+
+    /// The density with which [`AnyEmitter::sample`] makes the direction of a view out of the scene, for a
+    /// surface that gathers light about `n`.
+    #[inline]
+    pub fn distant_pdf(&self, view: &View, n: DVec3) -> f64 {
+        match (self, &view.place) {
+            (Self::Constant(_), _) => Constant::pdf(view.direction, n),
+            (Self::Envmap(map), Some(place)) => map.pdf(n, place),
+            _ => 0.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! A point light.
 
-use super::{AnyEmitter, DirectSample, require_constant};
+use super::{AnyEmitter, DirectSample, Radiance, require_constant};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -42,7 +42,7 @@ pub fn arriving(p: DVec3, position: DVec3) -> Option<(DVec3, f64, f32)> {
 impl Point {
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, falloff) = arriving(p, self.position)?;
-        let radiance = self.intensity.eval(DVec2::ZERO, λ) * falloff;
+        let radiance = Radiance::Known(self.intensity.eval(DVec2::ZERO, λ) * falloff);
         Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 

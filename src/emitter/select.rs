@@ -5,11 +5,12 @@
 //! far is another. All estimates are of irradiance, in the same unit, so a lamp outshines the sky in a room
 //! and not in the street. Of the sky only that counts which scattering would not find by itself.
 
-use super::AnyEmitter;
 use super::tree::{Cluster, Look, Receiver, Tree};
+use super::{AnyEmitter, MapPlace, View};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3};
 use crate::shape::Geometry;
+use crate::spectrum::{Spectrum, Wavelengths};
 
 /// The part of all choices that is made evenly, so that an estimate that is wrong for some corner of the
 /// scene costs at most a tenth of its samples.
@@ -117,6 +118,22 @@ impl Emitters {
         let environment = list.iter().position(|e| e.emitter.is_environment());
         let near = (!near.is_empty()).then(|| (Tree::new(&near), leaves));
         Self { list, environment, near, far, places }
+    }
+
+    /// What is to be seen in direction ω (unit, world) of a ray that leaves the scene; `None` if that is
+    /// nothing.
+    #[inline]
+    pub fn view(&self, direction: DVec3) -> Option<View> {
+        self.environment.map(|index| self.list[index].emitter.view(direction))
+    }
+
+    /// The radiance of a place in the map of the surroundings, zero if there is no map.
+    #[inline]
+    pub fn mapped(&self, place: &MapPlace, λ: &Wavelengths) -> Spectrum {
+        match self.environment.map(|index| &self.list[index].emitter) {
+            Some(AnyEmitter::Envmap(map)) => map.radiance(place, λ),
+            _ => Spectrum::ZERO,
+        }
     }
 
     /// Whether the choice depends on where light is gathered.

@@ -1,6 +1,6 @@
 //! Spot lights.
 
-use super::{AnyEmitter, DirectSample, point, require_constant};
+use super::{AnyEmitter, DirectSample, Radiance, point, require_constant};
 use crate::math::cone::Cone;
 use crate::math::frame::unit;
 use crate::math::function::{acos, cos, tan};
@@ -56,6 +56,7 @@ impl Spot {
             let scale = 0.5 / (local.z * tan(self.cutoff));
             radiance *= texture.eval(DVec2::new(0.5 + local.x * scale, 0.5 + local.y * scale), λ);
         }
+        let radiance = Radiance::Known(radiance);
         Some(DirectSample { wi, distance, radiance, pdf: 1.0, delta: true, n: DVec3::ZERO })
     }
 
@@ -104,7 +105,10 @@ mod tests {
         let AnyEmitter::Spot(spot) = &scene.emitters.list[0].emitter else { panic!("no spot") };
         let angle = degrees.to_radians();
         let found = spot.sample(DVec3::new(angle.sin(), 0.0, angle.cos()), &Wavelengths::rgb());
-        found.map(|light| light.radiance.0[0])
+        found.map(|light| match light.radiance {
+            Radiance::Known(radiance) => radiance.0[0],
+            Radiance::Mapped(_) => panic!("a spot has no map"),
+        })
     }
 
     #[test]

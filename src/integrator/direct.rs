@@ -90,7 +90,7 @@ impl Direct {
                 let Some(light) = light else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {
-                    radiance += light.radiance;
+                    radiance += light.radiance(scene, λ);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Direct light by sampling the emitters, and the MIS weights between that and sampling the BSDF.
 
 use crate::bsdf::Bsdf;
-use crate::emitter::{DirectSample, EmitterPoint};
+use crate::emitter::{DirectSample, EmitterPoint, MapPlace, Radiance};
 use crate::math::ray::Ends;
 use crate::math::{DVec2, DVec3, Frame, Origin, Ray};
 use crate::scene::{Scene, Side};
@@ -81,6 +81,16 @@ pub struct Proposal {
     pub ray: Ray,
     /// Contribution to the radiance that leaves the vertex towards `wo`, with its MIS weight.
     pub radiance: Spectrum,
+    /// The place in the map of the surroundings with whose radiance the contribution is to be multiplied.
+    pub of: Option<MapPlace>,
+}
+
+impl Proposal {
+    /// The whole contribution.
+    #[inline]
+    pub fn radiance(&self, scene: &Scene, λ: &Wavelengths) -> Spectrum {
+        self.of.as_ref().map_or(self.radiance, |place| self.radiance * scene.emitters.mapped(place, λ))
+    }
 }
 
 /// An emitter sample, and how likely it was.
@@ -116,7 +126,11 @@ pub fn sample_emitter<B: Bsdf>(
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let light = entry.emitter.sample(shape, (vertex.point.p, n), u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
-    if scattered.value.is_zero() || light.radiance.is_zero() {
+    let (radiance, of) = match light.radiance {
+        Radiance::Known(radiance) => (scattered.value * radiance, None),
+        Radiance::Mapped(place) => (scattered.value, Some(place)),
+    };
+    if radiance.is_zero() {
         return None;
     }
     let pdf = light.pdf * probability;
@@ -129,7 +143,8 @@ pub fn sample_emitter<B: Bsdf>(
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     let proposal = Proposal {
         ray: if entry.shape.is_some() { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
-        radiance: scattered.value * light.radiance * (weight / (pdf * count)) as f32,
+        radiance: radiance * (weight / (pdf * count)) as f32,
+        of,
     };
     Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
 }

@@ -40,8 +40,9 @@ mod tests {
         );
         let scene = load_text("scene.xml", &text, mode)?;
         let λ = if mode == ColorMode::Rgb { Wavelengths::rgb() } else { Wavelengths::sample_visible(0.03) };
-        let found = scene.emitters.list[0].emitter.distant_radiance(DVec3::Z, DVec3::ZERO, &λ);
-        Ok(found.unwrap().0.0)
+        let emitter = &scene.emitters.list[0].emitter;
+        let found = emitter.distant_radiance(&emitter.view(DVec3::Z), &λ);
+        Ok(found.unwrap().0)
     }
 
     #[test]

@@ -6,14 +6,17 @@
 //! positive, for other directions of the block may be above the horizon of other normals. Blocks are few, so
 //! their probabilities are tabulated for each of the normals. Then a cell of the block is chosen by its
 //! importance alone, which is tabulated once, and last a place in it, by the importance I that is bilinear
-//! between texel centres, in the turn and the height (the cosine of the polar angle).
+//! between texel centres, in the turn and the height (the cosine of the polar angle). In *even* blocks, where
+//! I hardly varies within cells, a place is as likely as any other of its cell, so that nobody waits for the
+//! texels, which are far away in memory, before it is known whether light arrives.
 //!
 //! With the mean importance Ī of the cell, its height h, and W cells around the equator, p(ω) = P(block, n)
-//! P(cell) I(ω)/Ī · W/(2π h).
+//! P(cell) I(ω)/Ī · W/(2π h), where I(ω)/Ī is taken for one in even blocks.
 
 use super::steps::{self, deal, pick};
 use crate::math::frame::unit;
 use crate::math::function::sin_cos_turn;
+use crate::math::simd::prefetch;
 use crate::math::{DVec2, DVec3, INV_PI, warp};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -27,12 +30,16 @@ const NORMALS: usize = 17;
 /// Most normals are nearer than this to the nearest of those, in radians.
 const NEAR: f64 = 0.15;
 
+/// The mean of the relative variance of the importance within cells, up to which a block is even. It is what
+/// the squares of samples from there grow by.
+const EVEN: f64 = 0.05;
+
 /// The number, among those of normals, that stands for no normal: all directions are faced alike.
 const ANYWHERE: usize = NORMALS * NORMALS;
 
-/// A place within a cell, between the texel centres at its corners.
+/// A place of the map: within a cell, between the texel centres at its corners.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct MapPlace {
     /// Column of the texels to the left, and row of those above.
     pub cell: Cell,
     /// Distance from the left edge, as a fraction of the cell's width.
@@ -69,6 +76,8 @@ pub struct Directions {
     /// For each block, the table by which a row of its cells is chosen, then those by which a cell of a row
     /// is.
     insides: Vec<u16>,
+    /// Whether each block is even.
+    even: Vec<bool>,
 }
 
 /// The tables by which cells of a block are chosen.
@@ -93,20 +102,28 @@ impl Directions {
         let shift = [(columns, BLOCKS[0]), (rows, BLOCKS[1])]
             .map(|(cells, blocks)| cells.div_ceil(blocks).next_power_of_two().trailing_zeros());
         let side = shift.map(|shift| 1 << shift);
-        let (mut insides, mut middles, mut importances) = (vec![], vec![], vec![]);
+        let (mut insides, mut even, mut middles, mut importances) = (vec![], vec![], vec![], vec![]);
         for (row, column) in (0..BLOCKS[1]).flat_map(|row| (0..BLOCKS[0]).map(move |column| (row, column))) {
             let first = Cell { column: column * side[0], row: row * side[1] };
-            let important = |row: usize, column: usize| {
+            let mut varying = 0.0;
+            let mut important = |row: usize, column: usize| {
                 let cell = Cell { column: first.column + column, row: first.row + row };
-                let there = cell.column < columns && cell.row < rows;
-                if there { mean(corners(cell)) * strips[cell.row].0 } else { 0.0 }
+                if cell.column >= columns || cell.row >= rows {
+                    return 0.0;
+                }
+                let (corners, height) = (corners(cell), strips[cell.row].0);
+                let important = mean(corners) * height;
+                varying += important * relative_variance(corners);
+                important
             };
             let cells: Vec<f64> =
                 (0..side[1] * side[0]).map(|i| important(i / side[0], i % side[0])).collect();
             let rows_of_cells: Vec<f64> = cells.chunks(side[0]).map(|row| row.iter().sum()).collect();
             insides.extend(deal(&rows_of_cells));
             insides.extend(cells.chunks(side[0]).flat_map(deal));
-            importances.push(rows_of_cells.iter().sum());
+            let importance: f64 = rows_of_cells.iter().sum();
+            even.push(varying <= EVEN * importance);
+            importances.push(importance);
             let end = [columns.min(first.column + side[0]), rows.min(first.row + side[1])];
             let turn = (0.5 * (first.column + end[0]) as f64 + 0.5) / columns as f64;
             let height = libm::cos(0.5 * PI * (first.row + end[1]) as f64 / rows as f64);
@@ -115,7 +132,7 @@ impl Directions {
         let angle =
             [side[0] as f64 / columns as f64, 0.5 * side[1] as f64 / rows as f64].map(|part| PI * part);
         let blur = 0.25 * libm::sin((NEAR + libm::hypot(angle[0], angle[1])).min(FRAC_PI_2));
-        let mut directions = Self { columns, strips, shift, rows: vec![], blocks: vec![], insides };
+        let mut directions = Self { columns, strips, shift, rows: vec![], blocks: vec![], insides, even };
         let normals = (0..ANYWHERE).map(|number| Some(normal_of(number)));
         normals.chain([None]).for_each(|n| {
             directions
@@ -139,7 +156,7 @@ impl Directions {
     /// Samples a place that may light a surface of normal n (any surface, if n is zero); returns it with its
     /// density in sr⁻¹. `None` if there is no light.
     #[inline]
-    pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<(Place, f64)> {
+    pub fn sample(&self, n: DVec3, u: DVec2, corners: impl Fn(Cell) -> Corners) -> Option<(MapPlace, f64)> {
         let normal = nearest(n);
         let block_row = pick(&self.rows[normal], u.y)?;
         let block = pick(self.blocks(normal, block_row.index), u.x)?;
@@ -150,18 +167,23 @@ impl Directions {
             column: (block.index << self.shift[0]) + column.index,
             row: (block_row.index << self.shift[1]) + row.index,
         };
+        let of_block = block_row.probability * block.probability;
+        let probability = of_block * (row.probability * column.probability);
+        if self.even([block.index, block_row.index]) {
+            let place = MapPlace { cell, across: column.rest, down: row.rest };
+            return Some((place, self.even_density(probability, cell)));
+        }
         let corners = corners(cell);
         let [above, below] = corners;
         let across = warp::linear(column.rest, above[0] + below[0], above[1] + below[1]);
         let down = warp::linear(row.rest, lerp(above, across), lerp(below, across));
-        let place = Place { cell, across, down };
-        let of_block = block_row.probability * block.probability;
-        Some((place, self.density(of_block * (row.probability * column.probability), &place, corners)))
+        let place = MapPlace { cell, across, down };
+        Some((place, self.density(probability, &place, corners)))
     }
 
     /// The density of a place for normal n, in sr⁻¹: to the bit what [`Directions::sample`] says.
     #[inline]
-    pub fn pdf(&self, n: DVec3, place: &Place, corners: Corners) -> f64 {
+    pub fn pdf(&self, n: DVec3, place: &MapPlace, corners: impl Fn(Cell) -> Corners) -> f64 {
         let normal = nearest(n);
         let [column, row] = [place.cell.column, place.cell.row];
         let [block, block_row] = [column >> self.shift[0], row >> self.shift[1]];
@@ -170,7 +192,26 @@ impl Directions {
         let inside = self.inside([block, block_row]);
         let [column, row] = [column - (block << self.shift[0]), row - (block_row << self.shift[1])];
         let of_cell = steps::probability(inside.rows, row) * steps::probability(inside.cells(row), column);
-        self.density(of_block * of_cell, place, corners)
+        if self.even([block, block_row]) {
+            return self.even_density(of_block * of_cell, place.cell);
+        }
+        self.density(of_block * of_cell, place, corners(place.cell))
+    }
+
+    /// Whether all places of a cell of the block are equally likely.
+    #[inline]
+    fn even(&self, [block, row]: [usize; 2]) -> bool {
+        self.even[row * BLOCKS[0] + block]
+    }
+
+    /// Prefetches what [`Directions::pdf`] looks at, but for tables that always are near.
+    #[inline]
+    pub fn prefetch(&self, cell: Cell) {
+        let [block, row] = [cell.column >> self.shift[0], cell.row >> self.shift[1]];
+        let inside = self.inside([block, row]);
+        let [column, row] = [cell.column - (block << self.shift[0]), cell.row - (row << self.shift[1])];
+        prefetch(inside.rows, row);
+        prefetch(inside.cells(row), column);
     }
 
     /// The table by which a block of a row of blocks is chosen for a normal.
@@ -189,16 +230,22 @@ impl Directions {
 
     /// The density, in sr⁻¹, of a place in a cell of this probability.
     #[inline]
-    fn density(&self, probability: f64, place: &Place, corners: Corners) -> f64 {
+    fn density(&self, probability: f64, place: &MapPlace, corners: Corners) -> f64 {
         let [above, below] = corners;
         let importance = lerp([lerp(above, place.across), lerp(below, place.across)], place.down);
-        let even = probability * (0.5 * INV_PI * self.columns as f64) / self.strips[place.cell.row].0;
+        let even = self.even_density(probability, place.cell);
         if probability > 0.0 { even * (importance / mean(corners)) } else { 0.0 }
+    }
+
+    /// The same if all places of the cell are equally likely.
+    #[inline]
+    fn even_density(&self, probability: f64, cell: Cell) -> f64 {
+        probability * (0.5 * INV_PI * self.columns as f64) / self.strips[cell.row].0
     }
 
     /// The turn of a place about +y, and the cosine of its polar angle.
     #[inline]
-    pub fn turn_and_height(&self, place: &Place) -> (f64, f64) {
+    pub fn turn_and_height(&self, place: &MapPlace) -> (f64, f64) {
         let turn = (place.cell.column as f64 + 0.5 + place.across) / self.columns as f64;
         let (height, top) = self.strips[place.cell.row];
         (if turn < 1.0 { turn } else { turn - 1.0 }, top - place.down * height)
@@ -206,7 +253,7 @@ impl Directions {
 
     /// The place at a turn in [0, 1], a polar angle in half turns, and the cosine of that angle.
     #[inline]
-    pub fn place(&self, turn: f64, half_turns: f64, height: f64) -> Place {
+    pub fn place(&self, turn: f64, half_turns: f64, height: f64) -> MapPlace {
         let rows = self.strips.len();
         let row = ((half_turns * rows as f64) as usize).min(rows - 1);
         let x = turn * self.columns as f64 - 0.5;
@@ -214,7 +261,7 @@ impl Directions {
         let column = (x as usize).min(self.columns - 1);
         let (strip, top) = self.strips[row];
         let down = ((top - height) / strip).clamp(0.0, 1.0);
-        Place { cell: Cell { column, row }, across: (x - column as f64).min(1.0), down }
+        MapPlace { cell: Cell { column, row }, across: (x - column as f64).min(1.0), down }
     }
 }
 
@@ -268,6 +315,15 @@ fn mean(corners: Corners) -> f64 {
     0.25 * corners.as_flattened().iter().sum::<f64>()
 }
 
+/// The variance of what is bilinear between corners, over the square of its mean.
+fn relative_variance(corners: Corners) -> f64 {
+    let [[a, b], [c, d]] = corners;
+    // The integral of (1 − x)² is a third, of x (1 − x) a sixth.
+    let squares = a * a + b * b + c * c + d * d + a * b + c * d + a * c + b * d + 0.5 * (a * d + b * c);
+    let mean = mean(corners);
+    if mean > 0.0 { squares / (9.0 * mean * mean) - 1.0 } else { 0.0 }
+}
+
 fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
     a + t * (b - a)
 }
@@ -314,7 +370,7 @@ mod tests {
             for (n, w) in even(50).flat_map(|n| even(100).map(move |w| (n, w))) {
                 let turn = 0.5 * INV_PI * libm::atan2(w.x, -w.z);
                 let place = directions.place(turn.rem_euclid(1.0), INV_PI * libm::acos(w.y), w.y);
-                let pdf = directions.pdf(n, &place, [[1.0; 2]; 2]);
+                let pdf = directions.pdf(n, &place, |_| [[1.0; 2]; 2]);
                 assert!(pdf > 0.0 && pdf < 1.0, "{columns} {n} {w} {pdf}");
             }
         }
@@ -331,15 +387,15 @@ mod tests {
             for i in 0..SIDE * SIDE {
                 let u = DVec2::new((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5) / SIDE as f64;
                 let (place, pdf) = directions.sample(n, u, corners(columns)).expect("there is light");
-                assert_eq!(pdf, directions.pdf(n, &place, corners(columns)(place.cell)));
+                assert_eq!(pdf, directions.pdf(n, &place, corners(columns)));
                 found[place.cell.row * columns + place.cell.column] += 1.0 / (SIDE * SIDE) as f64;
             }
             for (i, expected) in expected.iter_mut().enumerate() {
                 let cell = Cell { column: i % columns, row: i / columns };
                 // Bilinear in solid angle: the middle is the mean.
-                let middle = Place { cell, across: 0.5, down: 0.5 };
+                let middle = MapPlace { cell, across: 0.5, down: 0.5 };
                 let solid_angle = 2.0 * PI / columns as f64 * directions.strips[cell.row].0;
-                *expected = directions.pdf(n, &middle, corners(columns)(cell)) * solid_angle;
+                *expected = directions.pdf(n, &middle, corners(columns)) * solid_angle;
             }
             assert!((expected.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             // A grid of numbers meets each cell as often as it should, but for its rim.

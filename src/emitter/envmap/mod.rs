@@ -3,9 +3,10 @@
 mod directions;
 mod steps;
 
-use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT};
+use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT, Radiance};
 use crate::math::frame::unit;
 use crate::math::function::{acos, turn};
+use crate::math::simd::prefetch;
 use crate::math::{DVec2, DVec3, INV_PI, Transform};
 use crate::pages::Pages;
 use crate::scene::error::SceneError;
@@ -15,7 +16,8 @@ use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use crate::texture::color_scale;
 use bytemuck::{Pod, Zeroable};
-use directions::{Cell, Corners, Directions, Place};
+pub use directions::MapPlace;
+use directions::{Cell, Corners, Directions};
 
 pub const NAME: &str = "envmap";
 pub const ABOUT: &str =
@@ -111,41 +113,57 @@ fn mean(width: usize, values: impl Iterator<Item = f64>) -> f64 {
 
 impl EnvironmentMap {
     /// A direction from which a surface of normal `n` (world, zero for none) may be lit.
-    pub fn sample(&self, n: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
-        let n = self.to_local.vector(n);
-        let (place, pdf) =
-            self.directions.sample(n, u, |cell| importances(&self.corners(cell), self.common))?;
-        let corners = self.corners(place.cell);
+    pub fn sample(&self, n: DVec3, u: DVec2) -> Option<DirectSample> {
+        let (place, pdf) = self.directions.sample(self.to_local.vector(n), u, self.importances())?;
         let (turn, height) = self.directions.turn_and_height(&place);
-        let half_turns = INV_PI * acos(height.clamp(-1.0, 1.0));
-        (pdf > 0.0).then(|| DirectSample {
-            wi: unit(self.to_world.vector(directions::direction(turn, height))),
-            distance: f64::INFINITY,
-            radiance: self.eval(&place, half_turns, &corners, λ),
-            pdf,
-            delta: false,
-            n: DVec3::ZERO,
+        (pdf > 0.0).then(|| {
+            self.prefetch_texels(place.cell);
+            DirectSample {
+                wi: unit(self.to_world.vector(directions::direction(turn, height))),
+                distance: f64::INFINITY,
+                radiance: Radiance::Mapped(place),
+                pdf,
+                delta: false,
+                n: DVec3::ZERO,
+            }
         })
     }
 
-    /// Radiance seen in direction ω (unit, world), and the density with which it is sampled for a surface of
-    /// normal `n`.
-    pub fn radiance(&self, w: DVec3, n: DVec3, λ: &Wavelengths) -> (Spectrum, f64) {
+    /// The place in direction ω (unit, world); what is there is prefetched.
+    pub fn place(&self, w: DVec3) -> MapPlace {
         let w = unit(self.to_local.vector(w));
-        let turn = turn(w.x, -w.z);
         let half_turns = INV_PI * acos(w.y.clamp(-1.0, 1.0));
-        let place = self.directions.place(turn, half_turns, w.y);
-        let corners = self.corners(place.cell);
-        let pdf = self.directions.pdf(self.to_local.vector(n), &place, importances(&corners, self.common));
-        (self.eval(&place, half_turns, &corners, λ), pdf)
+        let place = self.directions.place(turn(w.x, -w.z), half_turns, w.y);
+        self.prefetch_texels(place.cell);
+        self.directions.prefetch(place.cell);
+        place
+    }
+
+    /// The density with which a place is sampled for a surface of normal `n`, in sr⁻¹.
+    pub fn pdf(&self, n: DVec3, place: &MapPlace) -> f64 {
+        self.directions.pdf(self.to_local.vector(n), place, self.importances())
+    }
+
+    fn importances(&self) -> impl Fn(Cell) -> Corners {
+        |cell| importances(&self.corners(cell), self.common)
     }
 
     fn corners(&self, cell: Cell) -> [[Texel; 2]; 2] {
         corners(&self.texels, self.width, cell)
     }
 
-    /// The bilinear value at a place with a polar angle in half turns.
-    fn eval(&self, place: &Place, half_turns: f64, corners: &[[Texel; 2]; 2], λ: &Wavelengths) -> Spectrum {
+    fn prefetch_texels(&self, cell: Cell) {
+        corner_numbers(self.width, cell)
+            .as_flattened()
+            .iter()
+            .for_each(|number| prefetch(&self.texels, *number));
+    }
+
+    /// The radiance of a place, bilinear between the centres of texels.
+    pub fn radiance(&self, place: &MapPlace, λ: &Wavelengths) -> Spectrum {
+        let corners = self.corners(place.cell);
+        let (_, height) = self.directions.turn_and_height(place);
+        let half_turns = INV_PI * acos(height.clamp(-1.0, 1.0));
         let rows = (self.texels.len() / self.width - 1) as f64;
         let x = place.across as f32;
         let y = (half_turns * rows - place.cell.row as f64).clamp(0.0, 1.0) as f32;
@@ -175,8 +193,12 @@ impl EnvironmentMap {
 
 /// The texels at the corners of a cell: of the row above, left and right, and of the row below.
 fn corners(texels: &[Texel], width: usize, cell: Cell) -> [[Texel; 2]; 2] {
+    corner_numbers(width, cell).map(|row| row.map(|number| texels[number]))
+}
+
+fn corner_numbers(width: usize, cell: Cell) -> [[usize; 2]; 2] {
     let right = if cell.column + 1 < width { cell.column + 1 } else { 0 };
-    [cell.row, cell.row + 1].map(|row| [texels[row * width + cell.column], texels[row * width + right]])
+    [cell.row, cell.row + 1].map(|row| [row * width + cell.column, row * width + right])
 }
 
 /// The importance by which directions are sampled: the brightness beyond the mean, for scattering finds the

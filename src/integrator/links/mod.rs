@@ -35,7 +35,7 @@ mod passage;
 use super::Counters;
 use super::light::{Proposal, Vertex, power_heuristic_of_three};
 use crate::bsdf::{AnyMaterial, Bsdf};
-use crate::emitter::{AnyEmitter, EmitterPoint};
+use crate::emitter::{AnyEmitter, EmitterPoint, Radiance};
 use crate::math::bounds::union;
 use crate::math::ray::{free_way, position_error};
 use crate::math::{DVec2, DVec3, Origin, Ray, length};
@@ -208,7 +208,8 @@ pub fn sample_emitter<B: Bsdf>(
     let from = vertex.origin();
     let seen_from = technique.seen_from(from.p)?;
     let light = entry.emitter.sample(shape, (seen_from, DVec3::ZERO), u, λ)?;
-    if light.radiance.is_zero() {
+    let Radiance::Known(radiance) = light.radiance else { return None };
+    if radiance.is_zero() {
         return None;
     }
     let to = seen_from + light.wi * light.distance;
@@ -233,7 +234,8 @@ pub fn sample_emitter<B: Bsdf>(
         let weight = power_heuristic_of_three(scattering / pdf, by_light_path / pdf);
         found(Proposal {
             ray: Ray { end: link.last.end - early, ..link.last },
-            radiance: scattered.value * link.transmittance * light.radiance * (weight / pdf) as f32,
+            radiance: scattered.value * link.transmittance * radiance * (weight / pdf) as f32,
+            of: None,
         });
     }
     Some(())

@@ -7,7 +7,7 @@ use super::stream::State;
 use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::{DirectSample, EmitterPoint};
 use crate::integrator::guide::{self, Directions};
-use crate::integrator::light::{self, Proposal, Sampled, Vertex};
+use crate::integrator::light::{self, Sampled, Vertex};
 use crate::integrator::links::{self, Link, Links};
 use crate::integrator::{Counters, caustics};
 use crate::math::{DVec3, Ray};
@@ -68,7 +68,10 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             };
             let counts = (f64::from(count), 1.0);
             let found = light::sample_emitter(scene, vertex, n, u, counts, λ, light_paths);
-            let Some((Proposal { ray, radiance }, sampled)) = found else { continue };
+            let Some((mut proposal, sampled)) = found else { continue };
+            if F & Features::ENVIRONMENT == 0 {
+                proposal.of = None;
+            }
             let rivals = || {
                 let Sampled { emitter, light, density } = sampled;
                 let factor = || state.tail.factor(vertex, vertex.to_local(light.wi), density);
@@ -76,8 +79,8 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             };
             let rivals = if F & Features::REUSE != 0 && shares && !casts { rivals() } else { None };
             match rivals {
-                Some(rivals) => shadows.contest(self.index, rivals, ray, throughput * radiance),
-                None => shadows.push((self.index, shares), ray, throughput * radiance),
+                Some(rivals) => shadows.contest(self.index, rivals, throughput, proposal),
+                None => shadows.push((self.index, shares), throughput, proposal),
             }
         }
     }
@@ -129,9 +132,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
                 };
                 for technique in links.techniques(vertex.point.p, u.one(7)) {
                     let which = (technique, u.pair(0), u.one(4));
-                    let found = |Proposal { ray, radiance }| {
-                        shadows.push((self.index, shares), ray, throughput * radiance);
-                    };
+                    let found = |proposal| shadows.push((self.index, shares), throughput, proposal);
                     links::sample_emitter((scene, λ), vertex, which, effort, light_paths, counters, found);
                 }
             }

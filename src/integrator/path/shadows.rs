@@ -2,6 +2,8 @@
 
 use super::FEW_EMITTERS;
 use super::reuse::{Contested, Rivals, Shared};
+use crate::emitter::MapPlace;
+use crate::integrator::light::Proposal;
 use crate::integrator::wavefront::{STREAM, occluded};
 use crate::integrator::{CameraPath, Counters};
 use crate::math::{DVec2, Ray};
@@ -14,6 +16,9 @@ use crate::spectrum::Spectrum;
 pub struct Shadows {
     pub rays: Vec<Ray>,
     light: Vec<(usize, bool, Spectrum)>,
+    /// The place in the map of the surroundings that a contribution comes from, by its place here: what is
+    /// there is looked up if it arrives.
+    mapped: Vec<(usize, MapPlace)>,
     /// What else finds some of what is shared, by its place.
     rivals: Vec<(usize, Rivals)>,
     occluded: Vec<bool>,
@@ -46,15 +51,19 @@ impl Shadows {
         (u.pair(0), u.one(4))
     }
 
-    pub fn push(&mut self, (path, shares): (usize, bool), ray: Ray, light: Spectrum) {
-        self.rays.push(ray);
-        self.light.push((path, shares, light));
+    #[inline(always)]
+    pub fn push(&mut self, (path, shares): (usize, bool), throughput: Spectrum, proposal: Proposal) {
+        if let Some(place) = proposal.of {
+            self.mapped.push((self.light.len(), place));
+        }
+        self.rays.push(proposal.ray);
+        self.light.push((path, shares, throughput * proposal.radiance));
     }
 
     /// Light that is shared and that light paths find as well.
-    pub fn contest(&mut self, path: usize, rivals: Rivals, ray: Ray, light: Spectrum) {
+    pub fn contest(&mut self, path: usize, rivals: Rivals, throughput: Spectrum, proposal: Proposal) {
         self.rivals.push((self.light.len(), rivals));
-        self.push((path, true), ray, light);
+        self.push((path, true), throughput, proposal);
     }
 
     /// Traces the shadow rays and adds what is unoccluded, in the order in which it was pushed.
@@ -66,6 +75,10 @@ impl Shadows {
         counters: &mut Counters,
     ) {
         occluded(scene, &self.rays, &mut self.occluded, counters);
+        for (index, place) in self.mapped.drain(..).filter(|(index, _)| !self.occluded[*index]) {
+            let (path, _, light) = &mut self.light[index];
+            *light *= scene.emitters.mapped(&place, &paths[*path].λ);
+        }
         // Contested light goes where it is parted.
         for (place, rivals) in self.rivals.drain(..) {
             let (path, _, light) = self.light[place];

@@ -1,5 +1,6 @@
 //! Camera paths in streams that take each step together.
 
+use super::escapes::Escapes;
 use super::reuse::{Exchange, Shared, Tail};
 use super::shadows::Shadows;
 use super::vertex::Arrival;
@@ -81,6 +82,7 @@ struct Stream {
     wavefront: Wavefront,
     numbers: ManyNumbers<STREAM>,
     shadows: Shadows,
+    escapes: Escapes,
     shared: Vec<Shared>,
     ways: Vec<Way>,
     exchange: Exchange,
@@ -138,7 +140,7 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, wavefront, numbers, shadows, shared, ways, .. }: &mut Stream,
+        Stream { states, wavefront, numbers, shadows, escapes, shared, ways, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
@@ -173,8 +175,11 @@ impl Path {
                     shared: &mut shared[index],
                     way: &mut ways[index],
                 };
-                self.step::<F>(scene, flight, (ray, hit, numbers.of(place)), shadows, counters)
+                self.step::<F>(scene, flight, (ray, hit, numbers.of(place)), (shadows, escapes), counters)
             });
+            if F & Features::ENVIRONMENT != 0 {
+                escapes.resolve(scene, paths, shared);
+            }
             shadows.resolve(scene, paths, shared, counters);
         }
     }

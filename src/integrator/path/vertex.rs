@@ -1,11 +1,12 @@
 //! A vertex of a camera path: the emission that it meets, and the surface at which it scatters.
 
+use super::escapes::{Escape, Escapes};
 use super::reuse::Contested;
 use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::InFlight;
 use super::{MAX_VERTICES, Path};
-use crate::emitter::EmitterPoint;
+use crate::emitter::{EmitterPoint, View};
 use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
 use crate::integrator::{Counters, Event};
 use crate::math::{DVec3, Ray};
@@ -40,15 +41,20 @@ impl Path {
         scene: &Scene,
         InFlight { index, path, state, shared, way }: InFlight,
         (ray, hit, u): (&Ray, Option<Hit>, Numbers),
-        shadows: &mut Shadows,
+        (shadows, escapes): (&mut Shadows, &mut Escapes),
         counters: &mut Counters,
     ) -> Option<Ray> {
         let λ = &mut path.λ;
         let Some(hit) = hit else {
             if F & Features::ENVIRONMENT != 0 && !(self.lengths.hide_emitters && state.direct_view) {
-                let light = environment(scene, ray, state.arrival, λ);
-                let found = if state.shares { &mut shared.radiance } else { &mut path.radiance };
-                *found += state.throughput * light;
+                let view = scene.emitters.view(ray.direction)?;
+                escapes.push(Escape {
+                    path: index,
+                    shares: state.shares,
+                    throughput: state.throughput,
+                    from: (ray.origin, state.arrival),
+                    view,
+                });
             }
             return None;
         };
@@ -139,15 +145,25 @@ pub fn side_towards(shape: &Shape, cos: f64) -> Side {
 /// Light from the environment along a ray that met nothing.
 #[inline]
 pub fn environment(scene: &Scene, ray: &Ray, arrival: Arrival, λ: &Wavelengths) -> Spectrum {
+    let seen = |view| surroundings(scene, &view, (ray.origin, arrival), λ);
+    scene.emitters.view(ray.direction).map_or(Spectrum::ZERO, seen)
+}
+
+/// Light that a ray from this origin (world) sees out of the scene.
+#[inline]
+pub fn surroundings(
+    scene: &Scene,
+    view: &View,
+    (origin, arrival): (DVec3, Arrival),
+    λ: &Wavelengths,
+) -> Spectrum {
     let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
     let emitter = &scene.emitters.list[index].emitter;
-    let Some((radiance, pdf)) = emitter.distant_radiance(ray.direction, arrival.n, λ) else {
-        return Spectrum::ZERO;
-    };
+    let Some(radiance) = emitter.distant_radiance(view, λ) else { return Spectrum::ZERO };
     if arrival.delta {
         return radiance;
     }
-    let rival =
-        scene.emitters.probability(index, (ray.origin, arrival.n)) * pdf * f64::from(arrival.emitter_samples);
+    let chosen = scene.emitters.probability(index, (origin, arrival.n));
+    let rival = chosen * emitter.distant_pdf(view, arrival.n) * f64::from(arrival.emitter_samples);
     radiance * power_heuristic(arrival.pdf, rival) as f32
 }

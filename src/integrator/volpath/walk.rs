@@ -3,7 +3,7 @@
 use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::integrator::lengths::Lengths;
-use crate::integrator::light::{self, Proposal, Vertex, power_heuristic};
+use crate::integrator::light::{self, Vertex, power_heuristic};
 use crate::integrator::path::{Arrival, environment, roulette, side_towards};
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
@@ -204,7 +204,8 @@ impl<'a> Walk<'a> {
         let place = (u.pair(0), u.one(4));
         let found =
             light::sample_emitter(self.scene, vertex, n, place, (1.0, 1.0), &self.path.λ, |_, _, _| 0.0);
-        let Some((Proposal { ray, radiance }, _)) = found else { return };
+        let Some((proposal, _)) = found else { return };
+        let ray = proposal.ray;
         let medium = match interface {
             Some(interface) => interface.towards(ray.direction.dot(vertex.point.ng)),
             None => self.medium,
@@ -212,7 +213,9 @@ impl<'a> Walk<'a> {
         let mut numbers = FlightNumbers::independent(&self.path.sampler, FLIGHTS + 2 * edge + 1);
         let visible =
             visibility::between::<F>(self.scene, (ray, medium), &self.path.λ, &mut numbers, self.counters);
-        self.radiance += self.throughput * radiance * visible;
+        if !visible.is_zero() {
+            self.radiance += self.throughput * proposal.radiance(self.scene, &self.path.λ) * visible;
+        }
     }
 
     /// Sets out in a new direction.

@@ -1,7 +1,7 @@
 //! Sampled directions towards emitters, as distributions over the sphere.
 
-use etalon::emitter::AnyEmitter;
 use etalon::emitter::select::Expected;
+use etalon::emitter::{AnyEmitter, Radiance};
 use etalon::math::{DVec2, Ray};
 use etalon::scene::{self, Features, Scene};
 use etalon::spectrum::{ColorMode, Wavelengths};
@@ -84,8 +84,9 @@ impl Light {
     /// Radiance from a direction and its density, by tracing a ray.
     fn seen(&self, wo: DVec3, wi: DVec3) -> (f64, f64) {
         let ray = Ray::free(self.place(wo), wi);
-        if let Some((radiance, pdf)) = self.emitter().distant_radiance(wi, self.n, &self.λ) {
-            return (radiance.0[0] as f64 * self.gathered(wi), pdf);
+        let view = self.emitter().view(wi);
+        if let Some(radiance) = self.emitter().distant_radiance(&view, &self.λ) {
+            return (radiance.0[0] as f64 * self.gathered(wi), self.emitter().distant_pdf(&view, self.n));
         }
         let Some(hit) = self.scene.accel.closest(&ray) else { return (0.0, 0.0) };
         let (shape, point) = self.scene.surface::<{ Features::ALL }>(&ray, &hit);
@@ -110,7 +111,11 @@ impl Scatterer for Light {
         let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
         let at = (self.place(wo), self.n);
         let found = self.emitter().sample(geometry, at, DVec2::new(u[1], u[2]), &self.λ)?;
-        let weight = found.radiance.0[0] as f64 * self.gathered(found.wi) / (found.pdf * self.scale());
+        let radiance = match found.radiance {
+            Radiance::Known(radiance) => radiance,
+            Radiance::Mapped(place) => self.scene.emitters.mapped(&place, &self.λ),
+        };
+        let weight = radiance.0[0] as f64 * self.gathered(found.wi) / (found.pdf * self.scale());
         Some(Sample { wi: found.wi, weight, pdf: found.pdf, delta: found.delta })
     }
 
