@@ -2,6 +2,8 @@
 
 use super::{Outcome, SceneArguments, say, tax};
 use etalon::integrator::kernel_for;
+use etalon::integrator::path::Roulette;
+use etalon::sampler::Kind;
 use etalon::scene::Features;
 use std::process::ExitCode;
 
@@ -32,6 +34,10 @@ impl Arguments {
             "color": scene.mode.name(),
             "integrator": scene.integrator.name(),
             "sensor": scene.sensor.camera.name(),
+            "sampler": match scene.sensor.sampler.kind {
+                Kind::Independent => "independent; with --sampler sobol there is less noise",
+                Kind::Sobol => "sobol",
+            },
             "film": [scene.sensor.film.size.0, scene.sensor.film.size.1],
             "shapes": scene.shapes.len(),
             "instances": scene.instances.len(),
@@ -60,6 +66,12 @@ impl Arguments {
                 Some(_) => "all pixels that the filter reaches",
             },
             "shared_light_paths": scene.light_sources.as_ref().map_or(0, |sources| sources.paths),
+            "roulette": path.map(|path| match path.roulette {
+                Roulette { edges, vertices: u32::MAX, .. } => format!("after {edges} edges"),
+                Roulette { edges, vertices, sure } => format!(
+                    "after {edges} edges, or {vertices} vertices that are no mirrors; below {sure} of the throughput"
+                ),
+            }),
             "emitter_samples": path.map(|path| [path.first_emitter_samples, path.emitter_samples]),
             "emitter_count": scene.emitters.list.len(),
             "emitter_choice": if scene.emitters.chosen_by_place() { "by place and power" } else { "none" },

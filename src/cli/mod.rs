@@ -90,7 +90,8 @@ struct SceneArguments {
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
     light_paths: Option<f64>,
     /// Neighbouring pixels that share what their paths find: a power of two up to 64, or `auto`, with which
-    /// samples also count for all pixels that the filter reaches; less noise, but no longer independent
+    /// samples also count for all pixels that the filter reaches, and roulette begins earlier; less noise, but
+    /// no longer independent
     #[arg(long, value_name = "PIXELS", value_parser = reuse)]
     reuse: Option<u32>,
     /// Light paths per group of sharing pixels, at most one per pixel; they find light that all of the group

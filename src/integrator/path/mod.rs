@@ -16,7 +16,7 @@ use crate::sampler::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;
-pub use roulette::roulette;
+pub use roulette::{Roulette, roulette};
 pub use vertex::{Arrival, environment, side_towards};
 
 pub const NAME: &str = "path";
@@ -39,6 +39,8 @@ const FEW_EMITTERS: usize = 16;
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
     pub lengths: Lengths,
+    /// Which camera paths go through Russian roulette: those of `lengths`, unless a pilot decides.
+    pub roulette: Roulette,
     /// Emitter samples at every vertex; Mitsuba takes one.
     pub emitter_samples: u32,
     /// Emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth
@@ -65,6 +67,8 @@ pub struct Free {
     pub shared_light_paths: bool,
     /// No number of emitter samples was given for the first vertex.
     pub first_emitter_samples: bool,
+    /// Nothing was said of when roulette begins.
+    pub roulette: bool,
 }
 
 /// Valid numbers of light paths per camera path.
@@ -74,6 +78,7 @@ impl Default for Path {
     fn default() -> Self {
         Self {
             lengths: Lengths::default(),
+            roulette: Roulette::after(Lengths::default().rr_depth),
             emitter_samples: 1,
             first_emitter_samples: 1,
             light_paths: None,
@@ -86,6 +91,7 @@ impl Default for Path {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
+    let begins = params.has("rr_depth");
     let lengths = Lengths::parse(params)?;
     let about = "emitter samples at every vertex (an extension)";
     let most = i64::from(MOST_EMITTER_SAMPLES);
@@ -126,9 +132,11 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         reuse: reuse == AUTO,
         shared_light_paths: shared_light_paths < 0,
         first_emitter_samples: first == AUTO,
+        roulette: !begins,
     };
     Ok(AnyIntegrator::Path(Path {
         lengths,
+        roulette: Roulette::after(lengths.rr_depth),
         emitter_samples,
         first_emitter_samples: if free.first_emitter_samples { emitter_samples } else { first },
         light_paths,

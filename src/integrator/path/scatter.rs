@@ -1,10 +1,10 @@
 //! Scattering at a vertex: emitters are sampled, then the next direction.
 
+use super::Path;
 use super::gather::Gather;
 use super::shadows::Shadows;
 use super::stream::InFlight;
 use super::vertex::Arrival;
-use super::{Path, roulette};
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::integrator::Counters;
 use crate::integrator::light::Vertex;
@@ -94,6 +94,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about, emitter_samples };
         state.direct_view &= sample.null;
         state.mirrored &= sample.delta;
+        state.vertices += u32::from(!state.mirrored);
         state.depth += 1;
         if state.throughput.is_zero() {
             return None;
@@ -103,11 +104,12 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if F & Features::DISPERSION != 0 && sample.dispersed {
             path.λ.collapse();
         }
-        if state.depth >= settings.lengths.rr_depth {
+        if settings.roulette.may_have_begun(state.depth) {
             // By the largest lane: a red path between red walls must not end early because of its other
             // lanes. What is shared must not end because the path's own receiver is dark: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;
-            state.throughput *= roulette(carried, state.depth, sample.delta, u.one(6))?;
+            let passed = (state.depth, state.vertices);
+            state.throughput *= settings.roulette.play(carried, passed, sample.delta, u.one(6))?;
         }
         Some(onward)
     }

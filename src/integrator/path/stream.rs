@@ -26,6 +26,8 @@ pub struct State {
     pub direct_view: bool,
     /// Whether the path has only been through lobes without density, such as mirrors and smooth glass.
     pub mirrored: bool,
+    /// Number of vertices since then.
+    pub vertices: u32,
     /// The factors of how much likelier light paths make this path, and whether they would begin at the last
     /// vertex; see [`caustics`](crate::integrator::caustics).
     pub light_ratio: f64,
@@ -44,6 +46,7 @@ impl State {
         depth: 0,
         direct_view: true,
         mirrored: true,
+        vertices: 0,
         light_ratio: 1.0,
         from_caster: false,
         shares: false,
@@ -127,7 +130,7 @@ impl Path {
     /// `edges`: two for a place on an emitter and a direction; a third for more digits of a choice between
     /// many emitters and for a choice between lobes; a fourth for roulette and for a choice between links.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
-        if edges >= self.lengths.rr_depth || scene.links.is_some() {
+        if self.roulette.may_have_begun(edges) || scene.links.is_some() {
             PAIRS
         } else if scene.emitters.list.len() > FEW_EMITTERS || scene.several_lobes {
             3

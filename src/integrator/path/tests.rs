@@ -1,6 +1,6 @@
 //! What no expectation shows: settings that change the noise alone.
 
-use super::roulette::ENDLESS;
+use super::roulette::{ENDLESS, Roulette};
 use crate::image::Image;
 use crate::render::{Progress, Report, Settings, render};
 use crate::scene::load_text;
@@ -93,4 +93,30 @@ fn paths_end_where_nothing_is_absorbed() {
         assert!(report.cut == 0 && report.rays < 16 * 2 * u64::from(ENDLESS + 1000), "{report:?}");
         assert!(image.channel("G").unwrap().mean.iter().all(|v| v.is_finite()));
     }
+}
+
+/// Inside a glowing sphere L = Lₑ/(1 − ρ), whichever paths end early.
+#[test]
+fn roulette_begins_early_where_a_pilot_decides_and_takes_no_light() {
+    let glow = |options: &str| {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="path">{options}</integrator>
+                <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="16"/>
+                    <integer name="height" value="16"/><rfilter type="box"/></film></sensor>
+                <shape type="sphere"><boolean name="flip_normals" value="true"/><emitter type="area"/>
+                    <bsdf type="diffuse"><rgb name="reflectance" value="0.4"/></bsdf></shape></scene>"#
+        );
+        let scene = load_text("scene.xml", &text, ColorMode::Rgb).unwrap();
+        let (image, _) = rendered(&text, 256);
+        let green = &image.channel("G").unwrap().mean;
+        let mean = green.iter().map(|&v| f64::from(v)).sum::<f64>() / green.len() as f64;
+        (scene.integrator.path().unwrap().roulette, mean)
+    };
+    let (auto, given) = (r#"<integer name="reuse" value="0"/>"#, r#"<integer name="rr_depth" value="7"/>"#);
+    let usual = Roulette::after(5);
+    let (found, mean) = glow(auto);
+    assert_eq!(found, usual.early());
+    assert!((mean * 0.6 - 1.0).abs() < 2e-3, "{mean}");
+    assert_eq!(glow(&[auto, given].concat()).0, Roulette::after(7));
+    assert_eq!(glow("").0, usual);
 }

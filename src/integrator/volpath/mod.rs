@@ -17,7 +17,7 @@ mod visibility;
 mod walk;
 
 use super::lengths::Lengths;
-use super::path::{Free, MAX_VERTICES, Path};
+use super::path::{Free, MAX_VERTICES, Path, Roulette};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
@@ -45,8 +45,9 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
 impl VolPath {
     /// The path tracer of surfaces with the same settings, and with all others as if none was given.
     pub fn without_media(self) -> Path {
-        let free = Free { reuse: false, shared_light_paths: true, first_emitter_samples: true };
-        Path { lengths: self.lengths, free, ..Path::default() }
+        let free = Free { reuse: false, shared_light_paths: true, first_emitter_samples: true, roulette: true };
+        let roulette = Roulette::after(self.lengths.rr_depth);
+        Path { lengths: self.lengths, roulette, free, ..Path::default() }
     }
 
     /// Estimates the radiance along a camera ray.

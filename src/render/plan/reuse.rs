@@ -1,5 +1,5 @@
 //! How many pixels share what their paths find, how many light paths they share, and how many emitter samples
-//! the first vertex of a path takes, where the scene leaves that to a pilot.
+//! the first vertex of a path takes, where the scene leaves that to a pilot; and when roulette begins then.
 //!
 //! Each multiplies the variance of a pixel by some v < 1 and its cost by some c > 1, and pays where c v < 1:
 //! sharing where light has met several matte surfaces, light paths where most of it comes from few places,
@@ -14,6 +14,7 @@
 use super::light_paths;
 use super::look::{CELLS, Cell, GLANCE, Look};
 use crate::film::Film;
+use crate::integrator::path::Roulette;
 use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
@@ -219,6 +220,9 @@ fn set(scene: &mut Scene, choice: Choice) {
     let light_paths = choice.light_paths.min(if choice.pixels > 1 { choice.pixels } else { 0 });
     (path.reuse, path.shared_light_paths) = (choice.pixels, light_paths);
     path.first_emitter_samples = choice.samples;
+    if path.free.reuse && path.free.roulette {
+        path.roulette = Roulette::after(path.lengths.rr_depth).early();
+    }
     scene.light_sources = match light_paths {
         0 => None,
         some => LightSources::new(some, &scene.shapes, &scene.emitters),

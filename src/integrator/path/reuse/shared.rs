@@ -117,7 +117,7 @@ impl Shared {
         let albedo = vertex.bsdf.albedo();
         let faces = vertex.wo.z > 0.0 && (albedo.is_some() || side.traits.only_rough);
         // What is shared must not have been through roulette, whose chances depend on the pixel.
-        let goes_on = state.depth + 1 < settings.lengths.rr_depth;
+        let goes_on = state.depth + 1 < settings.roulette.edges;
         let lobes = || albedo.is_none().then_some(Lobes { point: *point, side, fixed: vertex.wo });
         let begins = match (&self.receiver, &self.source) {
             (None, _) if faces && state.mirrored && goes_on => {
