@@ -45,7 +45,8 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
 impl VolPath {
     /// The path tracer of surfaces with the same settings, and with all others as if none was given.
     pub fn without_media(self) -> Path {
-        let free = Free { reuse: false, shared_light_paths: true, first_emitter_samples: true, roulette: true };
+        let free =
+            Free { reuse: false, shared_light_paths: true, first_emitter_samples: true, roulette: true };
         let roulette = Roulette::after(self.lengths.rr_depth);
         Path { lengths: self.lengths, roulette, free, ..Path::default() }
     }
