@@ -68,8 +68,9 @@ impl Arguments {
             "shared_light_paths": scene.light_sources.as_ref().map_or(0, |sources| sources.paths),
             "roulette": path.map(|path| match path.roulette {
                 Roulette { edges, vertices: u32::MAX, .. } => format!("after {edges} edges"),
-                Roulette { edges, vertices, sure } => format!(
-                    "after {edges} edges, or {vertices} vertices that are no mirrors; below {sure} of the throughput"
+                Roulette { edges, vertices, chance } => format!(
+                    "after {edges} edges, or {vertices} vertices from the first rough one on; below {} of the throughput",
+                    1.0 / chance
                 ),
             }),
             "emitter_samples": path.map(|path| [path.first_emitter_samples, path.emitter_samples]),

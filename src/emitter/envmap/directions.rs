@@ -13,8 +13,8 @@
 //! With the mean importance Ī of the cell, its height h, and W cells around the equator, p(ω) = P(block, n)
 //! P(cell) I(ω)/Ī · W/(2π h), where I(ω)/Ī is taken for one in even blocks.
 
+use super::normals::{ANYWHERE, NEAR, nearest, normal_of};
 use super::steps::{self, deal, pick};
-use crate::math::frame::unit;
 use crate::math::function::sin_cos_turn;
 use crate::math::simd::prefetch;
 use crate::math::{DVec2, DVec3, INV_PI, warp};
@@ -23,19 +23,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Numbers of blocks along the turn and the height: so few that their tables stay in a near cache.
 const BLOCKS: [usize; 2] = [32, 16];
 
-/// Normals along an edge of the square that the octahedron is unfolded to; odd, so that the axes are among
-/// them.
-const NORMALS: usize = 17;
-
-/// Most normals are nearer than this to the nearest of those, in radians.
-const NEAR: f64 = 0.15;
-
 /// The mean of the relative variance of the importance within cells, up to which a block is even. It is what
 /// the squares of samples from there grow by.
 const EVEN: f64 = 0.05;
-
-/// The number, among those of normals, that stands for no normal: all directions are faced alike.
-const ANYWHERE: usize = NORMALS * NORMALS;
 
 /// A place of the map: within a cell, between the texel centres at its corners.
 #[derive(Clone, Copy, Debug)]
@@ -185,17 +175,22 @@ impl Directions {
     #[inline]
     pub fn pdf(&self, n: DVec3, place: &MapPlace, corners: impl Fn(Cell) -> Corners) -> f64 {
         let normal = nearest(n);
-        let [column, row] = [place.cell.column, place.cell.row];
-        let [block, block_row] = [column >> self.shift[0], row >> self.shift[1]];
+        let ([block, block_row], [column, row]) = self.within_block(place.cell);
         let of_block = steps::probability(&self.rows[normal], block_row)
             * steps::probability(self.blocks(normal, block_row), block);
         let inside = self.inside([block, block_row]);
-        let [column, row] = [column - (block << self.shift[0]), row - (block_row << self.shift[1])];
         let of_cell = steps::probability(inside.rows, row) * steps::probability(inside.cells(row), column);
         if self.even([block, block_row]) {
             return self.even_density(of_block * of_cell, place.cell);
         }
         self.density(of_block * of_cell, place, corners(place.cell))
+    }
+
+    /// The block of a cell, and the cell's column and row within it.
+    #[inline]
+    fn within_block(&self, cell: Cell) -> ([usize; 2], [usize; 2]) {
+        let [block, row] = [cell.column >> self.shift[0], cell.row >> self.shift[1]];
+        ([block, row], [cell.column - (block << self.shift[0]), cell.row - (row << self.shift[1])])
     }
 
     /// Whether all places of a cell of the block are equally likely.
@@ -207,9 +202,8 @@ impl Directions {
     /// Prefetches what [`Directions::pdf`] looks at, but for tables that always are near.
     #[inline]
     pub fn prefetch(&self, cell: Cell) {
-        let [block, row] = [cell.column >> self.shift[0], cell.row >> self.shift[1]];
-        let inside = self.inside([block, row]);
-        let [column, row] = [cell.column - (block << self.shift[0]), cell.row - (row << self.shift[1])];
+        let (block, [column, row]) = self.within_block(cell);
+        let inside = self.inside(block);
         prefetch(inside.rows, row);
         prefetch(inside.cells(row), column);
     }
@@ -286,31 +280,6 @@ fn array<const N: usize>(mut numbers: impl Iterator<Item = u16>) -> [u16; N] {
     std::array::from_fn(|_| numbers.next().unwrap_or(u16::MAX))
 }
 
-/// The number of the normal nearest to n on the octahedron; [`ANYWHERE`] if n is zero.
-#[inline]
-fn nearest(n: DVec3) -> usize {
-    if n == DVec3::ZERO {
-        return ANYWHERE;
-    }
-    let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
-    let (a, b) = if n.y < 0.0 { (fold(n.x, n.z), fold(n.z, n.x)) } else { (n.x, n.z) };
-    let [column, row] = [a, b].map(|v| ((0.5 + 0.5 * v) * (NORMALS - 1) as f64 + 0.5) as usize);
-    row * NORMALS + column
-}
-
-fn normal_of(number: usize) -> DVec3 {
-    let [a, b] = [number % NORMALS, number / NORMALS].map(|i| 2.0 * i as f64 / (NORMALS - 1) as f64 - 1.0);
-    let y = 1.0 - a.abs() - b.abs();
-    let (x, z) = if y < 0.0 { (fold(a, b), fold(b, a)) } else { (a, b) };
-    unit(DVec3::new(x, y, z))
-}
-
-/// A coordinate of the octahedron's lower half in the unfolded square, and back.
-#[inline]
-fn fold(a: f64, b: f64) -> f64 {
-    (1.0 - b.abs()).copysign(a)
-}
-
 fn mean(corners: Corners) -> f64 {
     0.25 * corners.as_flattened().iter().sum::<f64>()
 }
@@ -336,6 +305,7 @@ pub fn strip(row: usize, rows: usize) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::normals::tests::even;
     use super::*;
 
     /// A bright spot on a dim ground with a black stripe.
@@ -346,21 +316,6 @@ mod tests {
             (row, column) => 0.1 + (row as f64 * 0.37 + column as f64 * 0.11) % 1.0,
         };
         move |cell| [0, 1].map(|down| [0, 1].map(|across| luminance(cell.row + down, cell.column + across)))
-    }
-
-    fn even(count: usize) -> impl Iterator<Item = DVec3> {
-        (0..count).map(move |i| {
-            direction((i as f64 * 0.618_033_988_749_895) % 1.0, 1.0 - (2.0 * i as f64 + 1.0) / count as f64)
-        })
-    }
-
-    #[test]
-    fn the_nearest_normal_is_near() {
-        let near = even(100_000).filter(|n| libm::acos(n.dot(normal_of(nearest(*n)))) < NEAR).count();
-        assert!((80_000..100_000).contains(&near), "{near}");
-        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-            assert_eq!((normal_of(nearest(axis)), normal_of(nearest(-axis))), (axis, -axis));
-        }
     }
 
     #[test]

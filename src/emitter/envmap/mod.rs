@@ -1,6 +1,7 @@
 //! Light from an image that surrounds the scene.
 
 mod directions;
+mod normals;
 mod steps;
 
 use super::{AnyEmitter, DirectSample, OF_EVEN_LIGHT, Radiance};

@@ -70,6 +70,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             let found = light::sample_emitter(scene, vertex, n, u, counts, λ, light_paths);
             let Some((mut proposal, sampled)) = found else { continue };
             if F & Features::ENVIRONMENT == 0 {
+                // It is none already; told so, the compiler leaves out what asks for it.
                 proposal.of = None;
             }
             let rivals = || {

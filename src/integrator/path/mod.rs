@@ -76,9 +76,16 @@ pub const LIGHT_PATHS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
 
 impl Default for Path {
     fn default() -> Self {
+        Self::of(Lengths::default())
+    }
+}
+
+impl Path {
+    /// With all other settings as if none was given.
+    pub fn of(lengths: Lengths) -> Self {
         Self {
-            lengths: Lengths::default(),
-            roulette: Roulette::after(Lengths::default().rr_depth),
+            lengths,
+            roulette: Roulette::after(lengths.rr_depth),
             emitter_samples: 1,
             first_emitter_samples: 1,
             light_paths: None,
@@ -135,8 +142,6 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         roulette: !begins,
     };
     Ok(AnyIntegrator::Path(Path {
-        lengths,
-        roulette: Roulette::after(lengths.rr_depth),
         emitter_samples,
         first_emitter_samples: if free.first_emitter_samples { emitter_samples } else { first },
         light_paths,
@@ -144,6 +149,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         shared_light_paths: u32::try_from(shared_light_paths).unwrap_or(0),
         free,
         links,
+        ..Path::of(lengths)
     }))
 }
 

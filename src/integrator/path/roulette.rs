@@ -15,23 +15,23 @@ pub struct Roulette {
     pub edges: u32,
     /// Vertices from the first matte or glossy one on before it begins, if that is earlier.
     pub vertices: u32,
-    /// What must be left of the throughput for a path to survive surely; less survives in proportion.
-    pub sure: f64,
+    /// The chance to survive over what is left of the throughput, up to certainty.
+    pub chance: f64,
 }
 
 impl Roulette {
     /// As Mitsuba has it, after so many edges.
     pub const fn after(edges: u32) -> Self {
-        Self { edges, vertices: u32::MAX, sure: 1.0 }
+        Self { edges, vertices: u32::MAX, chance: 1.0 }
     }
 
     /// The one for images whose noise is to be least in a given time.
     ///
     /// In the place of a path that ends early another one begins. So roulette begins behind the two vertices
     /// that paths share, whose chances must not be those of one pixel. But a path that has lost little is
-    /// worth its cost: it plays when half of its throughput is lost (see the notebook).
+    /// worth its cost: it plays once more than half of its throughput is lost (see the notebook).
     pub const fn early(self) -> Self {
-        Self { vertices: 3, sure: 0.5, ..self }
+        Self { vertices: 3, chance: 2.0, ..self }
     }
 
     /// Whether it may have begun after so many edges.
@@ -46,7 +46,7 @@ impl Roulette {
         if edges < self.edges && vertices < self.vertices {
             return Some(1.0);
         }
-        roulette(carried / self.sure, edges, specular, u)
+        roulette(carried * self.chance, edges, specular, u)
     }
 }
 

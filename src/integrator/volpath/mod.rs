@@ -17,7 +17,7 @@ mod visibility;
 mod walk;
 
 use super::lengths::Lengths;
-use super::path::{Free, MAX_VERTICES, Path, Roulette};
+use super::path::{Free, MAX_VERTICES, Path};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
@@ -47,8 +47,7 @@ impl VolPath {
     pub fn without_media(self) -> Path {
         let free =
             Free { reuse: false, shared_light_paths: true, first_emitter_samples: true, roulette: true };
-        let roulette = Roulette::after(self.lengths.rr_depth);
-        Path { lengths: self.lengths, roulette, free, ..Path::default() }
+        Path { free, ..Path::of(self.lengths) }
     }
 
     /// Estimates the radiance along a camera ray.

@@ -14,7 +14,6 @@
 use super::light_paths;
 use super::look::{CELLS, Cell, GLANCE, Look};
 use crate::film::Film;
-use crate::integrator::path::Roulette;
 use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
@@ -221,7 +220,7 @@ fn set(scene: &mut Scene, choice: Choice) {
     (path.reuse, path.shared_light_paths) = (choice.pixels, light_paths);
     path.first_emitter_samples = choice.samples;
     if path.free.reuse && path.free.roulette {
-        path.roulette = Roulette::after(path.lengths.rr_depth).early();
+        path.roulette = path.roulette.early();
     }
     scene.light_sources = match light_paths {
         0 => None,
