@@ -7,11 +7,11 @@
 use super::slope::{SQRT_PI, gaussian, visible_gaussian};
 use crate::math::frame::unit;
 use crate::math::function::{exp, ln, sin_cos_turn};
+use crate::math::gaussian::erfcx;
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::texture::AnyTexture;
-use libm::erfc;
 use std::f64::consts::PI;
 
 /// The distribution of the facets' slopes.
@@ -88,7 +88,7 @@ impl Distribution {
             Shape::Beckmann if slope * 6.0 <= 1.0 => 1.0,
             Shape::Beckmann => {
                 let a = 1.0 / slope;
-                2.0 / (2.0 + exp(-a * a) * slope / SQRT_PI - erfc(a))
+                2.0 / (2.0 + exp(-a * a) * (slope / SQRT_PI - erfcx(a)))
             }
         }
     }

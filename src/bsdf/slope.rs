@@ -1,12 +1,13 @@
 //! Slopes of a Gaussian random surface, the two one-dimensional laws behind the Beckmann distribution (Heitz
 //! and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals").
 //!
-//! Both quantile functions have no closed form. They are solved by Halley's method on complementary error
-//! functions, which keep their digits in the tails, to rounding error.
+//! The second has a quantile without a closed form. It is solved by Householder's method to rounding error,
+//! with a complementary error function that keeps its digits in the tails.
 
+use crate::math::BELOW_ONE;
 use crate::math::function::{exp, ln};
-use libm::erfc;
-use std::f64::consts::PI;
+use crate::math::gaussian::{erfcx, normal_quantile};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// √π
 pub const SQRT_PI: f64 = 1.772_453_850_905_516;
@@ -18,44 +19,30 @@ const SMALLEST: f64 = 1.0 / (1u64 << 54) as f64;
 const EXTREME: f64 = 7.0;
 
 /// The slope y below which a share `u` of the density exp(−y²)/√π lies.
+#[inline]
 pub fn gaussian(u: f64) -> f64 {
-    // The upper half mirrors the lower one, where erfc has full relative precision.
-    if u > 0.5 {
-        return -gaussian(1.0 - u);
-    }
-    let mut y = gaussian_estimate(u);
-    for _ in 0..2 {
-        let step = (0.5 * erfc(-y) - u.max(SMALLEST)) * SQRT_PI * exp(y * y);
-        y -= step / (1.0 + y * step);
-    }
-    y
-}
-
-/// [`gaussian`] to 0.2 %, by Winitzki's closed form (2008).
-fn gaussian_estimate(u: f64) -> f64 {
-    const A: f64 = 0.147;
-    let l = ln(4.0 * u.max(SMALLEST) * (1.0 - u).max(SMALLEST));
-    let b = 2.0 / (PI * A) + 0.5 * l;
-    let y = ((b * b - l / A).sqrt() - b).max(0.0).sqrt();
-    if u < 0.5 { -y } else { y }
+    FRAC_1_SQRT_2 * normal_quantile(u.clamp(SMALLEST, BELOW_ONE))
 }
 
 /// The slope x below which a share `u` of the slopes lies that the direction (sin θ, 0, cos θ) sees.
 ///
-/// A facet of slope x shows its projected area cos θ − x sin θ, so the visible density is proportional to
-/// (cos θ − x sin θ)exp(−x²)/√π up to x = cot θ. Its integral is F(x) = ½ cos θ erfc(−x) + ½ sin θ
-/// exp(−x²)/√π.
+/// A facet of slope x shows its projected area A(x) = cos θ − x sin θ, so the visible density is proportional to
+/// f(x) = A(x)exp(−x²)/√π up to x = cot θ. Its integral is F(x) = ½ cos θ erfc(−x) + ½ sin θ exp(−x²)/√π.
+///
+/// With the step of Newton's method s = (F − target)/f and the derivatives f′/f = −2x − sin θ/A and f″/f = 4x²
+/// − 2 + 4x sin θ/A, Householder's third method (1970) has the error's fourth power as its next error.
 pub fn visible_gaussian(cos: f64, sin: f64, u: f64) -> f64 {
     let (mut low, mut high) = (-EXTREME, if sin * EXTREME > cos { cos / sin } else { EXTREME });
-    let integral = |x: f64, bell: f64| 0.5 * (cos * erfc(-x) + sin * bell);
-    let target = u.max(SMALLEST) * integral(high, exp(-high * high) / SQRT_PI);
+    let bell = |x: f64| exp(-x * x) / SQRT_PI;
+    let integral = |x: f64, bell: f64| 0.5 * (cos * share(x, bell) + sin * bell);
+    let target = u.max(SMALLEST) * integral(high, bell(high));
     // Exact at normal incidence and, where the law is Rayleigh's, at grazing.
-    let mut x = cos * gaussian_estimate(u) - sin * (-ln(u.max(SMALLEST))).sqrt();
+    let mut x = cos * gaussian(u) - sin * (-ln(u.max(SMALLEST))).sqrt();
     for _ in 0..64 {
         if !(x > low && x < high) {
             x = 0.5 * (low + high);
         }
-        let bell = exp(-x * x) / SQRT_PI;
+        let bell = bell(x);
         let excess = integral(x, bell) - target;
         if excess > 0.0 {
             high = x;
@@ -63,10 +50,14 @@ pub fn visible_gaussian(cos: f64, sin: f64, u: f64) -> f64 {
             low = x;
         }
         let area = cos - x * sin;
-        let step = excess / (area * bell);
-        let next = x - step / (1.0 + step * (x + 0.5 * sin / area));
-        // Steps shrink to their cubes, on the scale of the curvature: the next would be a rounding error.
-        let last = (next - x).abs() * (area + sin) <= 1e-6 * area;
+        let turn = x * (sin / area);
+        let newton = excess / (area * bell);
+        let first = -2.0 * x - sin / area;
+        let second = 4.0 * (x * x + turn) - 2.0;
+        let next = x - newton * (1.0 - 0.5 * newton * first)
+            / (1.0 - newton * first + newton * newton * second / 6.0);
+        // Steps shrink to their fourth powers, on the scale of the curvature: the next would be a rounding error.
+        let last = (next - x).abs() * (area + sin) <= 1e-4 * area;
         x = next;
         if last {
             break;
@@ -75,10 +66,17 @@ pub fn visible_gaussian(cos: f64, sin: f64, u: f64) -> f64 {
     x.clamp(low, high)
 }
 
+/// erfc(−x), twice the share of a Gaussian below x, from exp(−x²)/√π.
+#[inline]
+fn share(x: f64, bell: f64) -> f64 {
+    let beyond = SQRT_PI * bell * erfcx(x.abs());
+    if x < 0.0 { beyond } else { 2.0 - beyond }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use libm::erf;
+    use libm::{erf, erfc};
 
     #[test]
     fn quantiles_invert_the_distribution() {

@@ -95,9 +95,6 @@ pub struct Counters {
     pub rays: u64,
     /// How many of the rays test receivers and sources of shared paths; see [`path::reuse`].
     pub shared: u64,
-    /// Pairs of a receiver and a source whose BSDFs were evaluated, because something in their group is
-    /// rough.
-    pub evaluations: u64,
     /// Sources that light paths have found for groups of pixels.
     pub light_sources: u64,
     /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].

@@ -10,6 +10,7 @@ pub mod cone;
 pub mod discrete;
 pub mod frame;
 pub mod function;
+pub mod gaussian;
 pub mod quadrature;
 pub mod random;
 pub mod ray;

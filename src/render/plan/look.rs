@@ -1,24 +1,30 @@
 //! A look: a few cells of an image are rendered to measure their noise and their cost.
 
-use super::{pilot_camera, scattered};
+use super::{Camera, pilot_camera, scattered};
+use crate::film::Film;
+use crate::film::filter_weights::{Place, Weights};
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::{CELL, cell};
+use crate::math::function::ln;
 use crate::scene::Scene;
 use rayon::prelude::*;
+use std::array::from_fn;
+use std::f64::consts::LN_2;
 
-/// Fixed cost of sharing per path, in path rays.
-const SHARING: f64 = 1.8;
-/// Cost of sharing a source per receiver, in path rays, be it of a camera path or of a light path.
-const HANDING_ON: f64 = 0.035;
+/// Fixed costs of a path; of sharing, per path; and of a source per receiver, be it of a camera path or of a
+/// light path. In rays of a path, which include shading, through a tree that a near cache holds.
+const PATH: f64 = 2.0;
+const SHARING: f64 = 3.5;
+const HANDING_ON: f64 = 0.05;
 
-/// Cost of a shadow ray between receiver and source, in path rays (which include shading).
-const VISIBILITY: f64 = 0.5;
-
-/// Cost of a light path of a group besides its rays, in path rays: scattering, weights, and connections.
+/// Cost of a light path of a group besides its rays, in the same unit: scattering, weights, and connections.
 const LIGHT_PATH: f64 = 12.0;
 
-/// Cost of evaluating the BSDFs of a receiver and a source, one of them rough, in path rays.
-const EVALUATION: f64 = 0.25;
+/// Cost of a shadow ray between receiver and source, in path rays.
+const VISIBILITY: f64 = 0.7;
+
+/// Number of primitives beyond which rays wait for memory.
+const CACHED: f64 = 8192.0;
 
 /// Samples of each pixel of a cell.
 const CAMERA_SAMPLES: u64 = 32;
@@ -33,10 +39,13 @@ pub const GLANCE: [u64; 2] = [8, 8];
 /// Samples of a block, of which the sums are compared: noise that stratification removes must not count.
 const BLOCK: u64 = 8;
 
+/// Light below this share of the image's is dark: noise there is relative to that share.
+const DARK: f64 = 0.01;
+
 /// Noise and cost of camera paths, without light paths for caustics.
 pub struct Look {
     pub cells: Vec<Cell>,
-    /// Cost of a path, in rays.
+    /// Cost of a path, in rays of it.
     pub cost: f64,
 }
 
@@ -52,6 +61,14 @@ pub struct Cell {
     pub variance: f64,
 }
 
+/// What was seen of a cell.
+struct Seen {
+    corner: (u32, u32),
+    /// Mean and variance of one sample of each pixel.
+    pixels: Vec<(f64, f64)>,
+    counters: Counters,
+}
+
 impl Look {
     /// Renders cells that lie all over the film, so many at least and at most, with the scene's settings as
     /// they are.
@@ -61,54 +78,161 @@ impl Look {
         let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
         let all = u64::from(columns) * u64::from(rows);
         let looked_at = all.min((all / CAMERA_SAMPLES).clamp(fewest, most));
+        let corner = |i: u64| {
+            let at = if all > looked_at { scattered(i, all) } else { i } as u32;
+            (film.x + at % columns * CELL, film.y + at / columns * CELL)
+        };
+        let seen: Vec<_> =
+            (0..looked_at).into_par_iter().map(|i| Seen::at(scene, &camera, corner(i))).collect();
+        let light: f64 = seen.iter().map(Seen::light).sum::<f64>() / seen.len() as f64;
+        let cells = seen.iter().map(|seen| seen.cell(DARK * light)).collect();
+        let costs = seen.iter().map(|seen| seen.cost(scene)).sum::<f64>();
+        Self { cells, cost: costs / seen.len() as f64 }
+    }
+
+    /// The product of variance and cost, up to a factor that all looks have.
+    pub fn product(&self) -> f64 {
+        let deviation: f64 = self.cells.iter().map(|cell| cell.variance.sqrt()).sum();
+        let mean = deviation / self.cells.len() as f64;
+        mean * mean * self.cost
+    }
+}
+
+impl Seen {
+    fn at(scene: &Scene, camera: &Camera, corner: (u32, u32)) -> Self {
+        const BLOCKS: f64 = (CAMERA_SAMPLES / BLOCK) as f64;
+        let film = &scene.sensor.film;
         let channels = camera.channel_names().len();
+        let mut counters = Counters::default();
+        // Per pixel: the sum, the sum of squares of blocks, the current block.
+        let mut sums = [[0.0; 3]; (CELL * CELL) as usize];
+        let pixels = |sample| cell(corner, sample, film.size);
+        for block in 0..CAMERA_SAMPLES / BLOCK {
+            let which: Vec<_> = (block * BLOCK..(block + 1) * BLOCK).flat_map(pixels).collect();
+            let of_sample = which.len() / BLOCK as usize;
+            let mut values = vec![0.0; channels * which.len()];
+            camera.samples(&which, &mut counters, &mut values);
+            for (which, values) in which.chunks(of_sample).zip(values.chunks(channels * of_sample)) {
+                let mut square = Square::default();
+                for (((x, y), _), values) in which.iter().zip(values.chunks(channels)) {
+                    square[(y % CELL) as usize][(x % CELL) as usize] = values[1];
+                }
+                let square = spread(film, camera.place_in_pixels(which[0].1), corner, square);
+                sums.iter_mut().zip(square.as_flattened()).for_each(|(sum, value)| sum[2] += value);
+            }
+            for [sum, squares, of_block] in &mut sums {
+                (*sum, *squares) = (*sum + *of_block, *squares + *of_block * *of_block);
+                *of_block = 0.0;
+            }
+        }
+        // The variance of a pixel's sum, from the scatter of its blocks, over its number of samples is that of
+        // one sample.
+        let of_pixel = |((x, y), _): ((u32, u32), u64)| {
+            let [sum, squares, _] = sums[(y % CELL * CELL + x % CELL) as usize];
+            let scatter = (squares - sum * sum / BLOCKS).max(0.0) * BLOCKS / (BLOCKS - 1.0);
+            (sum / CAMERA_SAMPLES as f64, scatter / CAMERA_SAMPLES as f64)
+        };
+        Self { corner, pixels: pixels(0).map(of_pixel).collect(), counters }
+    }
+
+    fn light(&self) -> f64 {
+        self.pixels.iter().map(|(mean, _)| mean).sum::<f64>() / self.pixels.len() as f64
+    }
+
+    fn cell(&self, dark: f64) -> Cell {
+        let relative = |(mean, variance): &(f64, f64)| {
+            let square = mean * mean + dark * dark;
+            if square > 0.0 { variance / square } else { 0.0 }
+        };
+        let variance = self.pixels.iter().map(relative).sum::<f64>() / self.pixels.len() as f64;
+        Cell { corner: self.corner, light: self.light(), variance }
+    }
+
+    /// Cost of a path, in rays of it.
+    fn cost(&self, scene: &Scene) -> f64 {
         let path = scene.integrator.path();
         let [pixels, light_paths] =
             path.map_or([1, 0], |path| [path.reuse, path.shared_light_paths]).map(f64::from);
-        let of_cell = |i: u64| {
-            let mut counters = Counters::default();
-            let at = if all > looked_at { scattered(i, all) } else { i } as u32;
-            let corner = (film.x + at % columns * CELL, film.y + at / columns * CELL);
-            // Per pixel: the sum, the sum of squares of blocks, the current block.
-            let mut sums = vec![[0.0; 3]; (CELL * CELL) as usize];
-            // The film may end within the cell.
-            let mut on_film = 0;
-            for block in 0..CAMERA_SAMPLES / BLOCK {
-                let pixels = |sample| cell(corner, sample, scene.sensor.film.size);
-                let which: Vec<_> = (block * BLOCK..(block + 1) * BLOCK).flat_map(pixels).collect();
-                on_film = which.len() / BLOCK as usize;
-                let mut values = vec![0.0; channels * which.len()];
-                camera.samples(&which, &mut counters, &mut values);
-                for (((x, y), _), values) in which.into_iter().zip(values.chunks(channels)) {
-                    sums[(y % CELL * CELL + x % CELL) as usize][2] += values[1];
-                }
-                for [sum, squares, of_block] in &mut sums {
-                    (*sum, *squares) = (*sum + *of_block, *squares + *of_block * *of_block);
-                    *of_block = 0.0;
-                }
+        let paths = self.pixels.len() as f64 * CAMERA_SAMPLES as f64;
+        let [rays, shared, sources] =
+            [self.counters.rays, self.counters.shared, self.counters.light_sources].map(|n| n as f64 / paths);
+        let handed_on = HANDING_ON * pixels * (1.0 + sources);
+        let sharing =
+            if pixels > 1.0 { SHARING + handed_on + LIGHT_PATH * light_paths / pixels } else { 0.0 };
+        // Each doubling of a tree beyond the cache costs about as much as a ray within it.
+        let slowness = 1.0 + (ln(f64::from(scene.accel.primitives()) / CACHED) / LN_2).max(0.0);
+        rays - (1.0 - VISIBILITY) * shared + (PATH + sharing) / slowness
+    }
+}
+
+/// One sample of the pixels of a cell, row by row.
+type Square = [[f64; CELL as usize]; CELL as usize];
+
+/// What pixels have of the samples around them, if these count for several. Beyond an edge of the cell come
+/// those of its other side, which stand for neighbours that are not looked at.
+fn spread(film: &Film, place: Option<[Place; 2]>, corner: (u32, u32), seen: Square) -> Square {
+    let Some((spread, places)) = film.spread.as_ref().zip(place) else { return seen };
+    let reach = spread.reach() as usize;
+    let [columns, rows] = places.map(|place| spread.at(place, &film.filter, (u32::MAX, u32::MAX)));
+    let sum = |weights: &Weights, size: u32, at: usize, value: &dyn Fn(usize) -> f64| -> f64 {
+        let size = size.min(CELL) as usize;
+        let around = |i: usize| (at + i + reach * size - reach) % size;
+        (0..=2 * reach).map(|i| weights[i] * value(around(i))).sum()
+    };
+    let (width, height) = (film.size.0 - corner.0, film.size.1 - corner.1);
+    let along: Square = from_fn(|y| from_fn(|x| sum(&columns, width, x, &|x| seen[y][x])));
+    from_fn(|y| from_fn(|x| sum(&rows, height, y, &|y| along[y][x])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Window;
+    use crate::render::spread::Spread;
+    use crate::scene::load_text;
+    use crate::spectrum::ColorMode;
+
+    const ROOM: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+        <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, -3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="60"/><integer name="height" value="44"/><rfilter type="tent"/></film></sensor>
+        <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/></shape>
+        <shape type="sphere"><point name="center" x="0" y="3" z="-3.4"/><float name="radius" value="0.4"/><emitter type="area"/></shape></scene>"#;
+
+    /// Where no neighbours are missing.
+    #[test]
+    fn samples_count_for_several_pixels_as_in_an_image() {
+        let mut scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
+        let film = &mut scene.sensor.film;
+        film.spread = film.spreadable();
+        let camera = pilot_camera(&scene);
+        let channels = camera.channel_names().len();
+        for sample in 0..4 {
+            let which: Vec<_> = cell((8, 8), sample, scene.sensor.film.size).collect();
+            let mut values = vec![0.0; channels * which.len()];
+            camera.samples(&which, &mut Counters::default(), &mut values);
+            let mut square = Square::default();
+            for (((x, y), _), values) in which.iter().zip(values.chunks(channels)) {
+                square[(y % CELL) as usize][(x % CELL) as usize] = values[1];
             }
-            const BLOCKS: f64 = (CAMERA_SAMPLES / BLOCK) as f64;
-            let relative = |[sum, squares, _]: &[f64; 3]| {
-                if *sum > 0.0 { (squares / (sum * sum) - 1.0 / BLOCKS).max(0.0) } else { 0.0 }
-            };
-            let pixels_of_cell = on_film as f64;
-            let samples = pixels_of_cell * CAMERA_SAMPLES as f64;
-            let light: f64 = sums.iter().map(|sum| sum[0]).sum();
-            let relative: f64 = sums.iter().map(relative).sum();
-            let cost = counters.rays as f64 - (1.0 - VISIBILITY) * counters.shared as f64
-                + EVALUATION * counters.evaluations as f64
-                + HANDING_ON * pixels * counters.light_sources as f64;
-            // The relative variance of a pixel's sum, from the scatter of its blocks, times its number of
-            // samples is that of one sample.
-            let variance = relative / pixels_of_cell * BLOCKS / (BLOCKS - 1.0) * CAMERA_SAMPLES as f64;
-            (Cell { corner, light: light / samples, variance }, cost / samples)
+            let square = spread(&scene.sensor.film, camera.place_in_pixels(sample), (8, 8), square);
+            for (x, y) in [(9, 9), (11, 12), (14, 9)] {
+                let window = Window { x, y, width: 1, height: 1 };
+                let value = Spread::new(&camera, window, channels).one(sample)[1];
+                let seen = square[(y % CELL) as usize][(x % CELL) as usize];
+                assert!((seen - value).abs() < 1e-12 * value && value > 0.0, "{seen} {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn noise_in_the_dark_is_relative_to_the_light_of_the_image() {
+        let seen = Seen {
+            corner: (0, 0),
+            pixels: vec![(1.0, 4.0), (0.0, 0.0), (1e-3, 1e-4)],
+            counters: Counters::default(),
         };
-        let (cells, rays): (Vec<Cell>, Vec<f64>) = (0..looked_at).into_par_iter().map(of_cell).unzip();
-        let sharing = if pixels > 1.0 {
-            SHARING + HANDING_ON * pixels + LIGHT_PATH * light_paths / pixels
-        } else {
-            0.0
-        };
-        Self { cells, cost: rays.iter().sum::<f64>() / rays.len() as f64 + sharing }
+        let variance = |dark| seen.cell(dark).variance;
+        assert!((variance(0.0) - (4.0 + 100.0) / 3.0).abs() < 1e-12);
+        assert!((variance(0.01) - (4.0 + 1e-4 / 1.01e-4) / 3.0).abs() < 1e-3);
     }
 }

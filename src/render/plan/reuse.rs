@@ -5,15 +5,15 @@
 //! sharing where light has met several matte surfaces, light paths where most of it comes from few places,
 //! and more emitter samples where what is left then is direct light, which nobody shares. The pilot makes the
 //! same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells'
-//! relative deviations, over which a rare bright path has less sway than over variances.
+//! relative deviations, over which a rare bright path has less sway than over variances, with the light paths for
+//! caustics that are best beside them.
 //!
 //! Since direct light is never shared, its variance adds to that of the rest and falls as the number of its
 //! samples grows, whatever is shared. So two looks at pixels that share nothing, with few emitter samples and
 //! with many, predict any other look for any number of these, and all is chosen together.
 
-use super::light_paths;
+use super::light_paths::{self, Brought};
 use super::look::{CELLS, Cell, GLANCE, Look};
-use crate::film::Film;
 use crate::integrator::path::reuse::LightSources;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
@@ -35,7 +35,7 @@ const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
 /// If one number of pixels has a product that exceeds this times the best, larger numbers have not been seen
 /// to pay.
-const FAR: f64 = 1.5;
+const FAR: f64 = 1.3;
 
 /// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
 /// one colour and few samples, overestimates their gain where little noise is left.
@@ -108,6 +108,7 @@ pub fn settle(scene: &mut Scene) {
         }
         return;
     }
+    scene.sensor.film.spread = scene.sensor.film.spreadable();
     let mut best = choose(scene, given);
     let relieved = scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
     if let Some(caustics) = scene.caustics.take_if(|_| relieved) {
@@ -120,9 +121,6 @@ pub fn settle(scene: &mut Scene) {
         scene.settle_caustics();
     }
     set(scene, best.choice);
-    let price = prices_of_spreading(&scene.sensor.film)[usize::from(best.choice.pixels > 1)];
-    best.look.cells.iter_mut().for_each(|cell| cell.variance *= price);
-    scene.sensor.film.spread = scene.sensor.film.spreadable();
     if light_paths::is_free(scene) {
         light_paths::balance(scene, &best.look);
     }
@@ -142,7 +140,9 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
 /// The best choice, and whether sharing is far from paying; a glance is for the latter.
 fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
-    let prices = prices_of_spreading(&scene.sensor.film);
+    let brought = Brought::of(scene);
+    let product =
+        |look: &Look| brought.as_ref().map_or_else(|| look.product(), |brought| brought.best_with(look).0);
     let mut look = |choice: Choice| {
         set(scene, choice);
         Look::at(scene, if glance { GLANCE } else { CELLS })
@@ -156,7 +156,6 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     });
     // The best number of emitter samples, from a look with `choice.samples` of them.
     let judge = |choice: Choice, look: Look, price: f64| {
-        let price = price * prices[usize::from(choice.pixels > 1)];
         let Some(direct) = &direct else {
             let product = price * product(&look);
             return Judged { choice, look, product };
@@ -192,26 +191,9 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     (best, far)
 }
 
-/// What the variance is multiplied by where samples count for all pixels that the film's filter reaches: if
-/// no pixels share paths, and if some do. Errors that these have in common stay; of the gain, as a factor,
-/// about the root was left in three rooms (see the notebook).
-fn prices_of_spreading(film: &Film) -> [f64; 2] {
-    film.spreadable().map_or([1.0; 2], |spread| {
-        let along = spread.squares(&film.filter);
-        [along * along, along]
-    })
-}
-
 /// The one with the smaller product; of equals the first.
 fn better(a: Judged, b: Judged) -> Judged {
     if b.product < a.product { b } else { a }
-}
-
-/// The product of variance and cost, up to a factor that all choices have.
-fn product(look: &Look) -> f64 {
-    let deviation: f64 = look.cells.iter().map(|cell| cell.variance.sqrt()).sum();
-    let mean = deviation / look.cells.len() as f64;
-    mean * mean * look.cost
 }
 
 fn set(scene: &mut Scene, choice: Choice) {

@@ -70,7 +70,7 @@ impl Exchange {
                 if let Some(source) = path.source.as_ref().filter(|_| has_light) {
                     let light = Light::ByCamera(path.radiance, range);
                     let offer = Offer { source, light, own: Some(j), receivers: self.receivers.like(j) };
-                    self.propose(scene, receiving, group, offer, counters);
+                    self.propose(scene, receiving, group, offer);
                 }
             }
             for lit in of_group(&lit, number) {
@@ -79,7 +79,7 @@ impl Exchange {
                     if edges + 2 + lit.edges <= max_depth {
                         let light = Light::ByLight(lit.radiance, lit.scale, lit.rivals);
                         let offer = Offer { source: &lit.source, light, own: None, receivers };
-                        self.propose(scene, receiving, group, offer, counters);
+                        self.propose(scene, receiving, group, offer);
                     }
                 }
             }
@@ -116,14 +116,7 @@ impl Exchange {
 
     /// Gives each receiver that faces a source its share: at once if all of them are known to see it, else
     /// once the shadow rays have been traced.
-    fn propose(
-        &mut self,
-        scene: &Scene,
-        receiving: &mut [CameraPath],
-        group: PathGroup,
-        offer: Offer,
-        counters: &mut Counters,
-    ) {
+    fn propose(&mut self, scene: &Scene, receiving: &mut [CameraPath], group: PathGroup, offer: Offer) {
         let Self { receivers, parts, questions, .. } = self;
         let mut weights = [0.0; 64];
         let facing = receivers.weights(offer.receivers, offer.source, &mut weights);
@@ -142,7 +135,7 @@ impl Exchange {
                 bits::numbers(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
             questions.offer(receiving, group, offer, (in_sight, true), parts);
         } else {
-            rough_parts(scene, group, &offer, (facing, &weights), parts, counters);
+            rough_parts(scene, group, &offer, (facing, &weights), parts);
             questions.offer(receiving, group, offer, (in_sight, false), parts.iter().copied());
         }
     }
@@ -155,7 +148,6 @@ fn rough_parts(
     Offer { source, own, .. }: &Offer,
     (facing, weights): (u64, &[f64; 64]),
     parts: &mut Vec<(usize, Part)>,
-    counters: &mut Counters,
 ) {
     let onward = source.lobes.as_ref().map(|lobes| At::new(scene, lobes, lobed.λ));
     let part = |i: usize| {
@@ -171,7 +163,6 @@ fn rough_parts(
     };
     parts.clear();
     parts.extend(bits::numbers(facing).filter_map(part));
-    counters.evaluations += u64::from(facing.count_ones());
     if let Some(j) = own.filter(|j| parts.iter().all(|(i, _)| i != j)) {
         parts.push((j, Part::matte(shared[j].own, f64::MIN_POSITIVE)));
     }
