@@ -210,7 +210,7 @@ impl<'a> Spread<'a> {
 }
 
 /// The places around `at`, along one side of those that are kept, that have a weight.
-fn neighbours(at: u32, weights: &Option<Weights>, reach: u32) -> impl Iterator<Item = (usize, f64)> {
+pub fn neighbours(at: u32, weights: &Option<Weights>, reach: u32) -> impl Iterator<Item = (usize, f64)> {
     let weights = weights.unwrap_or_default().into_iter().enumerate();
     let weighty = weights.filter(|(_, weight)| *weight != 0.0);
     weighty.map(move |(i, weight)| (at as usize + i - reach as usize, weight))

@@ -122,7 +122,8 @@ pub fn balance(scene: &mut Scene, look: &Look) {
     }
 }
 
-fn set(scene: &mut Scene, ratio: f64) {
+/// Gives a scene so many light paths per camera path, within reason.
+pub fn set(scene: &mut Scene, ratio: f64) {
     let pixels = scene.sensor.film.crop.pixels();
     let ratio = ratio.clamp(FEWEST, MOST).min(AT_ONCE / pixels as f64);
     scene.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, pixels));

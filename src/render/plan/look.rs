@@ -1,5 +1,6 @@
 //! A look: a few cells of an image are rendered to measure their noise and their cost.
 
+use super::super::spread::neighbours;
 use super::{Camera, pilot_camera, scattered};
 use crate::film::Film;
 use crate::film::filter_weights::{Place, Weights};
@@ -113,11 +114,7 @@ impl Seen {
             let mut values = vec![0.0; channels * which.len()];
             camera.samples(&which, &mut counters, &mut values);
             for (which, values) in which.chunks(of_sample).zip(values.chunks(channels * of_sample)) {
-                let mut square = Square::default();
-                for (((x, y), _), values) in which.iter().zip(values.chunks(channels)) {
-                    square[(y % CELL) as usize][(x % CELL) as usize] = values[1];
-                }
-                let square = spread(film, camera.place_in_pixels(which[0].1), corner, square);
+                let square = spread(film, camera.place_in_pixels(which[0].1), corner, square(which, values));
                 sums.iter_mut().zip(square.as_flattened()).for_each(|(sum, value)| sum[2] += value);
             }
             for [sum, squares, of_block] in &mut sums {
@@ -168,16 +165,25 @@ impl Seen {
 /// One sample of the pixels of a cell, row by row.
 type Square = [[f64; CELL as usize]; CELL as usize];
 
+/// Green of the samples of a cell's pixels, given by pixel and number.
+fn square(which: &[((u32, u32), u64)], values: &[f64]) -> Square {
+    let mut square = Square::default();
+    for (((x, y), _), values) in which.iter().zip(values.chunks(values.len() / which.len())) {
+        square[(y % CELL) as usize][(x % CELL) as usize] = values[1];
+    }
+    square
+}
+
 /// What pixels have of the samples around them, if these count for several. Beyond an edge of the cell come
 /// those of its other side, which stand for neighbours that are not looked at.
 fn spread(film: &Film, place: Option<[Place; 2]>, corner: (u32, u32), seen: Square) -> Square {
     let Some((spread, places)) = film.spread.as_ref().zip(place) else { return seen };
-    let reach = spread.reach() as usize;
-    let [columns, rows] = places.map(|place| spread.at(place, &film.filter, (u32::MAX, u32::MAX)));
-    let sum = |weights: &Weights, size: u32, at: usize, value: &dyn Fn(usize) -> f64| -> f64 {
-        let size = size.min(CELL) as usize;
-        let around = |i: usize| (at + i + reach * size - reach) % size;
-        (0..=2 * reach).map(|i| weights[i] * value(around(i))).sum()
+    let weights = |place| Some(spread.at(place, &film.filter, (u32::MAX, u32::MAX)));
+    let [columns, rows] = places.map(weights);
+    let sum = |weights: &Option<Weights>, size: u32, at: usize, value: &dyn Fn(usize) -> f64| -> f64 {
+        let (size, reach) = (size.min(CELL), spread.reach());
+        let around = neighbours(at as u32 + reach * size, weights, reach);
+        around.map(|(from, weight)| weight * value(from % size as usize)).sum()
     };
     let (width, height) = (film.size.0 - corner.0, film.size.1 - corner.1);
     let along: Square = from_fn(|y| from_fn(|x| sum(&columns, width, x, &|x| seen[y][x])));
@@ -210,11 +216,8 @@ mod tests {
             let which: Vec<_> = cell((8, 8), sample, scene.sensor.film.size).collect();
             let mut values = vec![0.0; channels * which.len()];
             camera.samples(&which, &mut Counters::default(), &mut values);
-            let mut square = Square::default();
-            for (((x, y), _), values) in which.iter().zip(values.chunks(channels)) {
-                square[(y % CELL) as usize][(x % CELL) as usize] = values[1];
-            }
-            let square = spread(&scene.sensor.film, camera.place_in_pixels(sample), (8, 8), square);
+            let place = camera.place_in_pixels(sample);
+            let square = spread(&scene.sensor.film, place, (8, 8), square(&which, &values));
             for (x, y) in [(9, 9), (11, 12), (14, 9)] {
                 let window = Window { x, y, width: 1, height: 1 };
                 let value = Spread::new(&camera, window, channels).one(sample)[1];

@@ -5,8 +5,8 @@
 //! sharing where light has met several matte surfaces, light paths where most of it comes from few places,
 //! and more emitter samples where what is left then is direct light, which nobody shares. The pilot makes the
 //! same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells'
-//! relative deviations, over which a rare bright path has less sway than over variances, with the light paths for
-//! caustics that are best beside them.
+//! relative deviations, over which a rare bright path has less sway than over variances, with the light paths
+//! for caustics that are best beside them.
 //!
 //! Since direct light is never shared, its variance adds to that of the rest and falls as the number of its
 //! samples grows, whatever is shared. So two looks at pixels that share nothing, with few emitter samples and
@@ -48,12 +48,23 @@ const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
 /// Cost of an emitter sample besides its ray, in rays.
 const EMITTER_SAMPLE: f64 = 0.75;
 
-/// A choice, the look that was measured or is predicted for it, and its product of variance, cost and factors
-/// such as those of [`PIXELS`].
+/// A choice, and its product of variance, cost and factors such as those of [`PIXELS`], with as many light
+/// paths for caustics to a camera path as are best.
 struct Judged {
     choice: Choice,
-    look: Look,
     product: f64,
+    caustics: Option<f64>,
+}
+
+impl Judged {
+    /// By a look that was measured or is predicted.
+    fn new(choice: Choice, look: &Look, price: f64, brought: Option<&Brought>) -> Self {
+        let (product, caustics) = match brought.map(|brought| brought.best_with(look)) {
+            Some((product, light_paths)) => (product, Some(light_paths)),
+            None => (look.product(), None),
+        };
+        Self { choice, product: price * product, caustics }
+    }
 }
 
 /// Noise and cost of the emitter samples of the first vertex.
@@ -121,8 +132,8 @@ pub fn settle(scene: &mut Scene) {
         scene.settle_caustics();
     }
     set(scene, best.choice);
-    if light_paths::is_free(scene) {
-        light_paths::balance(scene, &best.look);
+    if let Some(ratio) = best.caustics.filter(|_| light_paths::is_free(scene)) {
+        light_paths::set(scene, ratio);
     }
 }
 
@@ -141,8 +152,6 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
 fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
     let brought = Brought::of(scene);
-    let product =
-        |look: &Look| brought.as_ref().map_or_else(|| look.product(), |brought| brought.best_with(look).0);
     let mut look = |choice: Choice| {
         set(scene, choice);
         Look::at(scene, if glance { GLANCE } else { CELLS })
@@ -156,14 +165,10 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     });
     // The best number of emitter samples, from a look with `choice.samples` of them.
     let judge = |choice: Choice, look: Look, price: f64| {
-        let Some(direct) = &direct else {
-            let product = price * product(&look);
-            return Judged { choice, look, product };
-        };
+        let Some(direct) = &direct else { return Judged::new(choice, &look, price, brought.as_ref()) };
         let each = numbers.map(|(samples, more)| {
             let look = direct.foretell(&look, choice.samples, samples);
-            let product = price * more * product(&look);
-            Judged { choice: Choice { samples, ..choice }, look, product }
+            Judged::new(Choice { samples, ..choice }, &look, price * more, brought.as_ref())
         });
         let [first, others @ ..] = each;
         others.into_iter().fold(first, better)
