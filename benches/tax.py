@@ -1,6 +1,6 @@
 """The cost of a feature for a scene that does not use it, in instructions.
 
-    python3 benches/tax.py [FEATURE …] [--json F] [--csv] [--check] [--keep]
+    python3 benches/tax.py [FEATURE …] [--json F] [--csv] [--all-kernels] [--check] [--compile]
 
 Needs valgrind, and the Python package OpenEXR. Each `benches/tax/*.json` removes a feature from a copy of the
 sources (in `target/tax`), by edits whose `find` occurs exactly `count` times (once by default). Both

@@ -25,7 +25,7 @@ pub use constant::Constant;
 pub use directional::Directional;
 pub use envmap::{EnvironmentMap, MapPlace};
 pub use point::Point;
-pub use select::Emitters;
+pub use select::{Choice, Emitters};
 use select::{Distant, Expected};
 pub use spot::Spot;
 use std::f64::consts::PI;

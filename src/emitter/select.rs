@@ -59,16 +59,26 @@ enum Place {
     Far(u32),
 }
 
-/// What may be chosen at a point.
-struct Choices<'a> {
-    /// The emitters within the scene, if light of any can arrive.
-    near: Option<Look<'a>>,
-    /// How many choices there are, and the sum of their estimates.
+/// The choice between all emitters at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Choice {
+    /// The point, and the normal of the hemisphere from which light is gathered, or zero.
+    pub at: Receiver,
+    /// What is expected, if it is remembered.
+    known: Option<Estimates>,
+}
+
+/// What several emitters are expected to bring to a point.
+#[derive(Clone, Copy, Debug)]
+struct Estimates {
+    /// Those within the scene, if light of any can arrive.
+    near: Option<Look>,
+    /// How many choices there are, and the sum of what they are expected to bring.
     count: f64,
     total: f64,
 }
 
-impl Choices<'_> {
+impl Estimates {
     /// The probability of a choice of which this irradiance is expected.
     #[inline]
     fn probability(&self, irradiance: f64) -> f64 {
@@ -142,26 +152,8 @@ impl Emitters {
         self.list.len() > 1
     }
 
-    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers,
-    /// rescaled for reuse; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None` if no
-    /// emitter lights the point.
     #[inline]
-    pub fn sample(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
-        match self.list.len() {
-            0 => None,
-            1 => Some((0, 1.0, u)),
-            _ => self.choose(at, u, digits),
-        }
-    }
-
-    /// The probability of choosing emitter `index`.
-    #[inline]
-    pub fn probability(&self, index: usize, at: Receiver) -> f64 {
-        if self.list.len() == 1 { 1.0 } else { self.probability_of_several(index, at) }
-    }
-
-    #[inline]
-    fn choices(&self, at: Receiver) -> Choices<'_> {
+    fn estimates(&self, at: Receiver) -> Estimates {
         let near = self.near.as_ref().map(|(tree, _)| tree.look(at)).filter(|look| look.total() > 0.0);
         let (mut count, mut total) = (0.0, 0.0);
         let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_about(at.1));
@@ -169,18 +161,55 @@ impl Emitters {
             count += 1.0;
             total += irradiance;
         }
-        Choices { near, count, total }
+        Estimates { near, count, total }
+    }
+}
+
+impl Choice {
+    #[inline(always)]
+    pub fn at(at: Receiver) -> Self {
+        Self { at, known: None }
+    }
+
+    /// The same choice by several samples, for which what is expected is remembered.
+    #[inline(never)]
+    pub fn of_several(emitters: &Emitters, at: Receiver) -> Self {
+        Self { at, known: emitters.chosen_by_place().then(|| emitters.estimates(at)) }
+    }
+
+    #[inline(always)]
+    fn estimates(&self, emitters: &Emitters) -> Estimates {
+        self.known.unwrap_or_else(|| emitters.estimates(self.at))
+    }
+
+    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers,
+    /// rescaled for reuse; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None` if no
+    /// emitter lights the point.
+    #[inline]
+    pub fn sample(&self, emitters: &Emitters, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
+        match emitters.list.len() {
+            0 => None,
+            1 => Some((0, 1.0, u)),
+            _ => self.sample_several(emitters, u, digits),
+        }
+    }
+
+    /// The probability of choosing emitter `index`.
+    #[inline]
+    pub fn probability(&self, emitters: &Emitters, index: usize) -> f64 {
+        if emitters.list.len() == 1 { 1.0 } else { self.probability_of_several(emitters, index) }
     }
 
     #[inline(never)]
-    fn choose(&self, at: Receiver, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
-        let choices = self.choices(at);
+    fn sample_several(&self, emitters: &Emitters, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
+        let (_, n) = self.at;
+        let estimates = self.estimates(emitters);
         let mut left = with_digits(u.x, digits);
         // Rounding may lead past the last.
         let mut last = None;
-        for (emitter, distant) in &self.far {
-            let Some(irradiance) = distant.irradiance_about(at.1) else { continue };
-            let probability = choices.probability(irradiance);
+        for (emitter, distant) in &emitters.far {
+            let Some(irradiance) = distant.irradiance_about(n) else { continue };
+            let probability = estimates.probability(irradiance);
             let chosen = |rest: f64| Some((*emitter as usize, probability, DVec2::new(rest, u.y)));
             if left < probability {
                 return chosen(left / probability);
@@ -188,23 +217,23 @@ impl Emitters {
             last = chosen(BELOW_ONE);
             left -= probability;
         }
-        let (Some((_, leaves)), Some(look)) = (&self.near, &choices.near) else { return last };
-        let probability = choices.probability(look.total());
-        let (leaf, chance, rest) = look.sample((left / probability).min(BELOW_ONE))?;
+        let (Some((tree, leaves)), Some(look)) = (&emitters.near, &estimates.near) else { return last };
+        let probability = estimates.probability(look.total());
+        let (leaf, chance, rest) = tree.sample(look, (left / probability).min(BELOW_ONE))?;
         Some((leaves[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
     }
 
     #[inline(never)]
-    fn probability_of_several(&self, index: usize, at: Receiver) -> f64 {
-        let choices = self.choices(at);
-        let chance = match self.places[index] {
-            Place::Near(leaf) => choices
-                .near
-                .as_ref()
-                .map(|look| choices.probability(look.total()) * look.probability(leaf as usize)),
+    fn probability_of_several(&self, emitters: &Emitters, index: usize) -> f64 {
+        let (_, n) = self.at;
+        let estimates = self.estimates(emitters);
+        let chance = match emitters.places[index] {
+            Place::Near(leaf) => estimates.near.zip(emitters.near.as_ref()).map(|(look, (tree, _))| {
+                estimates.probability(look.total()) * tree.probability(&look, leaf as usize)
+            }),
             Place::Far(number) => {
-                let (_, distant) = self.far[number as usize];
-                distant.irradiance_about(at.1).map(|irradiance| choices.probability(irradiance))
+                let (_, distant) = emitters.far[number as usize];
+                distant.irradiance_about(n).map(|irradiance| estimates.probability(irradiance))
             }
         };
         chance.unwrap_or(0.0)
@@ -232,16 +261,21 @@ mod tests {
         for x in [-1.0, 0.5, 3.0] {
             const NUMBERS: usize = 10_000;
             let at = (DVec3::X * x, DVec3::Z);
+            let (choice, of_several) = (Choice::at(at), Choice::of_several(&emitters, at));
             let mut shares = [0.0; 5];
             for i in 0..NUMBERS {
                 let u = DVec2::new((i as f64 + 0.5) / NUMBERS as f64, 0.25);
-                let (index, probability, rest) = emitters.sample(at, u, 0.0).unwrap();
-                assert!((probability - emitters.probability(index, at)).abs() < 1e-15);
+                let (index, probability, rest) = choice.sample(&emitters, u, 0.0).unwrap();
+                assert_eq!(of_several.sample(&emitters, u, 0.0), Some((index, probability, rest)));
+                assert!((probability - choice.probability(&emitters, index)).abs() < 1e-15);
                 assert!((0.0..1.0).contains(&rest.x) && rest.y == u.y);
                 shares[index] += 1.0 / NUMBERS as f64;
             }
             for (i, share) in shares.into_iter().enumerate() {
-                assert!((share - emitters.probability(i, at)).abs() < 2.0 / NUMBERS as f64, "{i}: {share}");
+                assert!(
+                    (share - choice.probability(&emitters, i)).abs() < 2.0 / NUMBERS as f64,
+                    "{i}: {share}"
+                );
             }
             let nearest = if x > 1.5 { 4 } else { 2 * usize::from(x > -0.5) };
             assert!([0, 2, 4].iter().all(|i| shares[*i] <= shares[nearest]), "{shares:?}");
@@ -255,8 +289,8 @@ mod tests {
             <emitter type="point"><rgb name="intensity" value="1"/></emitter>
             <emitter type="directional"><vector name="direction" x="0" y="0" z="1"/></emitter></scene>"#;
         let emitters = load_text("scene.xml", text, ColorMode::Rgb).unwrap().emitters;
-        let of_lamp = |z: f64| emitters.probability(1, (DVec3::Z * z, -DVec3::Z));
-        let of_sun = |n: DVec3| emitters.probability(2, (DVec3::X, n));
+        let of_lamp = |z: f64| Choice::at((DVec3::Z * z, -DVec3::Z)).probability(&emitters, 1);
+        let of_sun = |n: DVec3| Choice::at((DVec3::X, n)).probability(&emitters, 2);
         assert!(
             of_lamp(0.1) > 0.9 && (0.4..0.7).contains(&of_lamp(1.0)),
             "{} {}",

@@ -4,6 +4,7 @@ use super::light::{self, Vertex, power_heuristic};
 use super::path::{Arrival, environment, side_towards};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
+use crate::emitter::Choice;
 use crate::math::{DVec3, Ray};
 use crate::sampler::FIRST_VERTEX;
 use crate::scene::error::SceneError;
@@ -81,11 +82,12 @@ impl Direct {
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
         let n = vertex.gathers_about();
         if side.traits.has_density {
+            let choice = Choice::of_several(&scene.emitters, (point.p, n));
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
                 let u = (u.pair(0), u.one(4));
-                let light = light::sample_emitter(scene, &vertex, n, u, counts, λ, |_, _, _| 0.0)
+                let light = light::sample_emitter(scene, &vertex, &choice, u, counts, λ, |_, _, _| 0.0)
                     .map(|(light, _)| light);
                 let Some(light) = light else { continue };
                 counters.rays += 1;
@@ -128,7 +130,7 @@ impl Direct {
         if delta {
             return emitted;
         }
-        let chosen = scene.emitters.probability(index as usize, (ray.origin, n));
+        let chosen = Choice::at((ray.origin, n)).probability(&scene.emitters, index as usize);
         let rival = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point) * chosen;
         emitted * power_heuristic(pdf, self.emitter_samples as f64 * rival) as f32
     }

@@ -1,7 +1,7 @@
 //! Direct light by sampling the emitters, and the MIS weights between that and sampling the BSDF.
 
 use crate::bsdf::Bsdf;
-use crate::emitter::{DirectSample, EmitterPoint, MapPlace, Radiance};
+use crate::emitter::{Choice, DirectSample, EmitterPoint, MapPlace, Radiance};
 use crate::math::ray::Ends;
 use crate::math::{DVec2, DVec3, Frame, Origin, Ray};
 use crate::scene::{Scene, Side};
@@ -109,22 +109,21 @@ pub struct Sampled {
 /// a light sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` gives,
 /// for an emitter, a sample and its density np, the ratio to np of the density with which light paths make
 /// the whole path, as one of directions; see [`super::caustics`]. `digits` refine the choice of the emitter,
-/// as in [`Discrete::sample_strip`](crate::math::Discrete::sample_strip); `n` is the normal of
-/// [`Vertex::gathers_about`], or zero.
+/// as in [`Discrete::sample_strip`](crate::math::Discrete::sample_strip); `choice` is that at the vertex.
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
-    n: DVec3,
+    choice: &Choice,
     (u, digits): (DVec2, f64),
     (count, rivals): (f64, f64),
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
 ) -> Option<(Proposal, Sampled)> {
-    let (index, probability, u) = scene.emitters.sample((vertex.point.p, n), u, digits)?;
+    let (index, probability, u) = choice.sample(&scene.emitters, u, digits)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let light = entry.emitter.sample(shape, (vertex.point.p, n), u, λ)?;
+    let light = entry.emitter.sample(shape, choice.at, u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
     let (radiance, of) = match light.radiance {
         Radiance::Known(radiance) => (scattered.value * radiance, None),
@@ -163,7 +162,7 @@ pub fn density_of_samples<B>(
     let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
     let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
     let n = if scene.emitters.chosen_by_place() { vertex.gathers_about() } else { DVec3::ZERO };
-    scene.emitters.probability(end.emitter, (p, n)) * pdf * f64::from(path.emitter_samples)
+    Choice::at((p, n)).probability(&scene.emitters, end.emitter) * pdf * f64::from(path.emitter_samples)
 }
 
 #[cfg(test)]

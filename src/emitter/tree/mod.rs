@@ -60,30 +60,15 @@ impl Tree {
 
     /// Estimates of what each child of the root brings to a point.
     #[inline]
-    pub fn look(&self, at: Receiver) -> Look<'_> {
-        Look { tree: self, at, root: self.nodes[0].children.importance(at) }
-    }
-}
-
-/// A tree as seen from a point.
-pub struct Look<'a> {
-    tree: &'a Tree,
-    at: Receiver,
-    root: Importance,
-}
-
-impl Look<'_> {
-    /// An estimate of the irradiance from all emitters; zero only if none lights the point.
-    #[inline]
-    pub fn total(&self) -> f64 {
-        self.root.1
+    pub fn look(&self, at: Receiver) -> Look {
+        Look { at, root: self.nodes[0].children.importance(at) }
     }
 
-    /// The emitter that a number in [0, 1) falls on, its probability, and the number, rescaled to [0, 1) for
-    /// reuse; `None` if no emitter lights the point.
-    pub fn sample(&self, mut u: f64) -> Option<(usize, f64, f64)> {
+    /// The emitter that a number in [0, 1) falls on as seen from a point, its probability, and the number,
+    /// rescaled to [0, 1) for reuse; `None` if no emitter lights the point.
+    pub fn sample(&self, look: &Look, mut u: f64) -> Option<(usize, f64, f64)> {
         let (mut index, mut probability) = (0, 1.0);
-        let (mut importance, mut total) = self.root;
+        let (mut importance, mut total) = look.root;
         loop {
             let (mut child, mut left) = (0, u * total);
             while child + 1 < WIDTH && left >= importance[child] {
@@ -96,22 +81,22 @@ impl Look<'_> {
                 return None;
             }
             u = (left / importance[child]).min(BELOW_ONE);
-            match self.tree.nodes[index].targets[child] {
+            match self.nodes[index].targets[child] {
                 Target::Emitter(emitter) => return Some((emitter as usize, probability, u)),
                 Target::Node(next) => index = next as usize,
                 Target::Nothing => return None,
             }
-            (importance, total) = self.tree.nodes[index].children.importance(self.at);
+            (importance, total) = self.nodes[index].children.importance(look.at);
         }
     }
 
-    /// The probability of choosing an emitter.
-    pub fn probability(&self, emitter: usize) -> f64 {
+    /// The probability of choosing an emitter as seen from a point.
+    pub fn probability(&self, look: &Look, emitter: usize) -> f64 {
         let mut probability = 1.0;
-        let mut place = Some(self.tree.leaves[emitter]);
+        let mut place = Some(self.leaves[emitter]);
         while let Some(Place { node: number, child }) = place {
-            let node = &self.tree.nodes[number as usize];
-            let (importance, total) = if number == 0 { self.root } else { node.children.importance(self.at) };
+            let node = &self.nodes[number as usize];
+            let (importance, total) = if number == 0 { look.root } else { node.children.importance(look.at) };
             if importance[child as usize] <= 0.0 {
                 return 0.0;
             }
@@ -119,6 +104,21 @@ impl Look<'_> {
             place = node.place;
         }
         probability
+    }
+}
+
+/// A tree as seen from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    at: Receiver,
+    root: Importance,
+}
+
+impl Look {
+    /// An estimate of the irradiance from all emitters; zero only if none lights the point.
+    #[inline]
+    pub fn total(&self) -> f64 {
+        self.root.1
     }
 }
 

@@ -37,7 +37,7 @@ fn emitters_are_chosen_as_often_as_is_said() {
         let tree = Tree::new(&emitters(count, &mut rng));
         for _ in 0..50 {
             let at = receiver(&mut rng);
-            let probabilities: Vec<f64> = (0..count).map(|i| tree.look(at).probability(i)).collect();
+            let probabilities: Vec<f64> = (0..count).map(|i| tree.probability(&tree.look(at), i)).collect();
             let total: f64 = probabilities.iter().sum();
             // The numbers that fall on an emitter are as many as its probability says, and go on from 0 to 1
             // within.
@@ -46,7 +46,7 @@ fn emitters_are_chosen_as_often_as_is_said() {
             let mut last: Option<(usize, f64)> = None;
             for i in 0..NUMBERS {
                 let Some((emitter, probability, rest)) =
-                    tree.look(at).sample((i as f64 + 0.5) / NUMBERS as f64)
+                    tree.sample(&tree.look(at), (i as f64 + 0.5) / NUMBERS as f64)
                 else {
                     last = None;
                     continue;
@@ -84,7 +84,7 @@ fn what_shines_at_a_point_has_a_chance() {
             let arrives = n == DVec3::ZERO || n.dot(w) < 0.0;
             if leaves && arrives {
                 lit += 1;
-                assert!(tree.look((p, n)).probability(i) > 0.0, "{cluster:?} at {p} about {n}");
+                assert!(tree.probability(&tree.look((p, n)), i) > 0.0, "{cluster:?} at {p} about {n}");
             }
         }
     }
@@ -117,8 +117,10 @@ fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
         let at = (place(0.0), DVec3::Z);
         let light: Vec<f64> =
             lamps.iter().map(|lamp| (lamp.bounds.0 - at.0).length_squared().powi(-2)).collect();
-        let scatters =
-            [scatter(&light, |i| tree.look(at).probability(i)), scatter(&light, |_| 1.0 / LAMPS as f64)];
+        let scatters = [
+            scatter(&light, |i| tree.probability(&tree.look(at), i)),
+            scatter(&light, |_| 1.0 / LAMPS as f64),
+        ];
         sums = [0, 1].map(|i| sums[i] + scatters[i] / 200.0);
     }
     assert!(sums[0] < 0.4 && sums[1] > 40.0 * sums[0], "{sums:?}");
@@ -133,6 +135,6 @@ fn scaling_by_a_power_of_two_changes_no_choice() {
     let (a, b) = (Tree::new(&clusters), Tree::new(&clusters.iter().map(scaled).collect::<Vec<_>>()));
     for _ in 0..1000 {
         let ((p, n), u) = (receiver(&mut rng), uniform(&mut rng));
-        assert_eq!(a.look((p, n)).sample(u), b.look((p * factor, n)).sample(u));
+        assert_eq!(a.sample(&a.look((p, n)), u), b.sample(&b.look((p * factor, n)), u));
     }
 }

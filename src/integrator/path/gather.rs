@@ -5,7 +5,7 @@ use super::reuse::Shared;
 use super::shadows::Shadows;
 use super::stream::State;
 use crate::bsdf::{Bsdf, Sample};
-use crate::emitter::{DirectSample, EmitterPoint};
+use crate::emitter::{Choice, DirectSample, EmitterPoint};
 use crate::integrator::guide::{self, Directions};
 use crate::integrator::light::{self, Sampled, Vertex};
 use crate::integrator::links::{self, Link, Links};
@@ -61,13 +61,17 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         };
         let casts = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
         let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
+        let choice = match count {
+            1 => Choice::at((vertex.point.p, n)),
+            _ => Choice::of_several(&scene.emitters, (vertex.point.p, n)),
+        };
         for which in 0..count {
             let u = match count {
                 1 => (self.u.pair(0), self.u.one(4)),
                 _ => shadows.numbers(scene, self.sampler, state.depth, (which, count)),
             };
             let counts = (f64::from(count), 1.0);
-            let found = light::sample_emitter(scene, vertex, n, u, counts, λ, light_paths);
+            let found = light::sample_emitter(scene, vertex, &choice, u, counts, λ, light_paths);
             let Some((mut proposal, sampled)) = found else { continue };
             if F & Features::ENVIRONMENT == 0 {
                 // It is none already; told so, the compiler leaves out what asks for it.

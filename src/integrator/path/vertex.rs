@@ -6,7 +6,7 @@ use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::InFlight;
 use super::{MAX_VERTICES, Path};
-use crate::emitter::{EmitterPoint, View};
+use crate::emitter::{Choice, EmitterPoint, View};
 use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
 use crate::integrator::{Counters, Event};
 use crate::math::{DVec3, Ray};
@@ -79,7 +79,8 @@ impl Path {
                     }
                 } else {
                     let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
-                    let chosen = scene.emitters.probability(emitter as usize, (ray.origin, state.arrival.n));
+                    let chosen = Choice::at((ray.origin, state.arrival.n))
+                        .probability(&scene.emitters, emitter as usize);
                     chosen * pdf * f64::from(state.arrival.emitter_samples) / state.arrival.pdf
                 };
                 let by_light_path = match &scene.caustics {
@@ -163,7 +164,7 @@ pub fn surroundings(
     if arrival.delta {
         return radiance;
     }
-    let chosen = scene.emitters.probability(index, (origin, arrival.n));
+    let chosen = Choice::at((origin, arrival.n)).probability(&scene.emitters, index);
     let rival = chosen * emitter.distant_pdf(view, arrival.n) * f64::from(arrival.emitter_samples);
     radiance * power_heuristic(arrival.pdf, rival) as f32
 }

@@ -2,6 +2,7 @@
 
 use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
+use crate::emitter::Choice;
 use crate::integrator::lengths::Lengths;
 use crate::integrator::light::{self, Vertex, power_heuristic};
 use crate::integrator::path::{Arrival, environment, roulette, side_towards};
@@ -187,7 +188,7 @@ impl<'a> Walk<'a> {
         } else {
             let ray = Ray { origin: self.from, ..self.ray };
             let pdf = emitter.surface_pdf(&shape.geometry, &ray, self.travelled, point);
-            let chosen = self.scene.emitters.probability(index, (self.from, self.arrival.n));
+            let chosen = Choice::at((self.from, self.arrival.n)).probability(&self.scene.emitters, index);
             power_heuristic(self.arrival.pdf, chosen * pdf)
         };
         self.radiance += self.throughput * emitted * weight as f32;
@@ -201,9 +202,9 @@ impl<'a> Walk<'a> {
         interface: Option<&Interface>,
         (u, edge): (Numbers, u32),
     ) {
-        let place = (u.pair(0), u.one(4));
-        let found =
-            light::sample_emitter(self.scene, vertex, n, place, (1.0, 1.0), &self.path.λ, |_, _, _| 0.0);
+        let choice = Choice::at((vertex.point.p, n));
+        let (place, λ) = ((u.pair(0), u.one(4)), &self.path.λ);
+        let found = light::sample_emitter(self.scene, vertex, &choice, place, (1.0, 1.0), λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };
         let ray = proposal.ray;
         let medium = match interface {
