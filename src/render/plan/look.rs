@@ -227,6 +227,29 @@ mod tests {
         }
     }
 
+    /// Of independent samples, for whose blocks nothing is stratified.
+    #[test]
+    fn variances_are_of_one_sample() {
+        let text = ROOM.replace("<film", r#"<sampler type="independent"/><film"#);
+        let scene = load_text("room.xml", &text, ColorMode::Rgb).expect("it loads");
+        let camera = pilot_camera(&scene);
+        let channels = camera.channel_names().len();
+        let seen = Seen::at(&scene, &camera, (24, 16));
+        let variance = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (values.len() - 1) as f64
+        };
+        let of_pixel = |pixel: ((u32, u32), u64)| {
+            let which: Vec<_> = (0..256).map(|sample| (pixel.0, 1000 + sample)).collect();
+            let mut values = vec![0.0; channels * which.len()];
+            camera.samples(&which, &mut Counters::default(), &mut values);
+            variance(&values.chunks(channels).map(|values| values[1]).collect::<Vec<_>>())
+        };
+        let expected: f64 = cell((24, 16), 0, scene.sensor.film.size).map(of_pixel).sum();
+        let found: f64 = seen.pixels.iter().map(|(_, variance)| variance).sum();
+        assert!((found / expected - 1.0).abs() < 0.5 && expected > 0.0, "{found} {expected}");
+    }
+
     #[test]
     fn noise_in_the_dark_is_relative_to_the_light_of_the_image() {
         let seen = Seen {
