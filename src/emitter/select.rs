@@ -166,6 +166,7 @@ impl Emitters {
 }
 
 impl Choice {
+    /// The choice by one sample, or its probability.
     #[inline(always)]
     pub fn at(at: Receiver) -> Self {
         Self { at, known: None }

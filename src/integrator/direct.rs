@@ -5,7 +5,7 @@ use super::path::{Arrival, environment, side_towards};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
 use crate::emitter::Choice;
-use crate::math::{DVec3, Ray};
+use crate::math::Ray;
 use crate::sampler::FIRST_VERTEX;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -80,9 +80,10 @@ impl Direct {
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
-        let n = vertex.gathers_about();
+        let at = (point.p, vertex.gathers_about());
+        let choice =
+            if side.traits.has_density { Choice::of_several(&scene.emitters, at) } else { Choice::at(at) };
         if side.traits.has_density {
-            let choice = Choice::of_several(&scene.emitters, (point.p, n));
             for i in 0..self.emitter_samples {
                 let u = sampler.block(FIRST_VERTEX + i);
                 let counts = (emitter_count, bsdf_count);
@@ -100,18 +101,18 @@ impl Direct {
             let u = sampler.block(FIRST_VERTEX + i);
             let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
-            let arrived = self.arriving::<F>(scene, (&onward, n), &sample, λ, counters);
+            let arrived = self.arriving::<F>(scene, (&onward, &choice), &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;
         }
         radiance
     }
 
-    /// Emitted radiance along a sampled direction, weighted against the emitter samples of a vertex whose
-    /// [`Vertex::gathers_about`] is n.
+    /// Emitted radiance along a sampled direction, weighted against the emitter samples of the vertex
+    /// that it leaves.
     fn arriving<const F: u32>(
         &self,
         scene: &Scene,
-        (ray, n): (&Ray, DVec3),
+        (ray, choice): (&Ray, &Choice),
         sample: &crate::bsdf::Sample,
         λ: &Wavelengths,
         counters: &mut Counters,
@@ -119,6 +120,7 @@ impl Direct {
         counters.rays += 1;
         let (pdf, delta) = (self.bsdf_samples as f64 * sample.pdf, sample.delta);
         let Some(hit) = scene.accel.closest(ray) else {
+            let (_, n) = choice.at;
             let arrival = Arrival { pdf, delta, n, emitter_samples: self.emitter_samples };
             let seen = F & Features::ENVIRONMENT != 0;
             return if seen { environment(scene, ray, arrival, λ) } else { Spectrum::ZERO };
@@ -130,7 +132,7 @@ impl Direct {
         if delta {
             return emitted;
         }
-        let chosen = Choice::at((ray.origin, n)).probability(&scene.emitters, index as usize);
+        let chosen = choice.probability(&scene.emitters, index as usize);
         let rival = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point) * chosen;
         emitted * power_heuristic(pdf, self.emitter_samples as f64 * rival) as f32
     }
