@@ -7,13 +7,15 @@
 //! with s light paths per camera path, is best at s² = W/V, and variances are about in proportion to
 //! energies.
 //!
-//! Once all else is settled ([`balance`]), V and W and the costs are measured.
+//! Once all else is settled ([`balance`]), V and W and the costs are measured, with the weights that the two
+//! kinds of path have beside as many light paths as were guessed. V + W/s is then an upper bound: the weights
+//! of s light paths would leave less. Since few light paths are left little light to find, it would keep few
+//! of them few, so the guess is not below [`FIRST`].
 
-use super::look::{Cell, Look};
-use super::{all_over, pilot_camera};
+use super::look::{CELLS, Cell, Look};
+use super::{all_over, brightness, pilot_camera};
 use crate::image::Window;
 use crate::integrator::Counters;
-use crate::integrator::caustics::Caustics;
 use crate::integrator::links::Where;
 use crate::scene::Scene;
 
@@ -30,6 +32,9 @@ const FINE_TILES: usize = 32;
 /// If light paths would find more than this share of the light, emitters are sampled through glass at all
 /// vertices.
 const MUCH: f64 = 0.5;
+
+/// Fewest light paths per camera path beside which noise is measured.
+const FIRST: f64 = 0.25;
 
 /// Fewest light paths per camera path, unless there are none: so few cost next to nothing.
 const FEWEST: f64 = 1.0 / 32.0;
@@ -50,19 +55,17 @@ const RAY: f64 = 2.0;
 
 /// Settles the number of light paths of a scene whose file does not.
 pub fn settle(scene: &mut Scene) {
-    if !is_free(scene) {
+    if scene.caustics.is_none() || !is_free(scene) {
         return;
     }
-    let brought =
-        |scene: &Scene| scene.caustics.as_ref().map(|caustics| part_of_light_paths(scene, caustics));
-    let Some(mut part) = brought(scene) else { return };
+    let mut part = part_of_light_paths(scene);
     let auto = scene.integrator.path().is_some_and(|path| path.links == Where::Auto);
     if let Some(links) = scene.links.as_mut().filter(|_| auto && part > MUCH) {
         links.everywhere = true;
-        part = brought(scene).unwrap_or(part);
+        part = part_of_light_paths(scene);
     }
     if part > 0.0 {
-        set(scene, part.sqrt());
+        set(scene, part.sqrt().max(FIRST));
     } else {
         scene.caustics = None;
         scene.settle_caustics();
@@ -75,8 +78,8 @@ pub struct Brought {
     tiles: Vec<Tile>,
     /// Cost of a light path, in rays of camera paths.
     cost: f64,
-    /// Light paths per camera path, if the scene's file says how many.
-    given: Option<f64>,
+    /// Numbers of light paths per camera path to choose from.
+    ratios: Vec<f64>,
 }
 
 impl Brought {
@@ -84,9 +87,14 @@ impl Brought {
     pub fn of(scene: &Scene) -> Option<Self> {
         let caustics = scene.caustics.as_ref()?;
         let film = scene.sensor.film.crop;
-        let (tiles, rays) = splats(scene, caustics, FINE_TILES);
-        let ratio = f64::from(caustics.paths) / film.pixels() as f64;
-        Some(Self { film, tiles, cost: RAY * rays, given: (!is_free(scene)).then_some(ratio) })
+        let (tiles, rays) = splats(scene, FINE_TILES);
+        let ratios = if is_free(scene) {
+            let halves = std::iter::successors(Some(most(film)), |s| Some(0.5 * s));
+            halves.take_while(|s| *s >= FEWEST).flat_map(|s| [s, 0.75 * s]).collect()
+        } else {
+            vec![f64::from(caustics.paths) / film.pixels() as f64]
+        };
+        Some(Self { film, tiles, cost: RAY * rays, ratios })
     }
 
     /// The product of variance and cost (as a look has) of camera paths and as many light paths to each as
@@ -95,7 +103,7 @@ impl Brought {
         // Variances of a cell relative to its light squared: that which camera paths leave, and that which one
         // light path per camera path leaves.
         let of_cell = |cell: &Cell| {
-            let Tile { light, squares } = self.tiles[tile(self.film, FINE_TILES, cell.corner)];
+            let Tile { light, squares } = self.tiles[tile(self.film, FINE_TILES, cell.first_of(self.film))];
             let all = cell.light + light;
             (cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all))
         };
@@ -106,27 +114,28 @@ impl Brought {
                 cells.iter().map(|(v, w)| (v + w / s).sqrt()).sum::<f64>() / look.cells.len() as f64;
             (deviation * deviation * (look.cost + s * self.cost), s)
         };
-        if let Some(given) = self.given {
-            return product(given);
-        }
-        let halves = std::iter::successors(Some(MOST), |s| Some(0.5 * s)).take_while(|s| *s >= FEWEST);
-        let others = halves.flat_map(|s| [s, 0.75 * s]).map(product);
-        others.fold(product(MOST), |best, other| if other.0 < best.0 { other } else { best })
+        let better = |best: (f64, f64), other: (f64, f64)| if other.0 < best.0 { other } else { best };
+        self.ratios.iter().copied().map(product).reduce(better).unwrap_or((look.product(), 0.0))
     }
 }
 
 /// Settles the number of light paths by the noise and the cost of camera paths, once all else is settled.
-pub fn balance(scene: &mut Scene, look: &Look) {
+pub fn balance(scene: &mut Scene) {
     if let Some(brought) = Brought::of(scene) {
-        set(scene, brought.best_with(look).1);
+        set(scene, brought.best_with(&Look::at(scene, CELLS)).1);
     }
 }
 
 /// Gives a scene so many light paths per camera path, within reason.
 pub fn set(scene: &mut Scene, ratio: f64) {
-    let pixels = scene.sensor.film.crop.pixels();
-    let ratio = ratio.clamp(FEWEST, MOST).min(AT_ONCE / pixels as f64);
-    scene.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, pixels));
+    let film = scene.sensor.film.crop;
+    let ratio = ratio.max(FEWEST).min(most(film));
+    scene.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, film.pixels()));
+}
+
+/// The most light paths per camera path of a film.
+fn most(film: Window) -> f64 {
+    MOST.min(AT_ONCE / film.pixels() as f64)
 }
 
 /// Whether a scene's file leaves open how many light paths there are.
@@ -161,15 +170,14 @@ fn pixels_along(size: u32, tiles: usize) -> Vec<u32> {
 }
 
 /// What light paths contribute to so many tiles along each side, and the number of rays per light path.
-fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) {
+fn splats(scene: &Scene, along: usize) -> (Vec<Tile>, f64) {
     let film = scene.sensor.film.crop;
     let mut tiles = vec![Tile::default(); along * along];
     let mut counters = Counters::default();
-    let paths = f64::from(caustics.paths);
-    // Green stands for all colours.
+    let paths = f64::from(scene.light_paths());
     pilot_camera(scene).trace_light(0..LIGHT_PATHS, &mut counters, |_, at, values| {
         // As if it had been the only light path.
-        let brought = paths * values[1];
+        let brought = paths * brightness(values);
         let tile = &mut tiles[tile(film, along, at)];
         tile.light += brought;
         tile.squares += brought * brought;
@@ -185,7 +193,7 @@ fn splats(scene: &Scene, caustics: &Caustics, along: usize) -> (Vec<Tile>, f64) 
 
 /// The share of the light that light paths find, averaged over tiles of the image, so that a lamp in view
 /// does not outweigh everything else; zero if they were not seen to find any.
-fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
+fn part_of_light_paths(scene: &Scene) -> f64 {
     let camera = pilot_camera(scene);
     let film = scene.sensor.film.crop;
     let which = all_over(film, CAMERA_SAMPLES);
@@ -196,9 +204,9 @@ fn part_of_light_paths(scene: &Scene, caustics: &Caustics) -> f64 {
     let mut seen = vec![(0.0, 0.0); TILES * TILES];
     for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
         let (light, samples) = &mut seen[tile(film, TILES, *pixel)];
-        (*light, *samples) = (*light + values[1], *samples + 1.0);
+        (*light, *samples) = (*light + brightness(values), *samples + 1.0);
     }
-    let (brought, _) = splats(scene, caustics, TILES);
+    let (brought, _) = splats(scene, TILES);
     let part =
         |((seen, samples), brought): (&(f64, f64), &Tile)| brought.light / (seen / samples + brought.light);
     let parts = seen.iter().zip(&brought).map(part);
@@ -242,6 +250,8 @@ mod tests {
         let within = ratio(&(lamp(r#"x="0" y="0" z="1""#, 0.5) + glass), "");
         assert!(beside > 0.0 && within > 1.5 * beside, "{beside} beside, {within} within");
         assert_eq!(ratio(&lamp(r#"x="2" y="2" z="0""#, 0.5), ""), 0.0);
+        let red = lamp(r#"x="2" y="2" z="0""#, 0.5).replace(r#"value="5""#, r#"value="5 0 0""#);
+        assert_eq!(ratio(&(red + glass), ""), beside);
         let distant =
             r#"<emitter type="directional"><vector name="direction" x="0" y="-1" z="0"/></emitter>"#;
         assert_eq!(ratio(&(distant.to_owned() + glass), ""), 0.0);

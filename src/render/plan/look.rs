@@ -1,9 +1,10 @@
 //! A look: a few cells of an image are rendered to measure their noise and their cost.
 
 use super::super::spread::neighbours;
-use super::{Camera, pilot_camera, scattered};
+use super::{Camera, brightness, pilot_camera, scattered};
 use crate::film::Film;
 use crate::film::filter_weights::{Place, Weights};
+use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::{CELL, cell};
 use crate::math::function::ln;
@@ -50,7 +51,7 @@ pub struct Look {
     pub cost: f64,
 }
 
-/// The noise of some pixels side by side. Green stands for all colours.
+/// The noise of some pixels side by side: a cell of those that can share, which may reach beyond a crop.
 #[derive(Clone, Copy, Default)]
 pub struct Cell {
     pub corner: (u32, u32),
@@ -60,6 +61,13 @@ pub struct Cell {
     /// the cell, as far as stratification leaves it. Where the edge of a lamp is seen, light elsewhere in the
     /// cell is no measure.
     pub variance: f64,
+}
+
+impl Cell {
+    /// Its first pixel within a film that it overlaps.
+    pub fn first_of(&self, film: Window) -> (u32, u32) {
+        (self.corner.0.max(film.x), self.corner.1.max(film.y))
+    }
 }
 
 /// What was seen of a cell.
@@ -76,12 +84,14 @@ impl Look {
     pub fn at(scene: &Scene, [fewest, most]: [u64; 2]) -> Self {
         let camera = pilot_camera(scene);
         let film = scene.sensor.film.crop;
-        let (columns, rows) = (film.width.div_ceil(CELL), film.height.div_ceil(CELL));
+        let (left, top) = (film.x / CELL, film.y / CELL);
+        let columns = (film.x + film.width).div_ceil(CELL) - left;
+        let rows = (film.y + film.height).div_ceil(CELL) - top;
         let all = u64::from(columns) * u64::from(rows);
         let looked_at = all.min((all / CAMERA_SAMPLES).clamp(fewest, most));
         let corner = |i: u64| {
             let at = if all > looked_at { scattered(i, all) } else { i } as u32;
-            (film.x + at % columns * CELL, film.y + at / columns * CELL)
+            ((left + at % columns) * CELL, (top + at / columns) * CELL)
         };
         let seen: Vec<_> =
             (0..looked_at).into_par_iter().map(|i| Seen::at(scene, &camera, corner(i))).collect();
@@ -165,11 +175,11 @@ impl Seen {
 /// One sample of the pixels of a cell, row by row.
 type Square = [[f64; CELL as usize]; CELL as usize];
 
-/// Green of the samples of a cell's pixels, given by pixel and number.
+/// Brightness of the samples of a cell's pixels, given by pixel and number.
 fn square(which: &[((u32, u32), u64)], values: &[f64]) -> Square {
     let mut square = Square::default();
     for (((x, y), _), values) in which.iter().zip(values.chunks(values.len() / which.len())) {
-        square[(y % CELL) as usize][(x % CELL) as usize] = values[1];
+        square[(y % CELL) as usize][(x % CELL) as usize] = brightness(values);
     }
     square
 }
@@ -193,7 +203,6 @@ fn spread(film: &Film, place: Option<[Place; 2]>, corner: (u32, u32), seen: Squa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Window;
     use crate::render::spread::Spread;
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
@@ -243,11 +252,23 @@ mod tests {
             let which: Vec<_> = (0..256).map(|sample| (pixel.0, 1000 + sample)).collect();
             let mut values = vec![0.0; channels * which.len()];
             camera.samples(&which, &mut Counters::default(), &mut values);
-            variance(&values.chunks(channels).map(|values| values[1]).collect::<Vec<_>>())
+            variance(&values.chunks(channels).map(brightness).collect::<Vec<_>>())
         };
         let expected: f64 = cell((24, 16), 0, scene.sensor.film.size).map(of_pixel).sum();
         let found: f64 = seen.pixels.iter().map(|(_, variance)| variance).sum();
         assert!((found / expected - 1.0).abs() < 0.5 && expected > 0.0, "{found} {expected}");
+    }
+
+    #[test]
+    fn cells_of_a_crop_are_those_that_its_pixels_share_with() {
+        let mut scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
+        let crop = Window { x: 5, y: 9, width: 7, height: 18 };
+        scene.sensor.film.crop = crop;
+        let mut corners: Vec<_> = Look::at(&scene, CELLS).cells.iter().map(|cell| cell.corner).collect();
+        corners.sort_unstable();
+        assert_eq!(corners, [(0, 8), (0, 16), (0, 24), (8, 8), (8, 16), (8, 24)]);
+        let first = |corner| Cell { corner, ..Cell::default() }.first_of(crop);
+        assert_eq!([first((0, 8)), first((8, 16))], [(5, 9), (8, 16)]);
     }
 
     #[test]

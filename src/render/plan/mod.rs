@@ -16,6 +16,7 @@ use super::sample::Camera;
 use crate::image::Window;
 use crate::integrator::kernel_for;
 use crate::scene::Scene;
+use crate::spectrum::observer::luminance;
 
 /// Settles all that the scene's file leaves open.
 pub fn settle(scene: &mut Scene) {
@@ -41,4 +42,10 @@ fn pilot_camera(scene: &Scene) -> Camera<'_> {
 fn all_over(window: Window, samples: u64) -> Vec<((u32, u32), u64)> {
     let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);
     (0..samples).map(|i| (at(i), i)).collect()
+}
+
+/// The luminance of a sample, which stands for all its colours: that of any light is positive, while a single
+/// channel may be black, or negative.
+fn brightness(values: &[f64]) -> f64 {
+    luminance([values[0], values[1], values[2]])
 }

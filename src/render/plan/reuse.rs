@@ -115,7 +115,7 @@ pub fn settle(scene: &mut Scene) {
     if !free.reuse {
         set(scene, given);
         if scene.caustics.is_some() && light_paths::is_free(scene) {
-            light_paths::balance(scene, &Look::at(scene, CELLS));
+            light_paths::balance(scene);
         }
         return;
     }
@@ -152,15 +152,11 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
 fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
     let brought = Brought::of(scene);
-    let mut look = |choice: Choice| {
-        set(scene, choice);
-        Look::at(scene, if glance { GLANCE } else { CELLS })
-    };
-    let alone = look(given);
+    let alone = look_with(scene, given, glance);
     let numbers = SAMPLES.map(|(times, price)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price));
     let many = numbers[SAMPLES.len() - 1].0;
     let direct = (free.first_emitter_samples && many > given.samples).then(|| {
-        let looked = look(Choice { samples: many, ..given });
+        let looked = look_with(scene, Choice { samples: many, ..given }, glance);
         Direct::between((given.samples, &alone), (many, &looked))
     });
     // The best number of emitter samples, from a look with `choice.samples` of them.
@@ -177,7 +173,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let (mut price_of_best, mut far) = (1.0, false);
     for &(pixels, price) in if glance { &PIXELS[..1] } else { &PIXELS } {
         let choice = Choice { pixels, ..given };
-        let judged = judge(choice, look(choice), price);
+        let judged = judge(choice, look_with(scene, choice, glance), price);
         // Where some pixels are far from paying, more are not tried.
         if judged.product > FAR * best.product {
             far = best.choice.pixels == given.pixels;
@@ -190,10 +186,15 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let (each, price) = LIGHT_PATHS;
     let lit = Choice { light_paths: best.choice.pixels / each, ..best.choice };
     if free.shared_light_paths && lit.light_paths > 0 && !glance {
-        let judged = judge(lit, look(lit), price * price_of_best);
+        let judged = judge(lit, look_with(scene, lit, glance), price * price_of_best);
         best = better(best, judged);
     }
     (best, far)
+}
+
+fn look_with(scene: &mut Scene, choice: Choice, glance: bool) -> Look {
+    set(scene, choice);
+    Look::at(scene, if glance { GLANCE } else { CELLS })
 }
 
 /// The one with the smaller product; of equals the first.
