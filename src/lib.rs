@@ -10,7 +10,7 @@
 //! - [`shape`], [`bsdf`], [`medium`], [`phase`], [`texture`], [`volume`], [`emitter`], [`sensor`],
 //!   [`sampler`]: the models, one file each.
 //! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
-//! - [`render`]: the organisation of a render; nothing in it can change a pixel.
+//! - [`render`]: the organisation of a render; but for its plan, nothing in it can change a pixel.
 //! - [`film`], [`image`]: sums that no order can change, and the files made of them.
 //! - [`math`], [`spectrum`]: what all of them share.
 

@@ -1,6 +1,7 @@
-//! Who computes what, and when. Nothing here can change a pixel: every camera sample is a function of the
-//! scene, the seed, its pixel and its number ([`sample`]), and pixels add up in an order that does not matter
-//! ([`crate::film`]).
+//! Who computes what, and when. What the scene's file leaves open is settled first, as a function of the scene
+//! alone ([`plan`]). Then every sample is a function of the scene, the seed, its pixel and its number
+//! ([`sample`], `splats`, [`spread`]), and samples add up in an order that does not matter
+//! ([`crate::film`]): nothing else here can change a pixel.
 
 pub mod checkpoint;
 pub mod memory;

@@ -104,7 +104,7 @@ impl<'d> Loader<'d> {
         }
         if open.len() >= DEEPEST {
             let message = format!("objects lead to objects more than {DEEPEST} deep");
-            return Err(SceneError::at(&element.span, message, ""));
+            return Err(SceneError::at(&element.span, message, "expected less nesting"));
         }
         if !self.read.borrow_mut().insert(element) && open.len() > 1 {
             self.repeats.set(self.repeats.get() + 1);
@@ -171,14 +171,19 @@ impl<'d> Loader<'d> {
         files
     }
 
-    /// A bitmap, decoded once.
-    pub fn bitmap(&self, path: &Path) -> Result<Arc<Pixels>, SceneError> {
-        self.once(&self.bitmaps, path, Pixels::read)
+    /// A bitmap, decoded once; `place` is where its file is named.
+    pub fn bitmap(&self, path: &Path, place: &Attribute) -> Result<Arc<Pixels>, SceneError> {
+        let expected = "expected a whole OpenEXR, PNG, JPEG or Radiance picture";
+        let read = self.once(&self.bitmaps, path, Pixels::read);
+        read.map_err(|e| e.or_at(&place.value_span).or_expected(expected))
     }
 
-    /// A grid of values, read once.
-    pub fn voxels(&self, path: &Path) -> Result<Arc<Voxels>, SceneError> {
-        self.once(&self.voxels, path, Voxels::read)
+    /// A grid of values, read once; `place` is where its file is named.
+    pub fn voxels(&self, path: &Path, place: &Attribute) -> Result<Arc<Voxels>, SceneError> {
+        let read = self.once(&self.voxels, path, Voxels::read);
+        read.map_err(|e| {
+            e.or_at(&place.value_span).or_expected("expected a whole grid, as Mitsuba writes it")
+        })
     }
 
     /// What is read from a file, unless it is known already.

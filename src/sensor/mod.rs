@@ -216,8 +216,9 @@ fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
         (_, None) => {
             let length = focal.map_or("50mm", |a| a.value.as_str()).trim().trim_end_matches("mm");
             let length = crate::scene::params::number(length).filter(|v| *v > 0.0);
-            let length = length
-                .ok_or_else(|| params.error("focal_length", "no focal length", "expected such as 50mm"))?;
+            let length = length.ok_or_else(|| {
+                params.error("focal_length", "no focal length", "expected millimetres, such as 50mm")
+            })?;
             // Half the diagonal of a 36 mm × 24 mm frame.
             (0.5 * (36.0f64 * 36.0 + 24.0 * 24.0).sqrt() / length, "diagonal")
         }

@@ -15,7 +15,10 @@ pub fn parse(
         params.boolean("face_normals", false, "flat triangles, whatever normals the file has")?;
     let (path, place) =
         found.ok_or_else(|| params.error("filename", "a mesh needs a `filename`", "add one"))?;
-    let mesh =
-        read(&path).map_err(|e| SceneError::at(&place.value_span, format!("{}: {e}", path.display()), ""))?;
+    let damaged = |e| {
+        let message = format!("{}: {e}", path.display());
+        SceneError::at(&place.value_span, message, "expected a whole mesh of this format")
+    };
+    let mesh = read(&path).map_err(damaged)?;
     Ok((mesh, face_normals))
 }

@@ -86,7 +86,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     params.boolean("accel", true, "Mitsuba's hardware interpolation; ignored")?;
     let (path, place) =
         found.ok_or_else(|| params.error("filename", "a bitmap needs a `filename`", "add one"))?;
-    let pixels = params.loader.bitmap(&path).map_err(|e| e.or_at(&place.value_span))?;
+    let pixels = params.loader.bitmap(&path, place)?;
     let count = pixels.width * pixels.height;
     let texels = || (0..count).into_par_iter();
     const MOST: f32 = params::MOST as f32;

@@ -21,7 +21,11 @@ pub fn parse<'d>(
             element.only(&["name", "value"])?;
             let value = element.require("value")?;
             let number = number(&value.value).ok_or_else(|| {
-                SceneError::at(&value.value_span, format!("`{}` is no number", value.value), "")
+                SceneError::at(
+                    &value.value_span,
+                    format!("`{}` is no number", value.value),
+                    "expected a number",
+                )
             })?;
             check_range(&[number], value, usage)?;
             Ok(match usage {

@@ -48,7 +48,7 @@ pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
     params.boolean("accel", true, "Mitsuba's hardware interpolation; ignored")?;
     let (path, place) =
         found.ok_or_else(|| params.error("filename", "a gridvolume needs a `filename`", "add one"))?;
-    let voxels = params.loader.voxels(&path).map_err(|e| e.or_at(&place.value_span))?;
+    let voxels = params.loader.voxels(&path, place)?;
     if raw && voxels.channels == 3 {
         let message = "three channels that are no colour";
         return Err(params.error("raw", message, "expected one channel, or no `raw`"));

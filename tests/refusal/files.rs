@@ -33,7 +33,7 @@ fn ply(vertices: &str, faces: &str, z: f32, last: i32) -> Vec<u8> {
 fn meshes_that_are_damaged_are_refused() {
     let whole = ply("3", "1", 0.0, 2);
     for cut in [whole.len() - 1, whole.len() - 12, whole.len() - 20, 100, 4, 0] {
-        mesh_refused("ply", &whole[..cut], &["m:"]);
+        mesh_refused("ply", &whole[..cut], &["m:", "expected a whole mesh"]);
     }
     mesh_refused("ply", &ply("3", "1", 0.0, 3), &["vertex 3 of 3"]);
     mesh_refused("ply", &ply("3", "1", 0.0, -1), &["vertex -1 of 3"]);
@@ -65,7 +65,7 @@ fn missing_and_damaged_files_are_refused_where_they_are_named() {
     refused_with(&scene(bitmap), &[("b.png", &vast_png())], &["scene.xml:4:", "b.png"]);
     let map = "<emitter type=\"envmap\">\n<string name=\"filename\" value=\"e.exr\"/></emitter>";
     refused_with(&scene(map), &[], &["scene.xml:4:", "no file `e.exr`"]);
-    refused_with(&scene(map), &[("e.exr", b"v/1\x01junk")], &["scene.xml:4:", "e.exr"]);
+    refused_with(&scene(map), &[("e.exr", b"v/1\x01junk")], &["scene.xml:4:", "e.exr", "expected a whole"]);
     let spectrum = "<bsdf type=\"diffuse\">\n<spectrum name=\"reflectance\" filename=\"a.spd\"/></bsdf>";
     refused_with(&scene(spectrum), &[], &["scene.xml:4:", "no file `a.spd`"]);
     for (content, line) in [("400 x\n", "line 1"), ("400 0.5\n500 nan\n", "line 2"), ("", "two wavelengths")]

@@ -115,7 +115,8 @@ impl<'a, 'd> Params<'a, 'd> {
         let mut found: Option<&'d Element> = None;
         for child in self.children.iter_mut().filter(|c| c.name == Some(name)) {
             if found.is_some() {
-                return Err(SceneError::at(&child.site.span, format!("`{name}` is given twice"), ""));
+                let message = format!("`{name}` is given twice");
+                return Err(SceneError::at(&child.site.span, message, "expected it once"));
             }
             child.taken = true;
             found = Some(child.element);

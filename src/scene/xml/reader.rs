@@ -93,8 +93,22 @@ impl Reader {
             SceneError::at(&Span { source: source.clone(), range }, message, "expected --> behind it")
         })?;
         let document = roxmltree::Document::parse(&text).map_err(|e| {
-            let range = offset(&source.text, e.pos());
-            SceneError::at(&Span { source: source.clone(), range }, format!("not well-formed XML: {e}"), "")
+            let (range, message, expected) = match e {
+                roxmltree::Error::DtdDetected => {
+                    let begin = text.find("<!DOCTYPE").unwrap_or(0);
+                    let range = begin..(begin + "<!DOCTYPE".len()).min(text.len());
+                    (
+                        range,
+                        "a DTD, whose entities are not expanded".to_owned(),
+                        "expected none: leave it out",
+                    )
+                }
+                e => {
+                    let message = format!("not well-formed XML: {e}");
+                    (offset(&source.text, e.pos()), message, "expected well-formed XML")
+                }
+            };
+            SceneError::at(&Span { source: source.clone(), range }, message, expected)
         })?;
         let root = document.root_element();
         let span = Span { source: source.clone(), range: start_tag(root) };
@@ -127,7 +141,7 @@ impl Reader {
         let element_span = span(start_tag(node));
         if self.depth == MAX_ELEMENT_DEPTH {
             let message = format!("elements are nested over {MAX_ELEMENT_DEPTH} deep");
-            return Err(SceneError::at(&element_span, message, ""));
+            return Err(SceneError::at(&element_span, message, "expected less nesting"));
         }
         self.depth += 1;
         let mut attributes = vec![];
@@ -198,7 +212,7 @@ impl Reader {
         element.only(&["value"])?;
         let value = element.require("value")?;
         let folder = find(&element.search, &value.value).filter(|f| f.is_dir()).ok_or_else(|| {
-            SceneError::at(&value.value_span, format!("there is no folder `{}`", value.value), "")
+            SceneError::at(&value.value_span, format!("there is no folder `{}`", value.value), "expected one")
         })?;
         self.search.push(folder);
         file.search = Arc::new(self.search.iter().rev().cloned().collect());
@@ -232,7 +246,10 @@ impl Reader {
         let beside = [file.source.path.parent().unwrap_or(Path::new("")).to_owned()];
         let path = find(&beside, &name.value).or_else(|| find(&element.search, &name.value));
         let path = path.ok_or_else(|| {
-            SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), "")
+            let folders: Vec<_> =
+                beside.iter().chain(&*element.search).map(|folder| folder.display().to_string()).collect();
+            let expected = format!("looked in {}", folders.join(", "));
+            SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), expected)
         })?;
         if self.files.len() > MOST_INCLUDES {
             return Err(SceneError::at(

@@ -80,6 +80,7 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
     if let Some(command) = peer {
         let limit = Duration::from_secs(timeout);
         let Settings { samples, number, documents, .. } = settings;
+        documents.check_writable()?;
         return documents.finish(peers::run(
             &command,
             &peers::Settings { name, samples, number, limit },

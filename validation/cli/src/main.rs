@@ -1,4 +1,4 @@
-//! The command line of the harness: `validate bsdf`, `images`, `scenes`, `renderer`, `museum`.
+//! The command line of the harness: one command for each kind of thing that can be judged.
 
 use clap::Parser;
 use std::error::Error;

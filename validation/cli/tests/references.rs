@@ -3,8 +3,8 @@
 //! A comparison errs for one of a hundred seeds, so one that fails is repeated with another seed and four
 //! times the samples, and only a second failure counts: the suite errs in one of two hundred runs.
 //!
-//! The test takes fewer samples than `validate scenes`, and fails on a difference only; that the 99 %
-//! interval lies within ±0.5 % is required of the committed run, whose figures are in the documentation.
+//! The test takes fewer samples than `validate scenes`, and fails on a difference only. Whether the 99 %
+//! interval lies within ±0.5 % is in the committed run of that command, `validation/results/scenes.json`.
 
 use libtest_mimic::{Arguments, Trial};
 use validate::references::{folder, references};

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     report::Outcome,
-    statistics::{Verdict, multiplicity::smallest_of, sidak},
+    statistics::{Verdict, least_of, multiplicity::smallest_of, sidak, worst_of},
 };
 
 /// Level and margins of a comparison.
@@ -106,7 +106,7 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
     };
     let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
     let tiles = tiles::compare(&pairs, settings, half);
-    let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, f64::min);
+    let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, least_of);
     let p_values = [smallest_of(means, channels.len()), smallest_of(tiles.smallest_p_value, tiles.tested)];
     let identical = pairs.iter().all(|pair| pair.pixels().all(|(_, _, pixel)| pixel.a == pixel.b));
     let mut comparison = Comparison {
@@ -198,7 +198,7 @@ impl Comparison {
     /// The comparison as an [`Outcome`] of the check `images`.
     pub fn outcome(&self) -> Outcome {
         let mut outcome = Outcome::new("images", self.verdict, &self.message).p_value(self.p_value);
-        let detectable = self.channels.iter().map(|channel| channel.mean.detectable).fold(0.0, f64::max);
+        let detectable = self.channels.iter().map(|channel| channel.mean.detectable).fold(0.0, worst_of);
         outcome.detectable = Some(detectable);
         outcome.figures.extend(self.more_samples.map(|factor| ("more_samples".to_string(), factor)));
         for channel in &self.channels {

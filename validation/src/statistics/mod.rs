@@ -24,13 +24,20 @@ pub fn worst_of(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.abs().max(b.abs()) }
 }
 
+/// The smaller of two p-values; NaN, which no test gives that was answered, if either is.
+pub fn least_of(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::worst_of;
+    use super::{least_of, worst_of};
 
     #[test]
     fn nothing_is_worse_than_what_is_not_a_number() {
         assert!(worst_of(f64::NAN, 1.0).is_nan() && worst_of(1.0, f64::NAN).is_nan());
+        assert!(least_of(f64::NAN, 1.0).is_nan() && least_of(1.0, f64::NAN).is_nan());
+        assert_eq!(least_of(1.0, 0.25), 0.25);
         assert_eq!([worst_of(-3.0, 2.0), worst_of(0.0, f64::INFINITY)], [3.0, f64::INFINITY]);
     }
 }

@@ -1,7 +1,7 @@
 //! The command line of `validate ledger`.
 
 use super::{judge, next, rerun};
-use crate::console::{print, say, write};
+use crate::console::{check_writable, print, say, write};
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{limits, materials, sampling};
 use std::error::Error;
@@ -34,6 +34,7 @@ pub struct Arguments {
 /// Runs the reseeded suites, and judges the whole file.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { file, reseed, batch, samples, checks, json } = arguments;
+    check_writable(&[&json])?;
     let mut suite = suite(samples);
     suite.retain(|(trial, _)| checks.is_empty() || checks.iter().any(|check| check == trial.check()));
     if suite.is_empty() {
@@ -43,7 +44,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let mut done = 0;
     while done < reseed {
         let more = batch.min(reseed - done);
-        rerun(&file, &suite, first + done..first + done + more)?;
+        rerun(&file, &suite, checks.is_empty(), first + done..first + done + more)?;
         done += more;
         say(format_args!("{done} of {reseed} runs"));
     }

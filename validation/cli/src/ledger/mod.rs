@@ -70,8 +70,14 @@ pub fn append(path: &Path, outcomes: &[Outcome], number: u64) -> Result<(), Stri
     write(path, outcomes.iter().filter_map(|outcome| p_value(outcome, number)))
 }
 
-/// Runs all trials once for each of `numbers`, and appends the p-values and the rejections.
-pub fn rerun(path: &Path, trials: &[(Trial, Effort)], numbers: Range<u64>) -> Result<(), String> {
+/// Runs all trials once for each of `numbers`, and appends the p-values and the rejections. A run of some
+/// trials alone says nothing of how often the `whole` suite rejects, and counts as one of none.
+pub fn rerun(
+    path: &Path,
+    trials: &[(Trial, Effort)],
+    whole: bool,
+    numbers: Range<u64>,
+) -> Result<(), String> {
     let mut runs: BTreeMap<u64, Vec<String>> = numbers.clone().map(|number| (number, vec![])).collect();
     let mut lines = vec![];
     for outcomes in ask_all(trials, |(trial, effort)| trial.repeat(effort, numbers.clone()))? {
@@ -84,7 +90,8 @@ pub fn rerun(path: &Path, trials: &[(Trial, Effort)], numbers: Range<u64>) -> Re
         }
     }
     let samples = trials.first().map_or(0, |(_, effort)| effort.samples);
-    let run = |(run, rejected)| Line::Run { run, trials: trials.len(), samples, rejected };
+    let counted = if whole { trials.len() } else { 0 };
+    let run = |(run, rejected)| Line::Run { run, trials: counted, samples, rejected };
     write(path, lines.into_iter().chain(runs.into_iter().map(run)))
 }
 

@@ -27,7 +27,7 @@ use crate::stage::{Family, TWICE, asked_again, confirmed, gather};
 use serde::Serialize;
 use std::fmt;
 pub use table::updated;
-use validation::statistics::seed_for;
+use validation::statistics::{seed_for, worst_of};
 use validation::{Outcome, Verdict};
 
 /// All families, by name.
@@ -239,7 +239,7 @@ fn ratio_error(outcome: &Outcome) -> f64 {
         .figures
         .iter()
         .filter(|(name, _)| *name == "ratio" || name.len() == 7 && name.starts_with("ratio."));
-    ratios.map(|(_, ratio)| (ratio - 1.0).abs()).fold(f64::NAN, f64::max)
+    ratios.map(|(_, ratio)| (ratio - 1.0).abs()).reduce(worst_of).unwrap_or(f64::NAN)
 }
 
 /// Σ|a − b|/Σa over all pixels and channels of two renders with the same random numbers.
