@@ -10,7 +10,7 @@
 //! Once all else is settled ([`balance`]), V and W and the costs are measured, with the weights that the two
 //! kinds of path have beside as many light paths as were guessed. V + W/s is then an upper bound: the weights
 //! of s light paths would leave less. Since few light paths are left little light to find, it would keep few
-//! of them few, so the guess is not below [`FIRST`].
+//! of them few, so the guess is not below a quarter.
 
 use super::look::{CELLS, Cell, Look};
 use super::{all_over, brightness, pilot_camera};
