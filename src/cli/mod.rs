@@ -102,7 +102,8 @@ struct SceneArguments {
     /// `guided`: there, along ways that these have shown
     #[arg(long, value_name = "WHERE", value_parser = Where::NAMES)]
     links: Option<String>,
-    /// Size of the film instead of the scene's, such as 640x480; all of it is rendered, whatever crop the scene has
+    /// Size of the film instead of the scene's, such as 640x480; all of it is rendered, whatever crop the
+    /// scene has
     #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
     size: Option<(u32, u32)>,
     /// Sampler to use instead of the scene's

@@ -47,14 +47,6 @@ impl SceneError {
         self
     }
 
-    /// Says what was expected, unless the error says that already.
-    pub fn or_expected(mut self, expected: &str) -> Self {
-        if self.expected.is_empty() {
-            self.expected = expected.to_owned();
-        }
-        self
-    }
-
     /// Line and column, both from 1, of the place; columns count characters.
     pub fn line_column(&self) -> Option<(usize, usize)> {
         let span = self.span.as_ref()?;

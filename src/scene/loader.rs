@@ -3,7 +3,7 @@
 use super::error::{SceneError, known};
 use super::params::Usage;
 use super::registry::construct;
-use super::xml::{Attribute, Document, Element, find};
+use super::xml::{Attribute, Document, Element, find, looked_in};
 use crate::medium::{MEDIA, Medium};
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
@@ -141,15 +141,8 @@ impl<'d> Loader<'d> {
             }
             Some(_) => (format!("`{}` is no regular file", name.value), "expected a file".to_owned()),
             None => {
-                let mut looked: Vec<String> = vec![];
-                for folder in self.search.iter().chain(element.search.iter()) {
-                    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-                    let folder = format!("`{}`", folder.display());
-                    if !looked.contains(&folder) {
-                        looked.push(folder);
-                    }
-                }
-                (format!("there is no file `{}`", name.value), format!("looked in {}", looked.join(", ")))
+                let folders = self.search.iter().chain(element.search.iter());
+                (format!("there is no file `{}`", name.value), looked_in(folders))
             }
         };
         Err(SceneError::at(&name.value_span, message, help))
@@ -174,30 +167,28 @@ impl<'d> Loader<'d> {
     /// A bitmap, decoded once; `place` is where its file is named.
     pub fn bitmap(&self, path: &Path, place: &Attribute) -> Result<Arc<Pixels>, SceneError> {
         let expected = "expected a whole OpenEXR, PNG, JPEG or Radiance picture";
-        let read = self.once(&self.bitmaps, path, Pixels::read);
-        read.map_err(|e| e.or_at(&place.value_span).or_expected(expected))
+        self.once(&self.bitmaps, (path, place), Pixels::read, expected)
     }
 
     /// A grid of values, read once; `place` is where its file is named.
     pub fn voxels(&self, path: &Path, place: &Attribute) -> Result<Arc<Voxels>, SceneError> {
-        let read = self.once(&self.voxels, path, Voxels::read);
-        read.map_err(|e| {
-            e.or_at(&place.value_span).or_expected("expected a whole grid, as Mitsuba writes it")
-        })
+        self.once(&self.voxels, (path, place), Voxels::read, "expected a whole grid, as Mitsuba writes it")
     }
 
     /// What is read from a file, unless it is known already.
     fn once<T>(
         &self,
         known: &RefCell<BTreeMap<PathBuf, Arc<T>>>,
-        path: &Path,
+        (path, place): (&Path, &Attribute),
         read: impl Fn(&Path) -> Result<T, String>,
+        expected: &str,
     ) -> Result<Arc<T>, SceneError> {
         if let Some(found) = known.borrow().get(path) {
             return Ok(found.clone());
         }
         self.depends_on(path);
-        let found = Arc::new(read(path).map_err(SceneError::nowhere)?);
+        let found = read(path).map_err(|e| SceneError::at(&place.value_span, e, expected))?;
+        let found = Arc::new(found);
         known.borrow_mut().insert(path.to_owned(), found.clone());
         Ok(found)
     }

@@ -89,8 +89,9 @@ impl Brought {
         let film = scene.sensor.film.crop;
         let (tiles, rays) = splats(scene, FINE_TILES);
         let ratios = if is_free(scene) {
-            let halves = std::iter::successors(Some(most(film)), |s| Some(0.5 * s));
-            halves.take_while(|s| *s >= FEWEST).flat_map(|s| [s, 0.75 * s]).collect()
+            let (most, fewest) = (most(film), FEWEST.min(most(film)));
+            let halves = std::iter::successors(Some(most), |s| Some(0.5 * s));
+            halves.take_while(|s| *s >= fewest).flat_map(|s| [s, 0.75 * s]).collect()
         } else {
             vec![f64::from(caustics.paths) / film.pixels() as f64]
         };
@@ -115,7 +116,7 @@ impl Brought {
             (deviation * deviation * (look.cost + s * self.cost), s)
         };
         let better = |best: (f64, f64), other: (f64, f64)| if other.0 < best.0 { other } else { best };
-        self.ratios.iter().copied().map(product).reduce(better).unwrap_or((look.product(), 0.0))
+        self.ratios.iter().copied().map(product).fold((f64::INFINITY, FEWEST), better)
     }
 }
 

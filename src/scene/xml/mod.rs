@@ -7,7 +7,7 @@ mod place;
 mod reader;
 
 use super::error::{SceneError, Span};
-pub use place::{find, read_utf8};
+pub use place::{find, looked_in, read_utf8};
 use reader::Reader;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -26,6 +26,19 @@ pub fn find(folders: &[PathBuf], name: &str) -> Option<PathBuf> {
     folders.iter().map(|folder| folder.join(name)).find(|path| path.exists())
 }
 
+/// Says where a file was looked for that is not there: in which of `folders`, each once.
+pub fn looked_in<'a>(folders: impl Iterator<Item = &'a PathBuf>) -> String {
+    let mut looked: Vec<String> = vec![];
+    for folder in folders {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let folder = format!("`{}`", folder.display());
+        if !looked.contains(&folder) {
+            looked.push(folder);
+        }
+    }
+    format!("looked in {}", looked.join(", "))
+}
+
 /// The bytes of a node's start tag.
 pub fn start_tag(node: roxmltree::Node) -> std::ops::Range<usize> {
     let range = node.range();

@@ -2,7 +2,7 @@
 
 use super::lenient::forgive;
 use super::parameters::Parameters;
-use super::place::{find, offset, read_file, start_tag};
+use super::place::{find, looked_in, offset, read_file, start_tag};
 use super::{Attribute, Document, Element};
 use crate::scene::error::{SceneError, Source, Span};
 use crate::scene::{encoding, upgrade};
@@ -92,24 +92,7 @@ impl Reader {
             let message = "not well-formed XML: a comment that does not end";
             SceneError::at(&Span { source: source.clone(), range }, message, "expected --> behind it")
         })?;
-        let document = roxmltree::Document::parse(&text).map_err(|e| {
-            let (range, message, expected) = match e {
-                roxmltree::Error::DtdDetected => {
-                    let begin = text.find("<!DOCTYPE").unwrap_or(0);
-                    let range = begin..(begin + "<!DOCTYPE".len()).min(text.len());
-                    (
-                        range,
-                        "a DTD, whose entities are not expanded".to_owned(),
-                        "expected none: leave it out",
-                    )
-                }
-                e => {
-                    let message = format!("not well-formed XML: {e}");
-                    (offset(&source.text, e.pos()), message, "expected well-formed XML")
-                }
-            };
-            SceneError::at(&Span { source: source.clone(), range }, message, expected)
-        })?;
+        let document = roxmltree::Document::parse(&text).map_err(|e| malformed(&source, &e))?;
         let root = document.root_element();
         let span = Span { source: source.clone(), range: start_tag(root) };
         let version = root.attribute("version").ok_or_else(|| {
@@ -246,10 +229,8 @@ impl Reader {
         let beside = [file.source.path.parent().unwrap_or(Path::new("")).to_owned()];
         let path = find(&beside, &name.value).or_else(|| find(&element.search, &name.value));
         let path = path.ok_or_else(|| {
-            let folders: Vec<_> =
-                beside.iter().chain(&*element.search).map(|folder| folder.display().to_string()).collect();
-            let expected = format!("looked in {}", folders.join(", "));
-            SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), expected)
+            let help = looked_in(beside.iter().chain(element.search.iter()));
+            SceneError::at(&name.value_span, format!("there is no file `{}`", name.value), help)
         })?;
         if self.files.len() > MOST_INCLUDES {
             return Err(SceneError::at(
@@ -278,5 +259,22 @@ fn check_integer(attributes: &[Attribute]) -> Result<(), SceneError> {
             Err(SceneError::at(&a.value_span, message, "expected an integer of 64 bits"))
         }
         _ => Ok(()),
+    }
+}
+
+/// Why a text is not read as XML. Documents with a DTD are refused whole, for entities may stand for much.
+fn malformed(source: &Arc<Source>, error: &roxmltree::Error) -> SceneError {
+    let at = |range, message: String, expected| {
+        SceneError::at(&Span { source: source.clone(), range }, message, expected)
+    };
+    const DTD: &str = "<!DOCTYPE";
+    match (error, source.text.find(DTD)) {
+        (roxmltree::Error::DtdDetected, Some(begin)) => {
+            at(begin..begin + DTD.len(), "a DTD is not read".into(), "expected none: leave it out")
+        }
+        _ => {
+            let range = offset(&source.text, error.pos());
+            at(range, format!("not well-formed XML: {error}"), "expected well-formed XML")
+        }
     }
 }

@@ -112,7 +112,7 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
     let mut comparison = Comparison {
         verdict: Verdict::Inconclusive,
         message: String::new(),
-        p_value: smallest_of(p_values[0].min(p_values[1]), 2),
+        p_value: smallest_of(least_of(p_values[0], p_values[1]), 2),
         more_samples: None,
         identical,
         faults,

@@ -37,9 +37,10 @@ enum Line {
         number: u64,
         p: f64,
     },
-    /// A whole run of the suite.
+    /// A run of the suite.
     Run {
         run: u64,
+        /// None if the run was not of the whole suite.
         trials: usize,
         samples: usize,
         /// The outcomes that were called different, with the reason.
@@ -254,6 +255,11 @@ mod tests {
         write(&path, [run(0, vec![]), run(1, vec!["x".into()])].into_iter()).unwrap();
         let summary = judge(&path).unwrap();
         assert_eq!((summary.runs, summary.rejecting_runs, next(&path).unwrap()), (2, 1, 2));
+        // A run of a part of the suite has a number, and says nothing of the suite.
+        let part = Line::Run { run: 2, trials: 0, samples: 16, rejected: vec!["x".into()] };
+        write(&path, [part].into_iter()).unwrap();
+        let summary = judge(&path).unwrap();
+        assert_eq!((summary.runs, summary.rejecting_runs, next(&path).unwrap()), (2, 1, 3));
         std::fs::remove_file(&path).unwrap();
     }
 }
