@@ -3,10 +3,11 @@
 use super::{AnyEmitter, DirectSample, Radiance};
 use crate::math::cone::Cone;
 use crate::math::ray::{free_way, position_error};
+use crate::math::warp::cone_pdf;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
-use crate::shape::{AreaSample, Geometry, SurfacePoint};
+use crate::shape::{AreaSample, Geometry, SphereSample, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::texture::AnyTexture;
 
@@ -37,19 +38,38 @@ impl Area {
     /// Spheres are sampled within the cone they fill, all else uniformly in area.
     #[inline(always)]
     pub fn sample(&self, shape: &Geometry, p: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
+        if self.radiance.varies() {
+            self.sample_varying(shape, p, u, λ)
+        } else {
+            self.sample_with::<false>(shape, p, u, λ)
+        }
+    }
+
+    /// [`Area::sample`] with texture coordinates, out of the way of lamps that shine evenly.
+    #[inline(never)]
+    fn sample_varying(&self, shape: &Geometry, p: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
+        self.sample_with::<true>(shape, p, u, λ)
+    }
+
+    #[inline(always)]
+    fn sample_with<const UV: bool>(
+        &self,
+        shape: &Geometry,
+        p: DVec3,
+        u: DVec2,
+        λ: &Wavelengths,
+    ) -> Option<DirectSample> {
         if let Geometry::Sphere(sphere) = shape
             && let Some(one_minus_cos) = sphere.cone(p)
         {
-            let (point, pdf) = if self.radiance.varies() {
-                sphere.sample_cone::<true>(p, u, one_minus_cos)
-            } else {
-                sphere.sample_cone::<false>(p, u, one_minus_cos)
-            };
-            return self
-                .arriving(p, &sphere.chosen(&point, 1.0), λ)
-                .map(|sample| DirectSample { pdf, ..sample });
+            let SphereSample { direction, distance, error, n, uv } =
+                sphere.sample_cone::<UV>(p, u, one_minus_cos)?;
+            let distance = free_way(distance, position_error(p) + error);
+            let radiance = Radiance::Known(self.radiance.eval_light(uv, λ));
+            let pdf = cone_pdf(one_minus_cos);
+            return Some(DirectSample { wi: direction, distance, radiance, pdf, delta: false, n });
         }
-        let chosen = shape.sample_area(u);
+        let chosen = shape.sample_area::<UV>(u);
         self.arriving(p, &chosen, λ)
     }
 
@@ -74,7 +94,7 @@ impl Area {
         if let Geometry::Sphere(sphere) = shape
             && let Some(one_minus_cos) = sphere.cone(ray.origin)
         {
-            return crate::math::warp::cone_pdf(one_minus_cos);
+            return cone_pdf(one_minus_cos);
         }
         let cos = -ray.direction.dot(point.ng);
         if cos > 0.0 { t * t / (cos * shape.area()) } else { 0.0 }

@@ -70,8 +70,14 @@ impl Ray {
 /// than its coordinates: there `p` must be a bound of those.
 #[inline]
 pub fn position_error(p: DVec3) -> f64 {
+    rounding(p.abs().max_element())
+}
+
+/// Ten roundings of a number as large as `size`.
+#[inline]
+pub fn rounding(size: f64) -> f64 {
     const TEN_ROUNDINGS: f64 = 1.0 / (1u64 << 49) as f64;
-    p.abs().max_element() * TEN_ROUNDINGS
+    size * TEN_ROUNDINGS
 }
 
 /// Length of the shadow ray between two computed surface points, `distance` apart: so much shorter that

@@ -96,9 +96,9 @@ impl Cube {
         position_error(self.centre.abs() + a + b + c)
     }
 
-    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+    pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let (face, _, x) = self.areas.sample(u.x);
-        let sample = self.faces[face].sample_area(DVec2::new(x, u.y));
+        let sample = self.faces[face].sample_area::<UV>(DVec2::new(x, u.y));
         AreaSample { pdf: 1.0 / self.area(), primitive: face as u32, error: self.point_error(), ..sample }
     }
 
@@ -239,7 +239,7 @@ mod tests {
         let cube = Cube::new(&Transform::scale(DVec3::new(1.0, 2.0, 3.0)).unwrap(), false);
         let mut chosen = [0.0_f64; 6];
         for i in 0..8800 {
-            let sample = cube.sample_area(DVec2::new((f64::from(i) + 0.5) / 8800.0, 0.3));
+            let sample = cube.sample_area::<false>(DVec2::new((f64::from(i) + 0.5) / 8800.0, 0.3));
             chosen[sample.primitive as usize] += 88.0 / 8800.0;
             assert_eq!(sample.pdf, 1.0 / 88.0);
             let [x, y, z] = (sample.p.abs() / DVec3::new(1.0, 2.0, 3.0)).to_array();

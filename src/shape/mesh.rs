@@ -161,10 +161,10 @@ impl Mesh {
     }
 
     #[inline]
-    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+    pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let (triangle, _, rest) = self.areas.sample(u.x);
         let b = warp::triangle(DVec2::new(rest, u.y));
-        let point = self.point::<true>(triangle as u32, b.x, b.y);
+        let point = self.point::<UV>(triangle as u32, b.x, b.y);
         AreaSample {
             p: point.p,
             n: point.ng,
@@ -317,7 +317,7 @@ mod tests {
     fn area_samples_fill_the_triangles() {
         let mut mesh = Mesh::new(triangle(true), &Transform::IDENTITY, false, false);
         mesh.prepare_sampling();
-        let sample = mesh.sample_area(DVec2::new(0.3, 0.7));
+        let sample = mesh.sample_area::<true>(DVec2::new(0.3, 0.7));
         assert!(sample.p.x >= 0.0 && sample.p.y >= 0.0 && sample.p.x + sample.p.y <= 1.0);
         assert_eq!(sample.pdf, 2.0);
     }

@@ -30,7 +30,7 @@ pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use mesh::Mesh;
 pub use patch::{Outline, Patch};
-pub use sphere::Sphere;
+pub use sphere::{Sphere, SphereSample};
 
 /// What a `<shape>` in a scene file may declare.
 #[derive(Debug)]
@@ -209,15 +209,15 @@ impl Geometry {
         }
     }
 
-    /// A point uniform in area, by u in [0, 1)². Of meshes only those that emit have their triangles' areas;
-    /// see [`Mesh::prepare_sampling`].
+    /// A point uniform in area, by u in [0, 1)², with its texture coordinates if `UV`. Of meshes only those
+    /// that emit have their triangles' areas; see [`Mesh::prepare_sampling`].
     #[inline(always)]
-    pub fn sample_area(&self, u: DVec2) -> AreaSample {
+    pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         match self {
-            Self::Mesh(mesh) => mesh.sample_area(u),
-            Self::Patch(patch) => patch.sample_area(u),
-            Self::Cube(cube) => cube.sample_area(u),
-            Self::Sphere(sphere) => sphere.sample_area(u),
+            Self::Mesh(mesh) => mesh.sample_area::<UV>(u),
+            Self::Patch(patch) => patch.sample_area::<UV>(u),
+            Self::Cube(cube) => cube.sample_area::<UV>(u),
+            Self::Sphere(sphere) => sphere.sample_area::<UV>(u),
             Self::Cylinder(cylinder) => cylinder.sample_area(u),
         }
     }

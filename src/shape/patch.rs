@@ -85,16 +85,13 @@ impl Patch {
     }
 
     #[inline(always)]
-    pub fn sample_area(&self, u: DVec2) -> AreaSample {
-        let (xy, uv) = match self.outline {
-            Outline::Square => (DVec2::new(2.0 * u.x - 1.0, 2.0 * u.y - 1.0), u),
-            Outline::Circle => {
-                let d = warp::disk_concentric(u);
-                (d, self.point::<true>(d.x, d.y).uv)
-            }
+    pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
+        let d = match self.outline {
+            Outline::Square => DVec2::new(2.0 * u.x - 1.0, 2.0 * u.y - 1.0),
+            Outline::Circle => warp::disk_concentric(u),
         };
-        let p = self.centre + self.e1 * xy.x + self.e2 * xy.y;
-        AreaSample { p, n: self.n, uv, pdf: 1.0 / self.area, primitive: 0, error: self.error }
+        let SurfacePoint { p, ng, uv, .. } = self.point::<UV>(d.x, d.y);
+        AreaSample { p, n: ng, uv, pdf: 1.0 / self.area, primitive: 0, error: self.error }
     }
 
     /// The corners of the parallelogram, or of the one about the ellipse.
@@ -146,7 +143,7 @@ mod tests {
         for (outline, area) in [(Outline::Square, 4.0), (Outline::Circle, PI)] {
             let patch = Patch::new(&shear, false, outline);
             assert!((patch.area() - area).abs() < 1e-14, "{outline:?} {}", patch.area());
-            assert_eq!(patch.sample_area(DVec2::new(0.2, 0.9)).pdf, 1.0 / patch.area());
+            assert_eq!(patch.sample_area::<false>(DVec2::new(0.2, 0.9)).pdf, 1.0 / patch.area());
         }
     }
 

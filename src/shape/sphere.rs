@@ -3,7 +3,7 @@
 use super::{AreaSample, Geometry, SurfacePoint, placement, require_orthogonal};
 use crate::math::frame::{length, unit};
 use crate::math::function::{acos, turn};
-use crate::math::ray::position_error;
+use crate::math::ray::{position_error, rounding};
 use crate::math::{Bounds, DVec2, DVec3, Frame, INV_PI, Transform, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -27,6 +27,19 @@ pub struct Sphere {
     error: f64,
     /// Rows take world directions to the axes of uv.
     axes: [DVec3; 3],
+}
+
+/// What a point outside a sphere sees of it in some direction.
+pub struct SphereSample {
+    /// From the point (world, unit length).
+    pub direction: DVec3,
+    /// From the point to the sphere's front.
+    pub distance: f64,
+    /// A bound of the error of `distance` besides that of the point.
+    pub error: f64,
+    /// Unit outward normal (world).
+    pub n: DVec3,
+    pub uv: DVec2,
 }
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
@@ -86,9 +99,9 @@ impl Sphere {
         4.0 * PI * self.radius * self.radius
     }
 
-    pub fn sample_area(&self, u: DVec2) -> AreaSample {
-        let surface = self.point::<true>(self.centre + warp::sphere(u) * self.radius);
-        self.chosen(&surface, 1.0 / self.area())
+    pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
+        let SurfacePoint { p, ng, uv, .. } = self.point::<UV>(self.centre + warp::sphere(u) * self.radius);
+        AreaSample { p, n: ng, uv, pdf: 1.0 / self.area(), primitive: 0, error: self.error }
     }
 
     /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose
@@ -102,24 +115,34 @@ impl Sphere {
         (s2 < 1.0 && !self.inward).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
     }
 
-    /// A visible point chosen uniformly in solid angle from `p` outside, and its density in sr⁻¹.
+    /// What `p` outside sees in a direction chosen uniformly within [`Sphere::cone`]; `None` at the very rim.
+    ///
+    /// The line at an angle θ to the centre, d away, has half a chord h = √(r² − d² sin²θ) inside and meets
+    /// the front at t = d cosθ − h. The normal there is (tω − dẑ)/r, whose last component −(d sin²θ + h cosθ)/r
+    /// does not cancel. A rounding of ω moves the line by d times as much, and h by r/h times that.
     #[inline]
-    pub fn sample_cone<const UV: bool>(&self, p: DVec3, u: DVec2, one_minus_cos: f64) -> (SurfacePoint, f64) {
+    pub fn sample_cone<const UV: bool>(
+        &self,
+        p: DVec3,
+        u: DVec2,
+        one_minus_cos: f64,
+    ) -> Option<SphereSample> {
         let towards = self.centre - p;
-        let distance = length(towards);
+        let d = length(towards);
+        let frame = Frame::about(towards / d);
         let local = warp::cone(u, one_minus_cos);
-        let direction = Frame::about(towards / distance).to_world(local);
-        // The chord: t = d cosθ − √(r² − d² sin²θ).
         let sin2 = local.x * local.x + local.y * local.y;
-        let half = (self.radius * self.radius - distance * distance * sin2).max(0.0).sqrt();
-        let point = self.point::<UV>(p + direction * (distance * local.z - half));
-        (point, warp::cone_pdf(one_minus_cos))
-    }
-
-    /// A sampled point of the surface, with this density by area.
-    #[inline(always)]
-    pub fn chosen(&self, point: &SurfacePoint, pdf: f64) -> AreaSample {
-        AreaSample { p: point.p, n: point.ng, uv: point.uv, pdf, primitive: 0, error: self.error }
+        let half2 = self.radius * self.radius - d * d * sin2;
+        if half2 <= 0.0 {
+            return None;
+        }
+        let half = half2.sqrt();
+        let distance = d * local.z - half;
+        let n = DVec3::new(distance * local.x, distance * local.y, -(d * sin2 + half * local.z));
+        let direction = frame.to_world(local);
+        let uv = if UV { self.point::<true>(p + direction * distance).uv } else { DVec2::ZERO };
+        let error = self.error + rounding(self.radius * d / half);
+        Some(SphereSample { direction, distance, error, n: frame.to_world(n / self.radius), uv })
     }
 
     pub fn bounds(&self) -> Bounds {
@@ -130,6 +153,9 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Ray;
+    use crate::math::ray::free_way;
+    use crate::shape::accel::Accel;
 
     /// u is the azimuth from x towards y, v the angle from z; and p moves along with both.
     #[test]
@@ -170,6 +196,32 @@ mod tests {
             }
             assert_eq!(sphere.area(), mirrored.area());
         }
+    }
+
+    /// From near by and far away, up to a hair from the rim, where √ makes roundings a million times as large.
+    #[test]
+    fn what_is_sampled_is_on_the_sphere_and_is_not_in_its_own_way() {
+        let mut nearest_rim = f64::INFINITY;
+        for away in [1.01, 3.0, 1e3, 1e7] {
+            let sphere = Sphere::new(&Transform::IDENTITY, DVec3::new(0.3, -2.0, 0.7), 0.8, false);
+            let p = sphere.centre + unit(DVec3::new(0.2, 0.5, -0.3)) * (away * sphere.radius);
+            let accel = Accel::new(&[&Geometry::Sphere(sphere)]);
+            let opening = sphere.cone(p).unwrap();
+            for i in 0..40_000 {
+                let below_one = 1.0 - 0.5f64.powf(f64::from(i) / 1000.0);
+                let u = DVec2::new(f64::from(i) * 0.618034 % 1.0, below_one);
+                let Some(seen) = sphere.sample_cone::<false>(p, u, opening) else { continue };
+                let facing = -seen.direction.dot(seen.n);
+                nearest_rim = nearest_rim.min(facing);
+                assert!(facing > -1e-15 && (length(seen.n) - 1.0).abs() < 1e-14, "{away} {u}: {}", seen.n);
+                let end = free_way(seen.distance, position_error(p) + seen.error);
+                assert!(!accel.occluded(&Ray { end, ..Ray::free(p, seen.direction) }), "{away} {u}");
+                let from_centre = p + seen.direction * seen.distance - sphere.centre;
+                let off = length(from_centre - seen.n * sphere.radius);
+                assert!(off < 10.0 * (seen.error + position_error(p)), "{away} {u}: {off}");
+            }
+        }
+        assert!(nearest_rim < 1e-4, "{nearest_rim}");
     }
 
     #[test]

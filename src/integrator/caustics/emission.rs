@@ -65,7 +65,7 @@ impl Emission {
         let (index, _, place) = self.choice.sample_strip(u.pair(0), u.one(5));
         let entry = &emitters.list[index];
         let shape = &shapes[entry.shape? as usize];
-        let start = shape.geometry.sample_area(place);
+        let start = shape.geometry.sample_area::<true>(place);
         let end = EmitterPoint { emitter: index, p: start.p, n: start.n };
         let aimed = self.aim.from(end.p, end.n);
         let w = aimed.sample(u.pair(1), u.one(6));

@@ -283,7 +283,10 @@ fn walls_stand_in_nobodys_way_inside() {
     for _ in 0..20_000 {
         let mut point = || {
             let shape = (uniform(&mut rng) * shapes.len() as f64) as usize;
-            (shape as u32, shapes[shape].sample_area(DVec2::new(uniform(&mut rng), uniform(&mut rng))).p)
+            (
+                shape as u32,
+                shapes[shape].sample_area::<false>(DVec2::new(uniform(&mut rng), uniform(&mut rng))).p,
+            )
         };
         let ((from, a), (to, b)) = (point(), point());
         let distance = length(b - a);

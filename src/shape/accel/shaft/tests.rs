@@ -51,9 +51,9 @@ fn places(rng: &mut Pcg32, shapes: &[Geometry]) -> Places {
     let ((from, at), (to, there)) = (pick(), pick());
     let near = |i: u32| {
         let part = DVec2::new(f64::from(i % 4), f64::from(i / 4)) * 0.02;
-        shapes[from as usize].sample_area(0.9 * at + part).p
+        shapes[from as usize].sample_area::<false>(0.9 * at + part).p
     };
-    ((0..16).map(near).collect(), from, shapes[to as usize].sample_area(there).p, to)
+    ((0..16).map(near).collect(), from, shapes[to as usize].sample_area::<false>(there).p, to)
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64,
             return Ok(wrong);
         }
         let uniform = |k: u64| (seed_for("self hits", 8 * index + k) >> 11) as f64 / (1u64 << 53) as f64;
-        let target = body.sample_area(DVec2::new(uniform(0), uniform(1))).p;
+        let target = body.sample_area::<false>(DVec2::new(uniform(0), uniform(1))).p;
         let side = if hollow { 0.5 } else { 1e3 };
         let towards = warp::sphere(DVec2::new(uniform(2), uniform(3)));
         let first = Ray::free(target - towards * side, towards);
