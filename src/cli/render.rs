@@ -44,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "A..B", value_parser = parse_samples)]
     samples: Option<Range<u64>>,
     /// Only this part of the film
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_window)]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_window, allow_hyphen_values = true)]
     crop: Option<Window>,
     /// Save the render in this file now and then, so that it can go on after an end of any kind
     #[arg(long, value_name = "FILE")]

@@ -6,7 +6,7 @@
 
 use super::coverage::{Part, check_coverage};
 use super::exr::{read_exr, read_head};
-use super::{Channel, Image, ImageError, Window};
+use super::{Channel, Image, ImageError, Provenance, Window};
 use crate::film::{Accumulators, BLOCK};
 use std::path::{Path, PathBuf};
 
@@ -46,14 +46,13 @@ fn merge_parts(
     let Some((first_path, first)) = heads.first() else {
         return Err(ImageError::new("there is nothing to merge"));
     };
+    let mut rendered = said(first_path, first)?.clone();
     let mut parts = Vec::new();
     for (path, image) in &heads {
-        if let Some(reason) = incompatibility(first, image)? {
+        let provenance = said(path, image)?;
+        if let Some(reason) = incompatibility((first, &rendered), (image, provenance))? {
             return Err(refusal(first_path, path, &reason));
         }
-        let Some(provenance) = &image.provenance else {
-            return Err(ImageError::new("the file does not say what was rendered").at(path));
-        };
         if image.accumulators.is_some() && !provenance.samples.start.is_multiple_of(BLOCK) {
             let start = provenance.samples.start;
             return Err(
@@ -63,17 +62,14 @@ fn merge_parts(
         parts.push(Part { path, window: image.crop, samples: provenance.samples.clone() });
     }
     let (window, samples) = check_coverage(&parts)?;
-    let Some(mut provenance) = first.provenance.clone() else {
-        return Err(ImageError::new("the file does not say what was rendered").at(first_path));
-    };
-    provenance.samples = samples;
+    rendered.samples = samples;
     let shard = first.accumulators.is_some();
     let full = first.full;
     let mut result = Image {
         full,
         crop: window,
         channels: first.channels.iter().map(|channel| blank(channel, window)).collect(),
-        provenance: Some(provenance.clone()),
+        provenance: Some(rendered.clone()),
         accumulators: shard.then(|| Accumulators::new(window.width, window.height, first.channels.len())),
     };
     // Each part is released as soon as it has been added.
@@ -84,7 +80,7 @@ fn merge_parts(
         return Ok(result);
     };
     let names: Vec<String> = result.channels.iter().map(|channel| channel.name.clone()).collect();
-    let mut developed = Image::from_accumulators(full, window, &names, provenance, accumulators, true);
+    let mut developed = Image::from_accumulators(full, window, &names, rendered, accumulators, true);
     for (channel, blank) in developed.channels.iter_mut().zip(&result.channels) {
         if blank.variance.is_none() {
             channel.variance = None;
@@ -93,11 +89,19 @@ fn merge_parts(
     Ok(developed)
 }
 
+/// What an image says that it is of.
+fn said<'a>(path: &Path, image: &'a Image) -> Result<&'a Provenance, ImageError> {
+    image
+        .provenance
+        .as_ref()
+        .ok_or_else(|| ImageError::new("the file does not say what was rendered").at(path))
+}
+
 /// Why two images cannot be merged, wherever they lie.
-fn incompatibility(a: &Image, b: &Image) -> Result<Option<String>, ImageError> {
-    let (Some(a_provenance), Some(b_provenance)) = (&a.provenance, &b.provenance) else {
-        return Ok(Some("one of them does not say what was rendered".into()));
-    };
+fn incompatibility(
+    (a, a_provenance): (&Image, &Provenance),
+    (b, b_provenance): (&Image, &Provenance),
+) -> Result<Option<String>, ImageError> {
     if let Some((name, ours, theirs)) = a_provenance.difference(b_provenance)? {
         return Ok(Some(format!("their {name} differs, {ours} and {theirs}")));
     }

@@ -36,7 +36,7 @@ pub struct Cylinder {
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
     let about = "radius; with a negative one u begins on the other side";
-    let radius = params.float_where("radius", 1.0, about, "a number other than 0", |r| r != 0.0)?;
+    let radius = params.float_where("radius", 1.0, about, "a finite number other than 0", |r| r != 0.0)?;
     let p0 = params.vector("p0", Some(DVec3::ZERO), "centre of one end")?.unwrap_or(DVec3::ZERO);
     let p1 = params.vector("p1", Some(DVec3::Z), "centre of the other end")?.unwrap_or(DVec3::Z);
     if length(p1 - p0) <= 0.0 {

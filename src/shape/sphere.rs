@@ -46,7 +46,7 @@ pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
     let centre = params.vector("center", Some(DVec3::ZERO), "centre in object space")?.unwrap_or(DVec3::ZERO);
     let about = "radius in object space; a negative one turns the surface inside out";
-    let radius = params.float_where("radius", 1.0, about, "a number other than 0", |r| r != 0.0)?;
+    let radius = params.float_where("radius", 1.0, about, "a finite number other than 0", |r| r != 0.0)?;
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
     require_orthogonal(params, axes, &[(0, 1), (1, 2)])?;
     Ok(Geometry::Sphere(Sphere::new(&to_world, centre, radius, flip)))

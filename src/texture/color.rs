@@ -41,7 +41,10 @@ pub fn parse<'d>(
         "spectrum" => parse_spectrum(element, loader, usage),
         "blackbody" => super::blackbody::parse_legacy(element, loader),
         _ => {
-            let message = format!("<{}> is no colour", element.tag);
+            let message = match element.name() {
+                Some(name) => format!("`{name}` cannot be a <{}>", element.tag),
+                None => format!("<{}> is no colour", element.tag),
+            };
             Err(SceneError::at(&element.span, message, "expected <rgb>, <spectrum>, <float> or <texture>"))
         }
     }
@@ -87,14 +90,9 @@ pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<()
             (MOST, "expected no negative number, and none above 1.7e38")
         }
     };
-    let word = match usage {
-        Usage::Reflectance => "reflectance",
-        Usage::Vector => "encoded coordinate",
-        Usage::Emission | Usage::Unbounded | Usage::Any => "amount",
-    };
     match values.iter().find(|v| !(0.0..=top).contains(*v)) {
         None => Ok(()),
-        Some(v) => Err(SceneError::at(&place.value_span, format!("{v} is no {word}"), expected)),
+        Some(v) => Err(SceneError::at(&place.value_span, format!("{v} is out of range"), expected)),
     }
 }
 

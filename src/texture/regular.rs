@@ -25,7 +25,10 @@ pub fn wavelength_range(params: &mut Params) -> Result<(f32, f32), SceneError> {
     let about = "first wavelength in nm";
     let min = params.float_where("wavelength_min", first, about, "a wavelength", |v| v > 0.0)?;
     let about = "last wavelength in nm";
-    let max = params.float_where("wavelength_max", last, about, "a wavelength", |v| v > min)?;
+    let max =
+        params.float_where("wavelength_max", last, about, "a wavelength beyond `wavelength_min`", |v| {
+            v > min
+        })?;
     if max <= min {
         let expected = "add a `wavelength_max` beyond it";
         return Err(params.error("wavelength_min", "`wavelength_min` is beyond `wavelength_max`", expected));

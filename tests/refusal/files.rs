@@ -48,6 +48,8 @@ fn meshes_that_are_damaged_are_refused() {
     mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["line 4", "position 4"]);
     mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", &["line 4"]);
     mesh_refused("obj", b"v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", &["line 2", "nan"]);
+    mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0 nan\nf 1 2 3\n", &["line 3", "nan"]);
+    mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\n", &["line 5", "2 corners"]);
     mesh_refused("obj", b"", &["no triangles"]);
     mesh_refused("serialized", b"\x1c\x04\x04\x00", &["byte 0"]);
 }

@@ -77,12 +77,12 @@ fn media_that_cannot_be_meant_are_refused() {
         (
             "1.5",
             r#"<medium type="homogeneous"><float name="albedo" value="1.5"/></medium>"#,
-            &["1.5 is no reflectance"],
+            &["1.5 is out of range"],
         ),
         (
             "-2",
             r#"<medium type="homogeneous"><float name="sigma_t" value="-2"/></medium>"#,
-            &["-2 is no amount"],
+            &["-2 is out of range"],
         ),
         (
             "<texture",

@@ -69,9 +69,10 @@ impl Reader {
                 while let Some(word) = words.next().filter(|word| word[0] != b'#') {
                     face.push(self.corner(word)?);
                 }
-                if face.len() >= 3 {
-                    self.face(face)?;
+                if face.len() < 3 {
+                    return Err(format!("a face of {} corners, expected three or more", face.len()));
                 }
+                self.face(face)?;
             }
             _ => {}
         }
@@ -195,17 +196,24 @@ impl<'a> Words<'a> {
         Some(word)
     }
 
+    /// The first numbers of what is left, which may go on with others: a weight, a third texture coordinate,
+    /// a colour.
     fn numbers<const N: usize>(&mut self) -> Result<[f32; N], String> {
         let mut numbers = [0.0; N];
-        for number in &mut numbers {
-            let word = self.next().ok_or_else(|| format!("{N} numbers are wanted"))?;
-            let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
-            *number = parsed
-                .filter(|number| number.is_finite())
-                .ok_or_else(|| format!("`{}` is not a finite number", quoted(word)))?;
+        for value in &mut numbers {
+            *value = number(self.next().ok_or_else(|| format!("{N} numbers are wanted"))?)?;
+        }
+        while let Some(word) = self.next().filter(|word| word[0] != b'#') {
+            number(word)?;
         }
         Ok(numbers)
     }
+}
+
+fn number(word: &[u8]) -> Result<f32, String> {
+    let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
+    let finite = parsed.filter(|number| number.is_finite());
+    finite.ok_or_else(|| format!("`{}` is not a finite number", quoted(word)))
 }
 
 fn integer(digits: &[u8]) -> Option<i64> {
@@ -241,8 +249,7 @@ mod tests {
 
     #[test]
     fn a_corner_without_a_normal_gets_none() {
-        let mesh =
-            parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 2\nf 1//1 2 3//-1\nf 1//1 2 3\nf 1 2", true).unwrap();
+        let mesh = parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 2\nf 1//1 2 3//-1\nf 1//1 2 3", true).unwrap();
         assert_eq!(mesh.normals.unwrap(), [[0., 0., 2.], [0.; 3], [0., 0., 2.], [0.; 3]]);
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
         assert_eq!(mesh.uvs, None);
@@ -282,7 +289,9 @@ mod tests {
                 Place::Line(2),
                 "`99999999999999999999` is no corner of a face",
             ),
-            ("v 0 0 0\nf 1 1\n", Place::File, "the mesh has no triangles"),
+            ("v 0 0 0\nv 1 0 0 1 nan", Place::Line(2), "`nan` is not a finite number"),
+            ("v 0 0 0\nf 1 1\n", Place::Line(2), "a face of 2 corners, expected three or more"),
+            ("v 0 0 0\n", Place::File, "the mesh has no triangles"),
             ("", Place::File, "the mesh has no triangles"),
         ] {
             let error = parse(text.as_bytes(), true).unwrap_err();
