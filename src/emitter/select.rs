@@ -5,7 +5,7 @@
 //! far is another. All estimates are of irradiance, in the same unit, so a lamp outshines the sky in a room
 //! and not in the street. Of the sky only that counts which scattering would not find by itself.
 
-use super::tree::{Cluster, Look, Receiver, Tree};
+use super::tree::{Cluster, LitPoint, SeenTree, Tree};
 use super::{AnyEmitter, MapPlace, View};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3};
@@ -63,7 +63,7 @@ enum Place {
 #[derive(Clone, Copy, Debug)]
 pub struct Choice {
     /// The point, and the normal of the hemisphere from which light is gathered, or zero.
-    pub at: Receiver,
+    pub at: LitPoint,
     /// What is expected, if it is remembered.
     known: Option<Estimates>,
 }
@@ -72,7 +72,7 @@ pub struct Choice {
 #[derive(Clone, Copy, Debug)]
 struct Estimates {
     /// Those within the scene, if light of any can arrive.
-    near: Option<Look>,
+    near: Option<SeenTree>,
     /// How many choices there are, and the sum of what they are expected to bring.
     count: f64,
     total: f64,
@@ -153,11 +153,11 @@ impl Emitters {
     }
 
     #[inline]
-    fn estimates(&self, at: Receiver) -> Estimates {
-        let near = self.near.as_ref().map(|(tree, _)| tree.look(at)).filter(|look| look.total() > 0.0);
+    fn estimates(&self, at: LitPoint) -> Estimates {
+        let near = self.near.as_ref().map(|(tree, _)| tree.seen_from(at)).filter(|seen| seen.total() > 0.0);
         let (mut count, mut total) = (0.0, 0.0);
         let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_about(at.1));
-        for irradiance in far.chain(near.as_ref().map(Look::total)) {
+        for irradiance in far.chain(near.as_ref().map(SeenTree::total)) {
             count += 1.0;
             total += irradiance;
         }
@@ -168,13 +168,13 @@ impl Emitters {
 impl Choice {
     /// The choice by one sample, or its probability.
     #[inline(always)]
-    pub fn at(at: Receiver) -> Self {
+    pub fn at(at: LitPoint) -> Self {
         Self { at, known: None }
     }
 
     /// The same choice by several samples, for which what is expected is remembered.
     #[inline(never)]
-    pub fn of_several(emitters: &Emitters, at: Receiver) -> Self {
+    pub fn of_several(emitters: &Emitters, at: LitPoint) -> Self {
         Self { at, known: emitters.chosen_by_place().then(|| emitters.estimates(at)) }
     }
 
@@ -218,9 +218,9 @@ impl Choice {
             last = chosen(BELOW_ONE);
             left -= probability;
         }
-        let (Some((tree, leaves)), Some(look)) = (&emitters.near, &estimates.near) else { return last };
-        let probability = estimates.probability(look.total());
-        let (leaf, chance, rest) = tree.sample(look, (left / probability).min(BELOW_ONE))?;
+        let (Some((tree, leaves)), Some(seen)) = (&emitters.near, &estimates.near) else { return last };
+        let probability = estimates.probability(seen.total());
+        let (leaf, chance, rest) = tree.sample(seen, (left / probability).min(BELOW_ONE))?;
         Some((leaves[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
     }
 
@@ -229,8 +229,8 @@ impl Choice {
         let (_, n) = self.at;
         let estimates = self.estimates(emitters);
         let chance = match emitters.places[index] {
-            Place::Near(leaf) => estimates.near.zip(emitters.near.as_ref()).map(|(look, (tree, _))| {
-                estimates.probability(look.total()) * tree.probability(&look, leaf as usize)
+            Place::Near(leaf) => estimates.near.zip(emitters.near.as_ref()).map(|(seen, (tree, _))| {
+                estimates.probability(seen.total()) * tree.probability(&seen, leaf as usize)
             }),
             Place::Far(number) => {
                 let (_, distant) = emitters.far[number as usize];

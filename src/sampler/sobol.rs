@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn every_pair_of_every_aligned_block_of_samples_is_a_net() {
-        for key in [1, 99] {
+        for key in 0..2 {
             for pair in 0..4 {
                 for (start, log) in [(0u32, 4), (16, 4), (64, 6), (1 << 20, 8)] {
                     let points: Vec<(u32, u32)> = (start..start + (1 << log))

@@ -12,7 +12,7 @@ const STEPS: u16 = u16::MAX;
 
 /// The result of a choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub struct Chosen {
     pub index: usize,
     pub probability: f64,
     /// The random number, rescaled to [0, 1) within the choice for reuse.
@@ -36,7 +36,7 @@ pub fn deal(weights: &[f64]) -> impl Iterator<Item = u16> {
 
 /// Chooses by u in [0, 1).
 #[inline]
-pub fn pick(starts: &[u16], u: f64) -> Option<Choice> {
+pub fn pick(starts: &[u16], u: f64) -> Option<Chosen> {
     let x = u * f64::from(STEPS);
     // Counting all is faster than a search: there are few, no branch depends on them, and registers hold
     // many.
@@ -44,7 +44,7 @@ pub fn pick(starts: &[u16], u: f64) -> Option<Choice> {
     let index = usize::from(begun).checked_sub(1)?;
     let (begin, steps) = span(starts, index);
     let rest = ((x - begin) / steps).min(BELOW_ONE);
-    Some(Choice { index, probability: steps / f64::from(STEPS), rest })
+    Some(Chosen { index, probability: steps / f64::from(STEPS), rest })
 }
 
 /// The probability of choosing an index.
@@ -103,6 +103,6 @@ mod tests {
         let index = |u: f64| pick(&starts, u).map(|choice| choice.index);
         assert_eq!((index(0.0), index(BELOW_ONE)), (Some(1), Some(3)));
         assert_eq!(pick(&dealt(&[0.0, 0.0]), 0.5), None);
-        assert_eq!(pick(&dealt(&[7.0]), 0.25), Some(Choice { index: 0, probability: 1.0, rest: 0.25 }));
+        assert_eq!(pick(&dealt(&[7.0]), 0.25), Some(Chosen { index: 0, probability: 1.0, rest: 0.25 }));
     }
 }

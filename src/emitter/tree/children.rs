@@ -1,6 +1,6 @@
 //! The children of a node, side by side.
 
-use super::{Cluster, Receiver};
+use super::{Cluster, LitPoint};
 use crate::math::DVec3;
 use crate::math::simd::{F64x4, dot};
 
@@ -50,7 +50,7 @@ impl Children {
     /// point all emitters are within a cone about the centre, and from any of them the point is as far from
     /// the axis of the normals, less the angle of that cone and of the normals' own.
     #[inline(always)]
-    pub fn importance(&self, (p, n): Receiver) -> Importance {
+    pub fn importance(&self, (p, n): LitPoint) -> Importance {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
         let p = p.to_array().map(F64x4::splat);
         let way = [0, 1, 2].map(|axis| F64x4::new(self.centre[axis]) - p[axis]);

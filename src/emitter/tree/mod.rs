@@ -18,7 +18,7 @@ pub use cluster::Cluster;
 
 /// The point where light is gathered, and the normal of the hemisphere from which it is; zero if it is
 /// gathered from all directions.
-pub type Receiver = (DVec3, DVec3);
+pub type LitPoint = (DVec3, DVec3);
 
 /// A tree of which every leaf is an emitter.
 #[derive(Debug)]
@@ -60,15 +60,15 @@ impl Tree {
 
     /// Estimates of what each child of the root brings to a point.
     #[inline]
-    pub fn look(&self, at: Receiver) -> Look {
-        Look { at, root: self.nodes[0].children.importance(at) }
+    pub fn seen_from(&self, at: LitPoint) -> SeenTree {
+        SeenTree { at, root: self.nodes[0].children.importance(at) }
     }
 
     /// The emitter that a number in [0, 1) falls on as seen from a point, its probability, and the number,
     /// rescaled to [0, 1) for reuse; `None` if no emitter lights the point.
-    pub fn sample(&self, look: &Look, mut u: f64) -> Option<(usize, f64, f64)> {
+    pub fn sample(&self, seen: &SeenTree, mut u: f64) -> Option<(usize, f64, f64)> {
         let (mut index, mut probability) = (0, 1.0);
-        let (mut importance, mut total) = look.root;
+        let (mut importance, mut total) = seen.root;
         loop {
             let (mut child, mut left) = (0, u * total);
             while child + 1 < WIDTH && left >= importance[child] {
@@ -86,17 +86,17 @@ impl Tree {
                 Target::Node(next) => index = next as usize,
                 Target::Nothing => return None,
             }
-            (importance, total) = self.nodes[index].children.importance(look.at);
+            (importance, total) = self.nodes[index].children.importance(seen.at);
         }
     }
 
     /// The probability of choosing an emitter as seen from a point.
-    pub fn probability(&self, look: &Look, emitter: usize) -> f64 {
+    pub fn probability(&self, seen: &SeenTree, emitter: usize) -> f64 {
         let mut probability = 1.0;
         let mut place = Some(self.leaves[emitter]);
         while let Some(Place { node: number, child }) = place {
             let node = &self.nodes[number as usize];
-            let (importance, total) = if number == 0 { look.root } else { node.children.importance(look.at) };
+            let (importance, total) = if number == 0 { seen.root } else { node.children.importance(seen.at) };
             if importance[child as usize] <= 0.0 {
                 return 0.0;
             }
@@ -109,12 +109,12 @@ impl Tree {
 
 /// A tree as seen from a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
-    at: Receiver,
+pub struct SeenTree {
+    at: LitPoint,
     root: Importance,
 }
 
-impl Look {
+impl SeenTree {
     /// An estimate of the irradiance from all emitters; zero only if none lights the point.
     #[inline]
     pub fn total(&self) -> f64 {

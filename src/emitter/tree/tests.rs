@@ -25,7 +25,7 @@ fn emitters(count: usize, rng: &mut Pcg32) -> Vec<Cluster> {
     (0..count).map(emitter).collect()
 }
 
-fn receiver(rng: &mut Pcg32) -> Receiver {
+fn lit_point(rng: &mut Pcg32) -> LitPoint {
     let n = if uniform(rng) < 0.3 { DVec3::ZERO } else { direction(rng) };
     (direction(rng) * (4.0 * uniform(rng)), n)
 }
@@ -36,8 +36,9 @@ fn emitters_are_chosen_as_often_as_is_said() {
     for count in [1, 2, 3, 17, 200] {
         let tree = Tree::new(&emitters(count, &mut rng));
         for _ in 0..50 {
-            let at = receiver(&mut rng);
-            let probabilities: Vec<f64> = (0..count).map(|i| tree.probability(&tree.look(at), i)).collect();
+            let at = lit_point(&mut rng);
+            let probabilities: Vec<f64> =
+                (0..count).map(|i| tree.probability(&tree.seen_from(at), i)).collect();
             let total: f64 = probabilities.iter().sum();
             // The numbers that fall on an emitter are as many as its probability says, and go on from 0 to 1
             // within.
@@ -46,7 +47,7 @@ fn emitters_are_chosen_as_often_as_is_said() {
             let mut last: Option<(usize, f64)> = None;
             for i in 0..NUMBERS {
                 let Some((emitter, probability, rest)) =
-                    tree.sample(&tree.look(at), (i as f64 + 0.5) / NUMBERS as f64)
+                    tree.sample(&tree.seen_from(at), (i as f64 + 0.5) / NUMBERS as f64)
                 else {
                     last = None;
                     continue;
@@ -74,7 +75,7 @@ fn what_shines_at_a_point_has_a_chance() {
     let tree = Tree::new(&clusters);
     let mut lit = 0;
     for _ in 0..200 {
-        let (p, n) = receiver(&mut rng);
+        let (p, n) = lit_point(&mut rng);
         for (i, cluster) in clusters.iter().enumerate() {
             let (lo, hi) = cluster.bounds;
             let from = lo + (hi - lo) * DVec3::from([0; 3].map(|_| uniform(&mut rng)));
@@ -84,7 +85,7 @@ fn what_shines_at_a_point_has_a_chance() {
             let arrives = n == DVec3::ZERO || n.dot(w) < 0.0;
             if leaves && arrives {
                 lit += 1;
-                assert!(tree.probability(&tree.look((p, n)), i) > 0.0, "{cluster:?} at {p} about {n}");
+                assert!(tree.probability(&tree.seen_from((p, n)), i) > 0.0, "{cluster:?} at {p} about {n}");
             }
         }
     }
@@ -118,7 +119,7 @@ fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
         let light: Vec<f64> =
             lamps.iter().map(|lamp| (lamp.bounds.0 - at.0).length_squared().powi(-2)).collect();
         let scatters = [
-            scatter(&light, |i| tree.probability(&tree.look(at), i)),
+            scatter(&light, |i| tree.probability(&tree.seen_from(at), i)),
             scatter(&light, |_| 1.0 / LAMPS as f64),
         ];
         sums = [0, 1].map(|i| sums[i] + scatters[i] / 200.0);
@@ -134,7 +135,7 @@ fn scaling_by_a_power_of_two_changes_no_choice() {
     let scaled = |c: &Cluster| Cluster { bounds: (c.bounds.0 * factor, c.bounds.1 * factor), ..*c };
     let (a, b) = (Tree::new(&clusters), Tree::new(&clusters.iter().map(scaled).collect::<Vec<_>>()));
     for _ in 0..1000 {
-        let ((p, n), u) = (receiver(&mut rng), uniform(&mut rng));
-        assert_eq!(a.sample(&a.look((p, n)), u), b.sample(&b.look((p * factor, n)), u));
+        let ((p, n), u) = (lit_point(&mut rng), uniform(&mut rng));
+        assert_eq!(a.sample(&a.seen_from((p, n)), u), b.sample(&b.seen_from((p * factor, n)), u));
     }
 }

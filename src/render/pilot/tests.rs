@@ -44,7 +44,7 @@ fn errors_are_known_of_the_dimmest_and_of_the_brightest_light() {
             libm::exp2(f64::from(power))
         );
         let scene = load_text("scene.xml", &text, ColorMode::Spectral).expect("it loads");
-        let settings = Settings { samples: 0..4 * BLOCK, shard, ..settings(&scene, 3) };
+        let settings = Settings { samples: 0..4 * BLOCK, shard, ..settings(&scene, 0) };
         let (_, report) = render(&scene, &settings, &Progress::default()).expect("it renders");
         let Quality { relative_standard_error, relative_standard_error_of_mean, effective_pixels, .. } =
             report.quality.expect("it is known");

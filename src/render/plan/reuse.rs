@@ -20,7 +20,7 @@ use crate::scene::{Features, Scene};
 
 /// The settings that are chosen.
 #[derive(Clone, Copy)]
-struct Choice {
+struct Candidate {
     /// Number of pixels that share.
     pixels: u32,
     /// Light paths per group of pixels.
@@ -51,14 +51,14 @@ const EMITTER_SAMPLE: f64 = 0.75;
 /// A choice, and its product of variance, cost and factors such as those of [`PIXELS`], with as many light
 /// paths for caustics to a camera path as are best.
 struct Judged {
-    choice: Choice,
+    choice: Candidate,
     product: f64,
     caustics: Option<f64>,
 }
 
 impl Judged {
     /// By a look that was measured or is predicted.
-    fn new(choice: Choice, look: &Look, price: f64, brought: Option<&Brought>) -> Self {
+    fn new(choice: Candidate, look: &Look, price: f64, brought: Option<&Brought>) -> Self {
         let (product, caustics) = match brought.map(|brought| brought.best_with(look)) {
             Some((product, light_paths)) => (product, Some(light_paths)),
             None => (look.product(), None),
@@ -107,7 +107,7 @@ impl Direct {
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
     let free = path.free;
-    let given = Choice {
+    let given = Candidate {
         pixels: path.reuse,
         light_paths: path.shared_light_paths,
         samples: path.first_emitter_samples,
@@ -139,7 +139,7 @@ pub fn settle(scene: &mut Scene) {
 
 /// The best choice for a scene as it is. A glance suffices where sharing is far from paying, unless the look
 /// is needed to balance light paths.
-fn choose(scene: &mut Scene, given: Choice) -> Judged {
+fn choose(scene: &mut Scene, given: Candidate) -> Judged {
     if scene.caustics.is_none()
         && let (glanced, true) = among(scene, given, true)
     {
@@ -149,22 +149,22 @@ fn choose(scene: &mut Scene, given: Choice) -> Judged {
 }
 
 /// The best choice, and whether sharing is far from paying; a glance is for the latter.
-fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
+fn among(scene: &mut Scene, given: Candidate, glance: bool) -> (Judged, bool) {
     let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
     let brought = Brought::of(scene);
     let alone = look_with(scene, given, glance);
     let numbers = SAMPLES.map(|(times, price)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price));
     let many = numbers[SAMPLES.len() - 1].0;
     let direct = (free.first_emitter_samples && many > given.samples).then(|| {
-        let looked = look_with(scene, Choice { samples: many, ..given }, glance);
+        let looked = look_with(scene, Candidate { samples: many, ..given }, glance);
         Direct::between((given.samples, &alone), (many, &looked))
     });
     // The best number of emitter samples, from a look with `choice.samples` of them.
-    let judge = |choice: Choice, look: Look, price: f64| {
+    let judge = |choice: Candidate, look: Look, price: f64| {
         let Some(direct) = &direct else { return Judged::new(choice, &look, price, brought.as_ref()) };
         let each = numbers.map(|(samples, more)| {
             let look = direct.foretell(&look, choice.samples, samples);
-            Judged::new(Choice { samples, ..choice }, &look, price * more, brought.as_ref())
+            Judged::new(Candidate { samples, ..choice }, &look, price * more, brought.as_ref())
         });
         let [first, others @ ..] = each;
         others.into_iter().fold(first, better)
@@ -172,7 +172,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     let mut best = judge(given, alone, 1.0);
     let (mut price_of_best, mut far) = (1.0, false);
     for &(pixels, price) in if glance { &PIXELS[..1] } else { &PIXELS } {
-        let choice = Choice { pixels, ..given };
+        let choice = Candidate { pixels, ..given };
         let judged = judge(choice, look_with(scene, choice, glance), price);
         // Where some pixels are far from paying, more are not tried.
         if judged.product > FAR * best.product {
@@ -184,7 +184,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
         }
     }
     let (each, price) = LIGHT_PATHS;
-    let lit = Choice { light_paths: best.choice.pixels / each, ..best.choice };
+    let lit = Candidate { light_paths: best.choice.pixels / each, ..best.choice };
     if free.shared_light_paths && lit.light_paths > 0 && !glance {
         let judged = judge(lit, look_with(scene, lit, glance), price * price_of_best);
         best = better(best, judged);
@@ -192,7 +192,7 @@ fn among(scene: &mut Scene, given: Choice, glance: bool) -> (Judged, bool) {
     (best, far)
 }
 
-fn look_with(scene: &mut Scene, choice: Choice, glance: bool) -> Look {
+fn look_with(scene: &mut Scene, choice: Candidate, glance: bool) -> Look {
     set(scene, choice);
     Look::at(scene, if glance { GLANCE } else { CELLS })
 }
@@ -202,7 +202,7 @@ fn better(a: Judged, b: Judged) -> Judged {
     if b.product < a.product { b } else { a }
 }
 
-fn set(scene: &mut Scene, choice: Choice) {
+fn set(scene: &mut Scene, choice: Candidate) {
     let Some(path) = scene.integrator.path_mut() else { return };
     let light_paths = choice.light_paths.min(if choice.pixels > 1 { choice.pixels } else { 0 });
     (path.reuse, path.shared_light_paths) = (choice.pixels, light_paths);

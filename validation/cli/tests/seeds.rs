@@ -6,10 +6,11 @@
 use std::path::{Path, PathBuf};
 
 /// Texts that precede a literal seed.
-const MARKS: [&str; 11] = [
+const MARKS: [&str; 12] = [
     "seed: ",
     "seed = ",
     "Some(seed",
+    "settings(&scene, ",
     "Stream::new(",
     "Sampler::new(Kind::Independent, ",
     "Sampler::new(Kind::Sobol, ",
