@@ -38,39 +38,42 @@ impl Area {
     /// Spheres are sampled within the cone they fill, all else uniformly in area.
     #[inline(always)]
     pub fn sample(&self, shape: &Geometry, p: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
-        if self.radiance.varies() {
-            self.sample_varying(shape, p, u, λ)
-        } else {
-            self.sample_with::<false>(shape, p, u, λ)
+        match (shape, &self.radiance) {
+            (Geometry::Patch(patch), AnyTexture::Constant(_)) => {
+                self.arriving(p, &patch.sample_area::<false>(u), λ)
+            }
+            _ if self.radiance.varies() => self.sample_other::<true>(shape, p, u, λ),
+            _ => self.sample_other::<false>(shape, p, u, λ),
         }
     }
 
-    /// [`Area::sample`] with texture coordinates, out of the way of lamps that shine evenly.
+    /// [`Area::sample`] of what is not an even patch, out of the way of those.
     #[inline(never)]
-    fn sample_varying(&self, shape: &Geometry, p: DVec3, u: DVec2, λ: &Wavelengths) -> Option<DirectSample> {
-        self.sample_with::<true>(shape, p, u, λ)
-    }
-
-    #[inline(always)]
-    fn sample_with<const UV: bool>(
+    fn sample_other<const UV: bool>(
         &self,
         shape: &Geometry,
         p: DVec3,
         u: DVec2,
         λ: &Wavelengths,
     ) -> Option<DirectSample> {
-        if let Geometry::Sphere(sphere) = shape
-            && let Some(one_minus_cos) = sphere.cone(p)
-        {
-            let SphereSample { direction, distance, error, n, uv } =
-                sphere.sample_cone::<UV>(p, u, one_minus_cos)?;
-            let distance = free_way(distance, position_error(p) + error);
-            let radiance = Radiance::Known(self.radiance.eval_light(uv, λ));
-            let pdf = cone_pdf(one_minus_cos);
-            return Some(DirectSample { wi: direction, distance, radiance, pdf, delta: false, n });
-        }
-        let chosen = shape.sample_area::<UV>(u);
-        self.arriving(p, &chosen, λ)
+        let Geometry::Sphere(sphere) = shape else {
+            return self.arriving(p, &shape.sample_area::<UV>(u), λ);
+        };
+        let Some(one_minus_cos) = sphere.cone(p) else {
+            return self.arriving(p, &sphere.sample_area::<UV>(u), λ);
+        };
+        let SphereSample { direction, distance, error, n, uv } =
+            sphere.sample_cone::<UV>(p, u, one_minus_cos)?;
+        let distance = free_way(distance, position_error(p) + error);
+        let radiance = Radiance::Known(self.radiance.eval_light(uv, λ));
+        Some(DirectSample {
+            wi: direction,
+            distance,
+            radiance,
+            pdf: cone_pdf(one_minus_cos),
+            delta: false,
+            n,
+        })
     }
 
     /// Light that arrives at p from a sampled point; dω = cosθ dA / d².

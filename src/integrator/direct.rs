@@ -76,7 +76,7 @@ impl Direct {
             }
         };
         let side = side_towards(shape, point.ns.dot(-ray.direction));
-        let frame = point.frame(side.traits.anisotropic);
+        let frame = side.frame::<F>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);

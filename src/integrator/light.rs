@@ -26,11 +26,12 @@ pub fn power_heuristic_of_three(b_over_a: f64, c_over_a: f64) -> f64 {
 pub struct Vertex<'a, B> {
     pub point: &'a SurfacePoint,
     pub primitive: u32,
+    /// That of the side; see [`Side::frame`].
     pub frame: &'a Frame,
     pub bsdf: &'a B,
-    /// Direction to where the path came from, in the local frame of the side.
+    /// Direction to where the path came from, in the frame.
     pub wo: DVec3,
-    pub side: Side,
+    pub side: &'a Side,
 }
 
 impl<'a, B> Vertex<'a, B> {
@@ -46,22 +47,22 @@ impl<'a, B> Vertex<'a, B> {
         (point, primitive): (&'a SurfacePoint, u32),
         frame: &'a Frame,
         bsdf: &'a B,
-        side: Side,
+        side: &'a Side,
         wo: DVec3,
     ) -> Self {
-        Self { point, primitive, frame, bsdf, wo: side.turn(frame.to_local(wo)), side }
+        Self { point, primitive, frame, bsdf, wo: frame.to_local(wo), side }
     }
 
-    /// World direction to the local frame of the side.
+    /// World direction to the frame.
     #[inline]
     pub fn to_local(&self, w: DVec3) -> DVec3 {
-        self.side.turn(self.frame.to_local(w))
+        self.frame.to_local(w)
     }
 
-    /// Direction in the local frame of the side to world.
+    /// Direction in the frame to world.
     #[inline]
     pub fn to_world(&self, w: DVec3) -> DVec3 {
-        self.frame.to_world(self.side.turn(w))
+        self.frame.to_world(w)
     }
 
     /// The normal (world) of the hemisphere from which light can be scattered, by the cosine or nearly; zero
@@ -70,7 +71,7 @@ impl<'a, B> Vertex<'a, B> {
     pub fn gathers_about(&self) -> DVec3 {
         let traits = self.side.traits;
         let normal = if traits.transmits || traits.relief { DVec3::ZERO } else { self.frame.n };
-        if self.side.turn(self.wo).z < 0.0 { -normal } else { normal }
+        if self.wo.z < 0.0 { -normal } else { normal }
     }
 }
 

@@ -233,7 +233,7 @@ impl<'a> Camera<'a> {
         &self,
         (pixel, place): ((u32, u32), Option<[Place; 2]>),
         sampler: Sampler,
-        u: Numbers,
+        u: &Numbers,
         group: Option<&(u32, Wavelengths)>,
     ) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;

@@ -30,7 +30,7 @@ use crate::integrator::caustics::Caustics;
 use crate::integrator::guide::Guide;
 use crate::integrator::links::Links;
 use crate::integrator::path::reuse::LightSources;
-use crate::math::{DVec3, Ray};
+use crate::math::{DVec3, Frame, Ray};
 use crate::medium::Medium;
 use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
@@ -97,11 +97,12 @@ pub struct Side {
 }
 
 impl Side {
-    /// Transforms a direction between the frame about the shading normal and that of the material, which is
-    /// upside down on a turned side.
-    #[inline]
-    pub fn turn(self, w: DVec3) -> DVec3 {
-        if self.turned { DVec3::new(w.x, w.y, -w.z) } else { w }
+    /// The frame of the material at a point: about the shading normal, and upside down on a turned side, where
+    /// it is left-handed.
+    #[inline(always)]
+    pub fn frame<const F: u32>(&self, point: &SurfacePoint) -> Frame {
+        let frame = point.frame(F & Features::ANISOTROPY != 0 && self.traits.anisotropic);
+        Frame { n: if self.turned { -frame.n } else { frame.n }, ..frame }
     }
 }
 

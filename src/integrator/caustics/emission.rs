@@ -59,7 +59,7 @@ impl Emission {
         &self,
         emitters: &Emitters,
         shapes: &[Shape],
-        u: Numbers,
+        u: &Numbers,
         λ: &Wavelengths,
     ) -> Option<Start> {
         let (index, _, place) = self.choice.sample_strip(u.pair(0), u.one(5));

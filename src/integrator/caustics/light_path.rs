@@ -10,7 +10,7 @@ use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::{roulette, side_towards};
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
-use crate::scene::{Features, Scene, Side};
+use crate::scene::{Scene, Side};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -51,7 +51,7 @@ impl LightPath {
     ///
     /// [`CAMERA`]: crate::sampler::CAMERA
     #[inline(always)]
-    pub fn begin(caustics: &Caustics, scene: &Scene, u: Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
+    pub fn begin(caustics: &Caustics, scene: &Scene, u: &Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
         let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
         let scale = start.cos / start.density;
         let path = Self {
@@ -74,7 +74,7 @@ pub struct Landing<'a> {
     pub hit: Hit,
     /// Edges of the path from the emitter to the hit.
     pub edges: u32,
-    pub u: Numbers,
+    pub u: &'a Numbers,
 }
 
 impl Caustics {
@@ -119,7 +119,7 @@ struct Scatter<'a, const F: u32> {
     path: &'a mut LightPath,
     landing: Landing<'a>,
     point: &'a SurfacePoint,
-    side: Side,
+    side: &'a Side,
     seen: bool,
     connections: &'a mut Connections,
     counters: &'a mut Counters,
@@ -135,7 +135,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let Hit { t, primitive, .. } = hit;
         let to_light = -ray.direction;
         let λ = path.λ;
-        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let frame = side.frame::<F>(point);
         let bsdf = material.at(point, &λ);
         let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, to_light);
         // The density of emitter samples from here by the same specular chain, over the probability that a
@@ -205,7 +205,7 @@ impl Caustics {
         scene: &Scene,
         (index, path): (usize, &LightPath),
         (vertex, to_light): (&Vertex<B>, DVec3),
-        (linked, u): (Option<f64>, Numbers),
+        (linked, u): (Option<f64>, &Numbers),
         connections: &mut Connections,
     ) {
         let (point, film) = (vertex.point, &scene.sensor.film);

@@ -142,15 +142,15 @@ struct Turn {
 fn onward(
     scene: &Scene,
     back: DVec3,
-    (side, point, primitive): (Side, &SurfacePoint, u32),
+    (side, point, primitive): (&Side, &SurfacePoint, u32),
     lobe: f64,
     λ: &Wavelengths,
 ) -> Option<Turn> {
-    let frame = point.frame(side.traits.anisotropic);
-    let wo = side.turn(frame.to_local(back));
+    let frame = side.frame::<{ Features::ALL }>(point);
+    let wo = frame.to_local(back);
     let sample = scene.materials[side.material as usize].at(point, λ).sample(wo, lobe, DVec2::ZERO);
     let sample = sample.filter(|sample| !sample.dispersed)?;
-    let ray = Ray::leaving(point.p, frame.to_world(side.turn(sample.wi)), f64::INFINITY, primitive);
+    let ray = Ray::leaving(point.p, frame.to_world(sample.wi), f64::INFINITY, primitive);
     Some(Turn { wo, sample, ray })
 }
 

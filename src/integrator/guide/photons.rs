@@ -30,7 +30,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
         ColorMode::Rgb => Wavelengths::rgb(),
         ColorMode::Spectral => Wavelengths::sample_visible(u.one(4)),
     };
-    let start = emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
+    let start = emission.sample(&scene.emitters, &scene.shapes, &u, &λ)?;
     // A lane might not hold the product.
     let (mut light, scale) = (start.radiance, start.cos / start.density);
     let mut ray = start.ray;

@@ -16,7 +16,7 @@ use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::path::side_towards;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Origin, Ray, length};
-use crate::scene::{Scene, Shape};
+use crate::scene::{Features, Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// The number for the choice of a lobe that is below every probability of reflection.
@@ -79,9 +79,9 @@ impl Bent {
                 let moved = *dp + dd * hit.t;
                 *dp = moved - d * (moved.dot(point.ng) / d.dot(point.ng));
             }
-            let frame = Frame::about(point.ns);
             let side = side_towards(shape, point.ns.dot(-d));
-            let wo = side.turn(frame.to_local(-d));
+            let frame = side.frame::<{ Features::ALL }>(&point);
+            let wo = frame.to_local(-d);
             let material = &scene.materials[side.material as usize];
             let sample = material.at(&point, λ).sample(wo, lobe, DVec2::ZERO)?;
             if turn(side, wo, &sample) != Some(wanted) {
@@ -90,10 +90,9 @@ impl Bent {
             transmittance = transmittance * sample.weight * sample.pdf as f32;
             chance *= sample.pdf;
             eta2 *= sample.eta * sample.eta;
-            let (wo, wi) = (side.turn(wo), side.turn(sample.wi));
             if !sample.null {
-                let facing = wo.z.signum();
-                let (ratio, near, far) = (1.0 / sample.eta, wo.z * facing, -wi.z * facing);
+                let (ratio, near, far) = (1.0 / sample.eta, wo.z.abs(), -sample.wi.z * wo.z.signum());
+                let facing = point.ns.dot(-d).signum();
                 for (dp, dd) in dp.iter().zip(&mut dd) {
                     let turned = shape.geometry.normal_change(local, &hit, &point, *dp) * facing;
                     let n = point.ns * facing;
@@ -103,7 +102,7 @@ impl Bent {
                         *dd * ratio + n * (ratio * near_change - far_change) + turned * (ratio * near - far);
                 }
             }
-            ray = Ray::leaving(point.p, frame.to_world(wi), f64::INFINITY, hit.primitive);
+            ray = Ray::leaving(point.p, frame.to_world(sample.wi), f64::INFINITY, hit.primitive);
         }
         let d = ray.direction;
         let towards = to - ray.origin;

@@ -17,7 +17,7 @@ pub enum Turn {
 }
 
 /// What a side did to light when it was sampled for ωo, if a link can do that.
-pub fn turn(side: Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
+pub fn turn(side: &Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
     let turn = if wo.z * sample.wi.z < 0.0 { Turn::Through } else { Turn::Back };
     let can = match turn {
         Turn::Through => side.traits.refracts,
@@ -40,7 +40,7 @@ pub struct Passage {
 
 impl Passage {
     /// The chain with another surface; `None` if no link has such a chain.
-    pub fn on(self, side: Side, primitive: u32, wo: DVec3, sample: &Sample) -> Option<Self> {
+    pub fn on(self, side: &Side, primitive: u32, wo: DVec3, sample: &Sample) -> Option<Self> {
         Some(self.with(turn(side, wo, sample)?, primitive))
             .filter(|with| with.reflections < 2 || with.alone.is_some())
     }
@@ -95,7 +95,7 @@ impl Way {
     }
 
     /// Goes on from a vertex without emitter samples.
-    pub fn follow(&mut self, wo: DVec3, side: Side, primitive: u32, sample: &Sample) {
+    pub fn follow(&mut self, wo: DVec3, side: &Side, primitive: u32, sample: &Sample) {
         self.passage = self.passage.and_then(|passage| passage.on(side, primitive, wo, sample));
         self.pdf *= sample.pdf;
         self.guided = match self.guided {

@@ -24,7 +24,7 @@ pub struct Gather<'s, 'a, B, const F: u32> {
     pub state: &'a State,
     pub λ: &'a Wavelengths,
     pub sampler: &'a Sampler,
-    pub u: Numbers,
+    pub u: &'a Numbers,
     /// Direction (world) to where the path came from.
     pub wo: DVec3,
     /// The camera's ray, at the first vertex.
@@ -132,8 +132,8 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             let count = settings.emitter_samples;
             for which in 0..count {
                 let u = match count {
-                    1 => self.u,
-                    _ => self.sampler.emitter_samples(state.depth, which, count, PAIRS).of(0),
+                    1 => *self.u,
+                    _ => *self.sampler.emitter_samples(state.depth, which, count, PAIRS).of(0),
                 };
                 for technique in links.techniques(vertex.point.p, u.one(7)) {
                     let which = (technique, u.pair(0), u.one(4));

@@ -23,8 +23,8 @@ pub struct Scatter<'a, const F: u32> {
     pub wo: DVec3,
     pub primitive: u32,
     pub point: &'a SurfacePoint,
-    pub side: Side,
-    pub u: Numbers,
+    pub side: &'a Side,
+    pub u: &'a Numbers,
     pub shadows: &'a mut Shadows,
     pub counters: &'a mut Counters,
 }
@@ -37,7 +37,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
         let Self { settings, scene, flight, wo, primitive, point, side, u, shadows, counters } = self;
         let InFlight { index, path, state, shared, way } = flight;
-        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let frame = side.frame::<F>(point);
         let bsdf = material.at(point, &path.λ);
         let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, wo);
         if F & Features::REUSE != 0 && settings.reuse > 1 {

@@ -12,7 +12,7 @@ use crate::integrator::{Counters, Event};
 use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Shape, Side};
-use crate::shape::Hit;
+use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// How the path's last direction was sampled: what the MIS weight of an emitter at its end depends on.
@@ -40,11 +40,10 @@ impl Path {
         &self,
         scene: &Scene,
         InFlight { index, path, state, shared, way }: InFlight,
-        (ray, hit, u): (&Ray, Option<Hit>, Numbers),
+        (ray, hit, u): (&Ray, Option<Hit>, &Numbers),
         (shadows, escapes): (&mut Shadows, &mut Escapes),
         counters: &mut Counters,
     ) -> Option<Ray> {
-        let λ = &mut path.λ;
         let Some(hit) = hit else {
             if F & Features::ENVIRONMENT != 0 && !(self.lengths.hide_emitters && state.direct_view) {
                 let view = scene.emitters.view(ray.direction)?;
@@ -66,48 +65,9 @@ impl Path {
                 state.light_ratio = 0.0;
                 return Some(Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive));
             }
-            path.covered |= !self.lengths.hide_emitters;
-            let entry = &scene.emitters.list[emitter as usize];
-            let emitted = entry.emitter.surface_radiance(&point, -ray.direction, λ);
-            if !emitted.is_zero() {
-                let by_emitter = if state.arrival.delta {
-                    if F & Features::CAUSTICS != 0 {
-                        let count = f64::from(self.emitter_samples);
-                        way.rival(scene, (emitter as usize, &point), count, λ, counters)
-                    } else {
-                        0.0
-                    }
-                } else {
-                    let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
-                    let chosen = Choice::at((ray.origin, state.arrival.n))
-                        .probability(&scene.emitters, emitter as usize);
-                    chosen * pdf * f64::from(state.arrival.emitter_samples) / state.arrival.pdf
-                };
-                let by_light_path = match &scene.caustics {
-                    Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
-                        let end = EmitterPoint { emitter: emitter as usize, p: point.p, n: point.ng };
-                        state.light_ratio * caustics.last(scene, end, -ray.direction)
-                    }
-                    _ => 0.0,
-                };
-                let weight = power_heuristic_of_three(by_emitter, by_light_path) as f32;
-                let light = state.throughput * emitted * weight;
-                if F & Features::REUSE == 0 || !state.shares {
-                    path.radiance += light;
-                } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
-                    match shared.receives_casters(scene) {
-                        true => shared.radiance += light,
-                        false => path.radiance += shared.own * light,
-                    }
-                } else {
-                    let end = EmitterPoint { emitter: emitter as usize, p: point.p, n: point.ng };
-                    let factor = || 1.0 / (1.0 + by_emitter);
-                    match state.tail.rivals(scene, factor, end, -ray.direction) {
-                        Some(rivals) => shadows.contested.push(Contested { path: index, rivals, light }),
-                        None => shared.radiance += light,
-                    }
-                }
-            }
+            let met = Met { ray, t: hit.t, shape, point: &point, emitter: emitter as usize };
+            let flight = InFlight { index, path, state, shared, way };
+            self.meet::<F>(scene, flight, met, shadows, counters);
         }
         if let Some(log) = &mut counters.log {
             let (throughput, radiance) = (state.throughput, path.radiance);
@@ -135,12 +95,76 @@ impl Path {
         }
         Some(onward)
     }
+
+    /// Takes the light of an emitter that a path has met.
+    #[inline(always)]
+    fn meet<const F: u32>(
+        &self,
+        scene: &Scene,
+        InFlight { index, path, state, shared, way }: InFlight,
+        Met { ray, t, shape, point, emitter }: Met,
+        shadows: &mut Shadows,
+        counters: &mut Counters,
+    ) {
+        let λ = &mut path.λ;
+        path.covered |= !self.lengths.hide_emitters;
+        let entry = &scene.emitters.list[emitter];
+        let emitted = entry.emitter.surface_radiance(point, -ray.direction, λ);
+        if emitted.is_zero() {
+            return;
+        }
+        let by_emitter = if state.arrival.delta {
+            if F & Features::CAUSTICS != 0 {
+                way.rival(scene, (emitter, point), f64::from(self.emitter_samples), λ, counters)
+            } else {
+                0.0
+            }
+        } else {
+            let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, t, point);
+            let chosen = Choice::at((ray.origin, state.arrival.n)).probability(&scene.emitters, emitter);
+            chosen * pdf * f64::from(state.arrival.emitter_samples) / state.arrival.pdf
+        };
+        let end = EmitterPoint { emitter, p: point.p, n: point.ng };
+        let by_light_path = match &scene.caustics {
+            Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
+                state.light_ratio * caustics.last(scene, end, -ray.direction)
+            }
+            _ => 0.0,
+        };
+        let weight = power_heuristic_of_three(by_emitter, by_light_path) as f32;
+        let light = state.throughput * emitted * weight;
+        if F & Features::REUSE == 0 || !state.shares {
+            path.radiance += light;
+        } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
+            match shared.receives_casters(scene) {
+                true => shared.radiance += light,
+                false => path.radiance += shared.own * light,
+            }
+        } else {
+            let factor = || 1.0 / (1.0 + by_emitter);
+            match state.tail.rivals(scene, factor, end, -ray.direction) {
+                Some(rivals) => shadows.contested.push(Contested { path: index, rivals, light }),
+                None => shared.radiance += light,
+            }
+        }
+    }
+}
+
+/// An emitter that a ray has met.
+struct Met<'a> {
+    ray: &'a Ray,
+    /// How far along the ray.
+    t: f64,
+    shape: &'a Shape,
+    point: &'a SurfacePoint,
+    /// Its number.
+    emitter: usize,
 }
 
 /// The side of a shape that faces a direction, from the cosine between the direction and the normal.
 #[inline]
-pub fn side_towards(shape: &Shape, cos: f64) -> Side {
-    shape.sides[usize::from(cos < 0.0)]
+pub fn side_towards(shape: &Shape, cos: f64) -> &Side {
+    &shape.sides[usize::from(cos < 0.0)]
 }
 
 /// Light from the environment along a ray that met nothing.

@@ -5,7 +5,7 @@ use crate::integrator::Counters;
 use crate::integrator::path::side_towards;
 use crate::math::Ray;
 use crate::medium::{FlightNumbers, Medium};
-use crate::scene::{Features, Scene};
+use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// Most surfaces that a shadow ray passes; beyond, as good as nothing is left but where somebody has stacked
@@ -37,9 +37,9 @@ pub fn between<const F: u32>(
             passed *= medium.transmittance((&ray, length), λ, numbers);
         }
         let Some((hit, shape, point, side)) = surface else { return passed };
-        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let frame = side.frame::<F>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
-        passed *= bsdf.null_transmission(side.turn(frame.to_local(-ray.direction)));
+        passed *= bsdf.null_transmission(frame.to_local(-ray.direction));
         if passed.is_zero() {
             return passed;
         }

@@ -110,7 +110,7 @@ impl<'a> Walk<'a> {
         let (point, frame) = (SurfacePoint::plain(p, wo, wo), Frame::about(wo));
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
         let side = Side { material: 0, turned: false, traits };
-        let vertex = Vertex::new((&point, Ray::FREE), &frame, &medium.phase, side, wo);
+        let vertex = Vertex::new((&point, Ray::FREE), &frame, &medium.phase, &side, wo);
         if medium.samples_emitters {
             self.gather::<F, _>(&vertex, DVec3::ZERO, None, numbers);
         }
@@ -118,7 +118,7 @@ impl<'a> Walk<'a> {
         let arrival =
             Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, n: DVec3::ZERO, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
-        self.scatter::<F>(&sample, (arrival, onward), numbers.0)
+        self.scatter::<F>(&sample, (arrival, onward), &numbers.0)
     }
 
     /// A vertex on a surface.
@@ -139,7 +139,7 @@ impl<'a> Walk<'a> {
         if last && !side.traits.has_null {
             return None;
         }
-        let frame = point.frame(F & Features::ANISOTROPY != 0 && side.traits.anisotropic);
+        let frame = side.frame::<F>(&point);
         let λ = self.path.λ;
         let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
@@ -164,7 +164,7 @@ impl<'a> Walk<'a> {
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(onward.direction.dot(point.ng));
         }
-        self.scatter::<F>(&sample, (arrival, onward), u)
+        self.scatter::<F>(&sample, (arrival, onward), &u)
     }
 
     /// Goes straight on through a surface.
@@ -224,7 +224,7 @@ impl<'a> Walk<'a> {
         &mut self,
         sample: &Sample,
         (arrival, onward): (Arrival, Ray),
-        u: Numbers,
+        u: &Numbers,
     ) -> Option<()> {
         self.throughput *= sample.weight;
         self.eta2 *= sample.eta * sample.eta;

@@ -49,7 +49,7 @@ impl LightPath {
         let (sampler, beyond) = sampler.one_of(owner.1, sources.paths);
         let first_block = LIGHT_SOURCES + (beyond << 4);
         let start =
-            sources.emission.sample(&scene.emitters, &scene.shapes, sampler.block(first_block), &λ)?;
+            sources.emission.sample(&scene.emitters, &scene.shapes, &sampler.block(first_block), &λ)?;
         let scale = start.cos / (start.density * f64::from(sources.paths));
         let path = Self {
             owner,
@@ -78,7 +78,7 @@ impl LightPath {
         sources: &LightSources,
         scene: &Scene,
         (ray, hit): (&Ray, Hit),
-        (edges, u): (u32, Numbers),
+        (edges, u): (u32, &Numbers),
         found: &mut Vec<Lit>,
     ) -> Option<Ray> {
         let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
@@ -88,7 +88,7 @@ impl LightPath {
         if side.traits.one_way || !side.traits.has_density || left_to_others {
             return None;
         }
-        let frame = point.frame(side.traits.anisotropic);
+        let frame = side.frame::<{ Features::ALL }>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, &self.λ);
         let primitive = hit.primitive;
         let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);

@@ -5,7 +5,7 @@ use super::shared::{Lobes, Receiver, Shared, Source};
 use crate::bsdf::{AnyBsdf, Bsdf};
 use crate::math::frame::unit;
 use crate::math::{DVec3, Frame, length};
-use crate::scene::Scene;
+use crate::scene::{Features, Scene};
 use crate::spectrum::Wavelengths;
 
 /// The rough receivers of a group.
@@ -45,13 +45,13 @@ impl<'a> At<'a> {
     pub fn new(scene: &'a Scene, lobes: &'a Lobes, λ: &'a Wavelengths) -> Self {
         Self {
             lobes,
-            frame: lobes.point.frame(lobes.side.traits.anisotropic),
+            frame: lobes.side.frame::<{ Features::ALL }>(&lobes.point),
             bsdf: scene.materials[lobes.side.material as usize].at(&lobes.point, λ),
         }
     }
 
     fn to_local(&self, w: DVec3) -> DVec3 {
-        self.lobes.side.turn(self.frame.to_local(w))
+        self.frame.to_local(w)
     }
 
     /// This receiver's part of a source, as if that were matte.

@@ -118,7 +118,7 @@ impl Shared {
         let faces = vertex.wo.z > 0.0 && (albedo.is_some() || side.traits.only_rough);
         // What is shared must not have been through roulette, whose chances depend on the pixel.
         let goes_on = state.depth + 1 < settings.roulette.edges;
-        let lobes = || albedo.is_none().then_some(Lobes { point: *point, side, fixed: vertex.wo });
+        let lobes = || albedo.is_none().then_some(Lobes { point: *point, side: *side, fixed: vertex.wo });
         let begins = match (&self.receiver, &self.source) {
             (None, _) if faces && state.mirrored && goes_on => {
                 let weight = state.throughput * albedo.unwrap_or(Spectrum::ONE);
