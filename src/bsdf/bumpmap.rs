@@ -36,9 +36,7 @@ impl Material for BumpMap {
         let about = "the height, whatever the texture's name; a bitmap should be `raw`";
         let element: Option<&Element> = params.object("texture", about)?;
         let adapter = Adapter::parse(params)?;
-        let element = element.ok_or_else(|| {
-            SceneError::at(&params.element.span, "there is no nested <texture>", "add a bitmap of heights")
-        })?;
+        let element = element.ok_or_else(|| params.lacks("texture", "expected a bitmap of heights"))?;
         let heights = AnyTexture::parse(element, params.loader, Usage::Vector)?;
         if heights.gradient(DVec2::ZERO).is_none() {
             let message = "this texture has no slope";

@@ -309,8 +309,7 @@ impl AnyMaterial {
     /// Reads the single nested `<bsdf>` of an adapter.
     pub fn parse_nested(params: &mut Params) -> Result<Self, SceneError> {
         let element = params.object("bsdf", "the nested material")?;
-        let element = element
-            .ok_or_else(|| SceneError::at(&params.element.span, "there is no nested <bsdf>", "add one"))?;
+        let element = element.ok_or_else(|| params.lacks("bsdf", "expected one <bsdf>"))?;
         Self::parse(element, params.loader)
     }
 }

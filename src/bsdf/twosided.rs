@@ -57,7 +57,7 @@ impl Material for TwoSided {
         let mut sides = sides.into_iter();
         match sides.next() {
             Some(front) => Ok(Self { front, back: sides.next() }),
-            None => Err(SceneError::at(&params.element.span, "there is no nested <bsdf>", "add one or two")),
+            None => Err(params.lacks("bsdf", "expected one <bsdf> or two")),
         }
     }
 

@@ -28,8 +28,7 @@ pub struct Moment {
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let found = nested_integrator(params, "whose moments are asked for")?;
-    let (element, name) = found
-        .ok_or_else(|| SceneError::at(&params.element.span, "there is no nested <integrator>", "add one"))?;
+    let (element, name) = found.ok_or_else(|| params.lacks("integrator", "expected one <integrator>"))?;
     let nested = construct(INTEGRATORS, element, params.loader, Usage::Unbounded)?;
     if !nested.has_radiance() {
         let message = format!("`{}` sees no light", nested.name());

@@ -124,7 +124,7 @@ fn references_that_lead_nowhere_or_in_circles_are_refused() {
         (
             "<ref",
             "<bsdf type=\"diffuse\" id=\"a\"/>\n<shape type=\"sphere\" id=\"s\"/><bsdf type=\"twosided\"><ref id=\"s\"/></bsdf>",
-            &[],
+            &["a <shape> is no <bsdf>", "expected one <bsdf> or two"],
         ),
         (
             "<alias id=\"x\"",

@@ -42,6 +42,18 @@ impl<'d> Params<'_, 'd> {
         }
     }
 
+    /// The error that there is no nested object of a kind: at what stands in its place, if anything does.
+    pub fn lacks(&self, kind: &str, expected: &str) -> SceneError {
+        match self.children.iter().find(|c| !c.taken && c.name.is_none()) {
+            Some(other) => SceneError::at(
+                &other.site.span,
+                format!("a <{}> is no <{kind}>", other.element.tag),
+                expected,
+            ),
+            None => SceneError::at(&self.element.span, format!("there is no nested <{kind}>"), expected),
+        }
+    }
+
     /// At most one medium, whatever its name.
     pub fn any_medium(&mut self, about: &'static str) -> Result<Option<Arc<Medium>>, SceneError> {
         let found = self.object("medium", about)?;
