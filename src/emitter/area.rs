@@ -56,24 +56,23 @@ impl Area {
         u: DVec2,
         λ: &Wavelengths,
     ) -> Option<DirectSample> {
-        let Geometry::Sphere(sphere) = shape else {
-            return self.arriving(p, &shape.sample_area::<UV>(u), λ);
-        };
-        let Some(one_minus_cos) = sphere.cone(p) else {
-            return self.arriving(p, &sphere.sample_area::<UV>(u), λ);
-        };
-        let SphereSample { direction, distance, error, n, uv } =
-            sphere.sample_cone::<UV>(p, u, one_minus_cos)?;
-        let distance = free_way(distance, position_error(p) + error);
-        let radiance = Radiance::Known(self.radiance.eval_light(uv, λ));
-        Some(DirectSample {
-            wi: direction,
-            distance,
-            radiance,
-            pdf: cone_pdf(one_minus_cos),
-            delta: false,
-            n,
-        })
+        if let Geometry::Sphere(sphere) = shape
+            && let Some(one_minus_cos) = sphere.cone(p)
+        {
+            let SphereSample { direction: wi, distance, error, n, uv } =
+                sphere.sample_cone::<UV>(p, u, one_minus_cos)?;
+            let distance = free_way(distance, position_error(p) + error);
+            let radiance = Radiance::Known(self.radiance.eval_light(uv, λ));
+            return Some(DirectSample {
+                wi,
+                distance,
+                radiance,
+                pdf: cone_pdf(one_minus_cos),
+                delta: false,
+                n,
+            });
+        }
+        self.arriving(p, &shape.sample_area::<UV>(u), λ)
     }
 
     /// Light that arrives at p from a sampled point; dω = cosθ dA / d².
