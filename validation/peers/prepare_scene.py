@@ -1,11 +1,11 @@
-"""Copies a Mitsuba scene with another film, of the given size and with a box filter, and with absolute file
+"""Copies a Mitsuba scene with another film, of the given size and with the given filter, and with absolute file
 paths.
 
-    python3 validation/peers/prepare_scene.py SCENE.xml OUT.xml WIDTHxHEIGHT [MAX_DEPTH]
+    python3 validation/peers/prepare_scene.py SCENE.xml OUT.xml WIDTHxHEIGHT FILTER
 
 The sampler's type becomes the parameter `sampler` (independent by default), which renderers with several
-samplers can set. All renderers of a comparison then render the same pixels, and none correlates them by a
-wide filter.
+samplers can set. All renderers of a comparison then render the same pixels, and with the filter `box` none
+correlates them.
 """
 import sys
 import xml.etree.ElementTree as xml
@@ -19,7 +19,7 @@ def replace(element, kind, name, value):
 
 
 def main():
-    source, out, size = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
+    source, out, size, reconstruction = Path(sys.argv[1]), Path(sys.argv[2]), *sys.argv[3:]
     tree = xml.parse(source)
     root = tree.getroot()
     defaults = {d.get("name"): d.get("value") for d in root.findall("default")}
@@ -35,15 +35,12 @@ def main():
         replace(film, "integer", "height", height)
         for child in film.findall("rfilter"):
             film.remove(child)
-        xml.SubElement(film, "rfilter", type="box")
+        xml.SubElement(film, "rfilter", type=reconstruction)
     for sensor in root.iter("sensor"):
         for sampler in sensor.findall("sampler"):
             sensor.remove(sampler)
         sampler = xml.SubElement(sensor, "sampler", type="$sampler")
         xml.SubElement(sampler, "integer", name="sample_count", value="16")
-    if len(sys.argv) > 4:
-        for integrator in root.findall("integrator"):
-            replace(integrator, "integer", "max_depth", sys.argv[4])
     # Unused parameters would be errors.
     text = "".join(value for element in root.iter() for value in element.attrib.values())
     for default in root.findall("default"):

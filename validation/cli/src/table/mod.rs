@@ -125,7 +125,7 @@ fn prepare(entry: &Entry, shared: Option<&Path>, bench: &Bench) -> Result<(), St
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers/prepare_scene.py");
     let size = format!("{}x{}", entry.size[0], entry.size[1]);
     let mut command = Command::new("python3");
-    command.arg(script).arg(source).arg(&bench.scene).arg(size);
+    command.arg(script).arg(source).arg(&bench.scene).args([&size, &entry.filter]);
     let output = command.output().map_err(|e| format!("python3: {e}"))?;
     let said = String::from_utf8_lossy(&output.stderr);
     if output.status.success() { Ok(()) } else { Err(said.lines().last().unwrap_or("").to_string()) }

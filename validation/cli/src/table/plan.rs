@@ -42,6 +42,14 @@ pub struct Entry {
     pub from: String,
     /// Width and height of the film in pixels.
     pub size: [u32; 2],
+    /// The film's reconstruction filter, whatever the scene has.
+    #[serde(default = "uncorrelated")]
+    pub filter: String,
+}
+
+/// The filter that leaves the errors of pixels independent.
+fn uncorrelated() -> String {
+    "box".into()
 }
 
 /// The committed file.
