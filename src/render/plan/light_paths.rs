@@ -12,7 +12,7 @@
 //! of s light paths would leave less. Since few light paths are left little light to find, it would keep few
 //! of them few, so the guess is not below a quarter.
 
-use super::look::{CELLS, Cell, Look};
+use super::look::{Cell, Look};
 use super::{all_over, brightness, pilot_camera};
 use crate::image::Window;
 use crate::integrator::Counters;
@@ -98,32 +98,34 @@ impl Brought {
         Some(Self { film, tiles, cost: RAY * rays, ratios })
     }
 
-    /// The product of variance and cost (as a look has) of camera paths and as many light paths to each as
-    /// are best, and that number.
-    pub fn best_with(&self, look: &Look) -> (f64, f64) {
+    /// A look with as many light paths to each camera path as are best beside it, and that number.
+    pub fn best_with(&self, look: &Look) -> (Look, f64) {
         // Variances of a cell relative to its light squared: that which camera paths leave, and that which one
-        // light path per camera path leaves.
+        // light path per camera path leaves. Cells that are black are left as they are.
         let of_cell = |cell: &Cell| {
             let Tile { light, squares } = self.tiles[tile(self.film, FINE_TILES, cell.first_of(self.film))];
             let all = cell.light + light;
-            (cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all))
+            let parts =
+                [cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all)];
+            if all > 0.0 { parts } else { [0.0; 2] }
         };
-        let lit = |(v, w): &(f64, f64)| v.is_finite() && w.is_finite();
-        let cells: Vec<_> = look.cells.iter().map(of_cell).filter(lit).collect();
-        let product = |s: f64| {
-            let deviation =
-                cells.iter().map(|(v, w)| (v + w / s).sqrt()).sum::<f64>() / look.cells.len() as f64;
-            (deviation * deviation * (look.cost + s * self.cost), s)
+        let cells: Vec<_> = look.cells.iter().map(of_cell).collect();
+        let with = |s: f64| {
+            let lit = |(cell, [v, w]): (&Cell, &[f64; 2])| Cell { variance: v + w / s, ..*cell };
+            let cells = look.cells.iter().zip(&cells).map(lit).collect();
+            (Look { cells, cost: look.cost + s * self.cost }, s)
         };
-        let better = |best: (f64, f64), other: (f64, f64)| if other.0 < best.0 { other } else { best };
-        self.ratios.iter().copied().map(product).fold((f64::INFINITY, FEWEST), better)
+        let better = |best: (Look, f64), other: (Look, f64)| {
+            if other.0.product() < best.0.product() { other } else { best }
+        };
+        self.ratios.iter().copied().map(with).reduce(better).expect("there are numbers to choose from")
     }
 }
 
 /// Settles the number of light paths by the noise and the cost of camera paths, once all else is settled.
 pub fn balance(scene: &mut Scene) {
     if let Some(brought) = Brought::of(scene) {
-        set(scene, brought.best_with(&Look::at(scene, CELLS)).1);
+        set(scene, brought.best_with(&Look::at(scene)).1);
     }
 }
 

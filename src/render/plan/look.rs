@@ -1,4 +1,5 @@
-//! A look: a few cells of an image are rendered to measure their noise and their cost.
+//! A look: a few cells of an image are rendered to measure their noise and their cost. It can go on to more cells,
+//! in an order that all looks at a film share, so that two of them compare the same cells.
 
 use super::super::spread::neighbours;
 use super::{Camera, brightness, pilot_camera, scattered};
@@ -31,12 +32,12 @@ const CACHED: f64 = 8192.0;
 /// Samples of each pixel of a cell.
 const CAMERA_SAMPLES: u64 = 32;
 
-/// The fewest cells of a look, unless the film has fewer, and the most. Between these it takes as many paths
-/// as one sample of every pixel of the film.
-pub const CELLS: [u64; 2] = [24, 64];
+/// Most cells that a look goes on to.
+const MOST: u64 = 64;
 
-/// The fewest and the most cells of a glance, a shorter look.
-pub const GLANCE: [u64; 2] = [8, 8];
+/// Cells of a look that does not go on, unless the film has fewer: enough, and between one number and the other as
+/// many as make one sample of every pixel of the film.
+const ENOUGH: [u64; 2] = [24, 64];
 
 /// Samples of a block, of which the sums are compared: noise that stratification removes must not count.
 const BLOCK: u64 = 8;
@@ -44,7 +45,8 @@ const BLOCK: u64 = 8;
 /// Light below this share of the image's is dark: noise there is relative to that share.
 const DARK: f64 = 0.01;
 
-/// Noise and cost of camera paths, without light paths for caustics.
+/// Noise and cost of camera paths, without light paths for caustics unless these are added.
+#[derive(Clone)]
 pub struct Look {
     pub cells: Vec<Cell>,
     /// Cost of a path, in rays of it.
@@ -70,35 +72,65 @@ impl Cell {
     }
 }
 
+/// What has been seen of the cells of a film, in the order of [`corners`].
+#[derive(Default)]
+pub struct Sight {
+    seen: Vec<Seen>,
+}
+
 /// What was seen of a cell.
 struct Seen {
     corner: (u32, u32),
     /// Mean and variance of one sample of each pixel.
     pixels: Vec<(f64, f64)>,
-    counters: Counters,
+    /// Cost of a path, in rays of it.
+    cost: f64,
+}
+
+/// Cells to look at, in an order whose every beginning lies all over the film, too.
+pub fn corners(film: Window) -> Vec<(u32, u32)> {
+    let (left, top) = (film.x / CELL, film.y / CELL);
+    let columns = (film.x + film.width).div_ceil(CELL) - left;
+    let rows = (film.y + film.height).div_ceil(CELL) - top;
+    let all = u64::from(columns) * u64::from(rows);
+    let corner = |i: u64| ((left + i as u32 % columns) * CELL, (top + i as u32 / columns) * CELL);
+    let mut chosen: Vec<u64> = (0..all.min(MOST)).collect();
+    if all > MOST {
+        chosen = chosen.into_iter().map(|i| scattered(i, all)).collect();
+    } else {
+        chosen.sort_by_key(|i| scattered(*i, u64::MAX));
+    }
+    chosen.into_iter().map(corner).collect()
+}
+
+impl Sight {
+    /// Looks on, until these cells have been seen, which begin with those that have been. The scene has the
+    /// settings that it had before.
+    pub fn extend(&mut self, scene: &Scene, corners: &[(u32, u32)]) {
+        let camera = pilot_camera(scene);
+        let more = corners[self.seen.len()..].par_iter().map(|corner| Seen::at(scene, &camera, *corner));
+        self.seen.par_extend(more);
+    }
+
+    pub fn look(&self) -> Look {
+        let light: f64 = self.seen.iter().map(Seen::light).sum::<f64>() / self.seen.len() as f64;
+        let cells = self.seen.iter().map(|seen| seen.cell(DARK * light)).collect();
+        let costs = self.seen.iter().map(|seen| seen.cost).sum::<f64>();
+        Look { cells, cost: costs / self.seen.len() as f64 }
+    }
 }
 
 impl Look {
-    /// Renders cells that lie all over the film, so many at least and at most, with the scene's settings as
-    /// they are.
-    pub fn at(scene: &Scene, [fewest, most]: [u64; 2]) -> Self {
-        let camera = pilot_camera(scene);
-        let film = scene.sensor.film.crop;
-        let (left, top) = (film.x / CELL, film.y / CELL);
-        let columns = (film.x + film.width).div_ceil(CELL) - left;
-        let rows = (film.y + film.height).div_ceil(CELL) - top;
-        let all = u64::from(columns) * u64::from(rows);
-        let looked_at = all.min((all / CAMERA_SAMPLES).clamp(fewest, most));
-        let corner = |i: u64| {
-            let at = if all > looked_at { scattered(i, all) } else { i } as u32;
-            ((left + at % columns) * CELL, (top + at / columns) * CELL)
-        };
-        let seen: Vec<_> =
-            (0..looked_at).into_par_iter().map(|i| Seen::at(scene, &camera, corner(i))).collect();
-        let light: f64 = seen.iter().map(Seen::light).sum::<f64>() / seen.len() as f64;
-        let cells = seen.iter().map(|seen| seen.cell(DARK * light)).collect();
-        let costs = seen.iter().map(|seen| seen.cost(scene)).sum::<f64>();
-        Self { cells, cost: costs / seen.len() as f64 }
+    /// A look that does not go on, with the scene's settings as they are.
+    pub fn at(scene: &Scene) -> Self {
+        let corners = corners(scene.sensor.film.crop);
+        let [fewest, most] = ENOUGH;
+        let one_of_each_pixel =
+            scene.sensor.film.crop.pixels() as u64 / (u64::from(CELL * CELL) * CAMERA_SAMPLES);
+        let cells = one_of_each_pixel.clamp(fewest, most) as usize;
+        let mut sight = Sight::default();
+        sight.extend(scene, &corners[..cells.min(corners.len())]);
+        sight.look()
     }
 
     /// The product of variance and cost, up to a factor that all looks have.
@@ -111,35 +143,36 @@ impl Look {
 
 impl Seen {
     fn at(scene: &Scene, camera: &Camera, corner: (u32, u32)) -> Self {
-        const BLOCKS: f64 = (CAMERA_SAMPLES / BLOCK) as f64;
+        const BLOCKS: u64 = CAMERA_SAMPLES / BLOCK;
         let film = &scene.sensor.film;
         let channels = camera.channel_names().len();
-        let mut counters = Counters::default();
-        // Per pixel: the sum, the sum of squares of blocks, the current block.
-        let mut sums = [[0.0; 3]; (CELL * CELL) as usize];
         let pixels = |sample| cell(corner, sample, film.size);
-        for block in 0..CAMERA_SAMPLES / BLOCK {
+        let of_block = |block: u64| {
             let which: Vec<_> = (block * BLOCK..(block + 1) * BLOCK).flat_map(pixels).collect();
             let of_sample = which.len() / BLOCK as usize;
             let mut values = vec![0.0; channels * which.len()];
+            let mut counters = Counters::default();
             camera.samples(&which, &mut counters, &mut values);
+            let mut sum = Square::default();
             for (which, values) in which.chunks(of_sample).zip(values.chunks(channels * of_sample)) {
                 let square = spread(film, camera.place_in_pixels(which[0].1), corner, square(which, values));
-                sums.iter_mut().zip(square.as_flattened()).for_each(|(sum, value)| sum[2] += value);
+                sum.as_flattened_mut().iter_mut().zip(square.as_flattened()).for_each(|(a, b)| *a += b);
             }
-            for [sum, squares, of_block] in &mut sums {
-                (*sum, *squares) = (*sum + *of_block, *squares + *of_block * *of_block);
-                *of_block = 0.0;
-            }
-        }
+            (sum, cost(scene, &counters, which.len() as f64))
+        };
+        let blocks: Vec<_> = (0..BLOCKS).into_par_iter().map(of_block).collect();
         // The variance of a pixel's sum, from the scatter of its blocks, over its number of samples is that of
         // one sample.
         let of_pixel = |((x, y), _): ((u32, u32), u64)| {
-            let [sum, squares, _] = sums[(y % CELL * CELL + x % CELL) as usize];
-            let scatter = (squares - sum * sum / BLOCKS).max(0.0) * BLOCKS / (BLOCKS - 1.0);
+            let of_blocks = blocks.iter().map(|(block, _)| block[(y % CELL) as usize][(x % CELL) as usize]);
+            let (sum, squares) = of_blocks.fold((0.0, 0.0), |(sum, squares), b| (sum + b, squares + b * b));
+            let scatter =
+                (squares - sum * sum / BLOCKS as f64).max(0.0) * BLOCKS as f64 / (BLOCKS - 1) as f64;
             (sum / CAMERA_SAMPLES as f64, scatter / CAMERA_SAMPLES as f64)
         };
-        Self { corner, pixels: pixels(0).map(of_pixel).collect(), counters }
+        let pixels: Vec<_> = pixels(0).map(of_pixel).collect();
+        let cost = blocks.iter().map(|(_, cost)| cost).sum::<f64>() / BLOCKS as f64;
+        Self { corner, pixels, cost }
     }
 
     fn light(&self) -> f64 {
@@ -154,22 +187,20 @@ impl Seen {
         let variance = self.pixels.iter().map(relative).sum::<f64>() / self.pixels.len() as f64;
         Cell { corner: self.corner, light: self.light(), variance }
     }
+}
 
-    /// Cost of a path, in rays of it.
-    fn cost(&self, scene: &Scene) -> f64 {
-        let path = scene.integrator.path();
-        let [pixels, light_paths] =
-            path.map_or([1, 0], |path| [path.reuse, path.shared_light_paths]).map(f64::from);
-        let paths = self.pixels.len() as f64 * CAMERA_SAMPLES as f64;
-        let [rays, shared, sources] =
-            [self.counters.rays, self.counters.shared, self.counters.light_sources].map(|n| n as f64 / paths);
-        let handed_on = HANDING_ON * pixels * (1.0 + sources);
-        let sharing =
-            if pixels > 1.0 { SHARING + handed_on + LIGHT_PATH * light_paths / pixels } else { 0.0 };
-        // Each doubling of a tree beyond the cache costs about as much as a ray within it.
-        let slowness = 1.0 + (ln(f64::from(scene.accel.primitives()) / CACHED) / LN_2).max(0.0);
-        rays - (1.0 - VISIBILITY) * shared + (PATH + sharing) / slowness
-    }
+/// Cost of a path, in rays of it, of what so many paths have counted.
+fn cost(scene: &Scene, counters: &Counters, paths: f64) -> f64 {
+    let path = scene.integrator.path();
+    let [pixels, light_paths] =
+        path.map_or([1, 0], |path| [path.reuse, path.shared_light_paths]).map(f64::from);
+    let [rays, shared, sources] =
+        [counters.rays, counters.shared, counters.light_sources].map(|n| n as f64 / paths);
+    let handed_on = HANDING_ON * pixels * (1.0 + sources);
+    let sharing = if pixels > 1.0 { SHARING + handed_on + LIGHT_PATH * light_paths / pixels } else { 0.0 };
+    // Each doubling of a tree beyond the cache costs about as much as a ray within it.
+    let slowness = 1.0 + (ln(f64::from(scene.accel.primitives()) / CACHED) / LN_2).max(0.0);
+    rays - (1.0 - VISIBILITY) * shared + (PATH + sharing) / slowness
 }
 
 /// One sample of the pixels of a cell, row by row.
@@ -264,7 +295,7 @@ mod tests {
         let mut scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
         let crop = Window { x: 5, y: 9, width: 7, height: 18 };
         scene.sensor.film.crop = crop;
-        let mut corners: Vec<_> = Look::at(&scene, CELLS).cells.iter().map(|cell| cell.corner).collect();
+        let mut corners: Vec<_> = Look::at(&scene).cells.iter().map(|cell| cell.corner).collect();
         corners.sort_unstable();
         assert_eq!(corners, [(0, 8), (0, 16), (0, 24), (8, 8), (8, 16), (8, 24)]);
         let first = |corner| Cell { corner, ..Cell::default() }.first_of(crop);
@@ -272,12 +303,37 @@ mod tests {
     }
 
     #[test]
-    fn noise_in_the_dark_is_relative_to_the_light_of_the_image() {
-        let seen = Seen {
-            corner: (0, 0),
-            pixels: vec![(1.0, 4.0), (0.0, 0.0), (1e-3, 1e-4)],
-            counters: Counters::default(),
+    fn every_beginning_of_the_cells_lies_all_over_the_film() {
+        let corners = |width, height| corners(Window { x: 0, y: 0, width, height });
+        for (width, height, cells) in [(64, 64, 64), (60, 44, 48), (1920, 1080, 64)] {
+            let mut all = corners(width, height);
+            let quarters = |n: usize| {
+                let quarter = |&(x, y): &(u32, u32)| (2 * x >= width, 2 * y >= height);
+                all[..n].iter().map(quarter).collect::<std::collections::BTreeSet<_>>().len()
+            };
+            assert_eq!((all.len(), quarters(8)), (cells, 4), "{width} x {height}");
+            all.sort_unstable();
+            all.dedup();
+            assert_eq!(all.len(), cells);
+        }
+    }
+
+    #[test]
+    fn a_look_that_goes_on_is_the_look_at_all_its_cells() {
+        let scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
+        let corners = corners(scene.sensor.film.crop);
+        let looked = |stages: &[usize]| {
+            let mut sight = Sight::default();
+            stages.iter().for_each(|cells| sight.extend(&scene, &corners[..*cells]));
+            let look = sight.look();
+            (look.product(), look.cost, look.cells.len())
         };
+        assert_eq!(looked(&[3, 3, 9]), looked(&[9]));
+    }
+
+    #[test]
+    fn noise_in_the_dark_is_relative_to_the_light_of_the_image() {
+        let seen = Seen { corner: (0, 0), pixels: vec![(1.0, 4.0), (0.0, 0.0), (1e-3, 1e-4)], cost: 0.0 };
         let variance = |dark| seen.cell(dark).variance;
         assert!((variance(0.0) - (4.0 + 100.0) / 3.0).abs() < 1e-12);
         assert!((variance(0.01) - (4.0 + 1e-4 / 1.01e-4) / 3.0).abs() < 1e-3);

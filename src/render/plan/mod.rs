@@ -9,6 +9,7 @@
 pub mod guide;
 pub mod light_paths;
 mod look;
+mod race;
 pub mod reuse;
 
 use super::pixel;

@@ -6,98 +6,22 @@
 //! and more emitter samples where what is left then is direct light, which nobody shares. The pilot makes the
 //! same cells of pixels each way and counts the rays. v is the squared ratio of the sums of the cells'
 //! relative deviations, over which a rare bright path has less sway than over variances, with the light paths
-//! for caustics that are best beside them.
-//!
-//! Since direct light is never shared, its variance adds to that of the rest and falls as the number of its
-//! samples grows, whatever is shared. So two looks at pixels that share nothing, with few emitter samples and
-//! with many, predict any other look for any number of these, and all is chosen together.
+//! for caustics that are best beside them. They race each other: `race.rs`.
 
-use super::light_paths::{self, Brought};
-use super::look::{CELLS, Cell, GLANCE, Look};
+use super::light_paths;
+use super::race::Race;
 use crate::integrator::path::reuse::LightSources;
-use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::{Features, Scene};
 
 /// The settings that are chosen.
-#[derive(Clone, Copy)]
-struct Candidate {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
     /// Number of pixels that share.
-    pixels: u32,
+    pub pixels: u32,
     /// Light paths per group of pixels.
-    light_paths: u32,
+    pub light_paths: u32,
     /// Emitter samples of the first vertex.
-    samples: u32,
-}
-
-/// Numbers of pixels to choose from, each with the factor by which its product of variance and cost is
-/// multiplied for comparison: correlated errors are a price as well, which a small gain is not worth.
-const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
-
-/// If one number of pixels has a product that exceeds this times the best, larger numbers have not been seen
-/// to pay.
-const FAR: f64 = 1.3;
-
-/// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
-/// one colour and few samples, overestimates their gain where little noise is left.
-const LIGHT_PATHS: (u32, f64) = (8, 1.4);
-
-/// Numbers of emitter samples, as multiples of what other vertices take, each with its factor (see
-/// [`PIXELS`]).
-const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
-
-/// Cost of an emitter sample besides its ray, in rays.
-const EMITTER_SAMPLE: f64 = 0.75;
-
-/// A choice, and its product of variance, cost and factors such as those of [`PIXELS`], with as many light
-/// paths for caustics to a camera path as are best.
-struct Judged {
-    choice: Candidate,
-    product: f64,
-    caustics: Option<f64>,
-}
-
-impl Judged {
-    /// By a look that was measured or is predicted.
-    fn new(choice: Candidate, look: &Look, price: f64, brought: Option<&Brought>) -> Self {
-        let (product, caustics) = match brought.map(|brought| brought.best_with(look)) {
-            Some((product, light_paths)) => (product, Some(light_paths)),
-            None => (look.product(), None),
-        };
-        Self { choice, product: price * product, caustics }
-    }
-}
-
-/// Noise and cost of the emitter samples of the first vertex.
-struct Direct {
-    /// Variance of each cell that one emitter sample leaves; n of them leave an nth.
-    variances: Vec<f64>,
-    /// Cost of one emitter sample, in rays.
-    cost: f64,
-}
-
-impl Direct {
-    /// From looks with few and with many samples.
-    fn between((n, few): (u32, &Look), (m, many): (u32, &Look)) -> Self {
-        let (n, m) = (f64::from(n), f64::from(m));
-        let one = |(few, many): (&Cell, &Cell)| (few.variance - many.variance).max(0.0) / (1.0 / n - 1.0 / m);
-        Self {
-            variances: few.cells.iter().zip(&many.cells).map(one).collect(),
-            cost: (1.0 + EMITTER_SAMPLE) * (many.cost - few.cost).max(0.0) / (m - n),
-        }
-    }
-
-    /// Predicts what a look with n samples would have been with m.
-    fn foretell(&self, look: &Look, n: u32, m: u32) -> Look {
-        let (n, m) = (f64::from(n), f64::from(m));
-        let with = |(cell, direct): (&Cell, &f64)| Cell {
-            variance: (cell.variance - direct * (1.0 / n - 1.0 / m)).max(0.0),
-            ..*cell
-        };
-        Look {
-            cells: look.cells.iter().zip(&self.variances).map(with).collect(),
-            cost: look.cost + (m - n) * self.cost,
-        }
-    }
+    pub samples: u32,
 }
 
 /// Settles sharing and emitter samples, by a pilot if the scene's file or a command line leaves them to that,
@@ -106,13 +30,12 @@ impl Direct {
 /// may be dropped.
 pub fn settle(scene: &mut Scene) {
     let Some(path) = scene.integrator.path() else { return };
-    let free = path.free;
     let given = Candidate {
         pixels: path.reuse,
         light_paths: path.shared_light_paths,
         samples: path.first_emitter_samples,
     };
-    if !free.reuse {
+    if !path.free.reuse {
         set(scene, given);
         if scene.caustics.is_some() && light_paths::is_free(scene) {
             light_paths::balance(scene);
@@ -120,89 +43,14 @@ pub fn settle(scene: &mut Scene) {
         return;
     }
     scene.sensor.film.spread = scene.sensor.film.spreadable();
-    let mut best = choose(scene, given);
-    let relieved = scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
-    if let Some(caustics) = scene.caustics.take_if(|_| relieved) {
-        let without = choose(scene, given);
-        if without.product < best.product {
-            best = without;
-        } else {
-            scene.caustics = Some(caustics);
-        }
-        scene.settle_caustics();
-    }
-    set(scene, best.choice);
+    let best = Race::new(scene, given).run();
     if let Some(ratio) = best.caustics.filter(|_| light_paths::is_free(scene)) {
         light_paths::set(scene, ratio);
     }
 }
 
-/// The best choice for a scene as it is. A glance suffices where sharing is far from paying, unless the look
-/// is needed to balance light paths.
-fn choose(scene: &mut Scene, given: Candidate) -> Judged {
-    if scene.caustics.is_none()
-        && let (glanced, true) = among(scene, given, true)
-    {
-        return glanced;
-    }
-    among(scene, given, false).0
-}
-
-/// The best choice, and whether sharing is far from paying; a glance is for the latter.
-fn among(scene: &mut Scene, given: Candidate, glance: bool) -> (Judged, bool) {
-    let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
-    let brought = Brought::of(scene);
-    let alone = look_with(scene, given, glance);
-    let numbers = SAMPLES.map(|(times, price)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price));
-    let many = numbers[SAMPLES.len() - 1].0;
-    let direct = (free.first_emitter_samples && many > given.samples).then(|| {
-        let looked = look_with(scene, Candidate { samples: many, ..given }, glance);
-        Direct::between((given.samples, &alone), (many, &looked))
-    });
-    // The best number of emitter samples, from a look with `choice.samples` of them.
-    let judge = |choice: Candidate, look: Look, price: f64| {
-        let Some(direct) = &direct else { return Judged::new(choice, &look, price, brought.as_ref()) };
-        let each = numbers.map(|(samples, more)| {
-            let look = direct.foretell(&look, choice.samples, samples);
-            Judged::new(Candidate { samples, ..choice }, &look, price * more, brought.as_ref())
-        });
-        let [first, others @ ..] = each;
-        others.into_iter().fold(first, better)
-    };
-    let mut best = judge(given, alone, 1.0);
-    let (mut price_of_best, mut far) = (1.0, false);
-    for &(pixels, price) in if glance { &PIXELS[..1] } else { &PIXELS } {
-        let choice = Candidate { pixels, ..given };
-        let judged = judge(choice, look_with(scene, choice, glance), price);
-        // Where some pixels are far from paying, more are not tried.
-        if judged.product > FAR * best.product {
-            far = best.choice.pixels == given.pixels;
-            break;
-        }
-        if judged.product < best.product {
-            (best, price_of_best) = (judged, price);
-        }
-    }
-    let (each, price) = LIGHT_PATHS;
-    let lit = Candidate { light_paths: best.choice.pixels / each, ..best.choice };
-    if free.shared_light_paths && lit.light_paths > 0 && !glance {
-        let judged = judge(lit, look_with(scene, lit, glance), price * price_of_best);
-        best = better(best, judged);
-    }
-    (best, far)
-}
-
-fn look_with(scene: &mut Scene, choice: Candidate, glance: bool) -> Look {
-    set(scene, choice);
-    Look::at(scene, if glance { GLANCE } else { CELLS })
-}
-
-/// The one with the smaller product; of equals the first.
-fn better(a: Judged, b: Judged) -> Judged {
-    if b.product < a.product { b } else { a }
-}
-
-fn set(scene: &mut Scene, choice: Candidate) {
+/// Gives a scene these settings.
+pub fn set(scene: &mut Scene, choice: Candidate) {
     let Some(path) = scene.integrator.path_mut() else { return };
     let light_paths = choice.light_paths.min(if choice.pixels > 1 { choice.pixels } else { 0 });
     (path.reuse, path.shared_light_paths) = (choice.pixels, light_paths);
@@ -220,7 +68,6 @@ fn set(scene: &mut Scene, choice: Candidate) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
@@ -334,28 +181,5 @@ mod tests {
         assert!(choice("", &globe).2 > 0 && choice(ASKED, &aside).2 > 0);
         let told = ASKED.to_owned() + r#"<float name="light_paths" value="1"/>"#;
         assert_eq!(choice(&told, &globe).2, 64 * 48);
-    }
-
-    #[test]
-    fn two_looks_foretell_any_number_of_emitter_samples() {
-        // Shared light leaves so much of each cell, one sample of direct light so much more.
-        let (shared, direct) = ([3.0, 0.5, 0.0], [1.0, 8.0, 2.0]);
-        let look = |shared: [f64; 3], samples: f64, cost: f64| Look {
-            cells: shared
-                .iter()
-                .zip(&direct)
-                .map(|(shared, direct)| Cell { variance: shared + direct / samples, ..Cell::default() })
-                .collect(),
-            cost: cost + samples * (1.0 + EMITTER_SAMPLE),
-        };
-        // A ray is all that looks know of the cost of a sample.
-        let alone = |samples: f64| Look { cost: 5.0 + samples, ..look(shared, samples, 0.0) };
-        let direct = Direct::between((2, &alone(2.0)), (8, &alone(8.0)));
-        let fewer = shared.map(|variance| variance / 16.0);
-        let (foretold, seen) = (direct.foretell(&look(fewer, 1.0, 9.0), 1, 4), look(fewer, 4.0, 9.0));
-        assert!((foretold.cost - seen.cost).abs() < 1e-12);
-        for (foretold, seen) in foretold.cells.iter().zip(&seen.cells) {
-            assert!((foretold.variance - seen.variance).abs() < 1e-12);
-        }
     }
 }

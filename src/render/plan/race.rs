@@ -1,0 +1,374 @@
+//! A race of the ways to render a scene that [`reuse`] chooses from. All are looked at in the same few cells;
+//! those that are far behind the best drop out, the rest are looked at in more cells, and so on.
+//!
+//! Since direct light is never shared, its variance adds to that of the rest and falls as the number of its
+//! samples grows, whatever is shared. So two looks at pixels that share nothing, with few emitter samples and
+//! with many, predict any other look for any number of these, and all is chosen together.
+
+use super::light_paths::{self, Brought};
+use super::look::{Cell, Look, Sight, corners};
+use super::reuse::{self, Candidate};
+use crate::integrator::caustics::Caustics;
+use crate::math::function::ln;
+use crate::sampler::MOST_EMITTER_SAMPLES;
+use crate::scene::Scene;
+
+/// Numbers of pixels to choose from besides one, each with the factor by which its product of variance and cost
+/// is multiplied for comparison: correlated errors are a price as well, which a small gain is not worth.
+const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
+
+/// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
+/// one colour and few samples, overestimates their gain where little noise is left.
+const LIGHT_PATHS: (u32, f64) = (8, 1.4);
+
+/// Numbers of emitter samples, as multiples of what other vertices take, each with its factor (see
+/// [`PIXELS`]).
+const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
+
+/// Cost of an emitter sample besides its ray, in rays.
+const EMITTER_SAMPLE: f64 = 0.75;
+
+/// Numbers of cells of the stages of a race; the last is all that a look goes on to.
+const STAGES: [usize; 4] = [8, 16, 32, usize::MAX];
+
+/// What shares more pixels, or light paths, waits until a product of what shares less is within this factor of
+/// the best: it has not been seen to be best otherwise.
+const FAR: f64 = 1.3;
+
+/// What is not better than the best so far by this factor, however unlucky it was, drops out.
+const GAIN: f64 = 1.1;
+
+/// Standard errors within which ratios of products are believed to be.
+const SURE: f64 = 2.0;
+
+/// Cells that the number of light paths for caustics is chosen by.
+const BALANCED: usize = 24;
+
+/// A choice, and what is known or foretold of it with as many light paths for caustics to a camera path as are
+/// best.
+pub struct Judged {
+    pub choice: Candidate,
+    pub caustics: Option<f64>,
+    look: Look,
+    /// Variance times cost, and factors such as those of [`PIXELS`].
+    product: f64,
+}
+
+impl Judged {
+    /// By a look that was measured or is predicted.
+    fn new(choice: Candidate, look: Look, price: f64, brought: Option<&Brought>) -> Self {
+        let (look, caustics) = match brought.map(|brought| brought.best_with(&look)) {
+            Some((look, light_paths)) => (look, Some(light_paths)),
+            None => (look, None),
+        };
+        Self { choice, caustics, product: price * look.product(), look }
+    }
+
+    /// Whether this would gain little over the best so far even if chance had been against it. What two choices
+    /// have in each cell, relative to their means over the cells, differs; the logarithm of the ratio of the means
+    /// is uncertain by the standard error of the mean difference.
+    fn is_far_behind(&self, best: &Self) -> bool {
+        let relative = |look: &Look| {
+            let deviations: Vec<_> = look.cells.iter().map(|cell| cell.variance.sqrt()).collect();
+            let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
+            deviations.into_iter().map(move |deviation| deviation / mean)
+        };
+        let cells = self.look.cells.len() as f64;
+        let squares: f64 =
+            relative(&self.look).zip(relative(&best.look)).map(|(a, b)| (a - b) * (a - b)).sum();
+        // The product has the square of the mean.
+        let error = 2.0 * (squares / (cells * (cells - 1.0))).sqrt();
+        self.product > best.product && ln(self.product / best.product) > SURE * error - ln(GAIN)
+    }
+}
+
+/// Noise and cost of the emitter samples of the first vertex.
+struct Direct {
+    /// Variance of each cell that one emitter sample leaves; n of them leave an nth.
+    variances: Vec<f64>,
+    /// Cost of one emitter sample, in rays.
+    cost: f64,
+}
+
+impl Direct {
+    /// From looks with few and with many samples.
+    fn between((n, few): (u32, Look), (m, many): (u32, Look)) -> Self {
+        let (n, m) = (f64::from(n), f64::from(m));
+        let one = |(few, many): (&Cell, &Cell)| (few.variance - many.variance).max(0.0) / (1.0 / n - 1.0 / m);
+        Self {
+            variances: few.cells.iter().zip(&many.cells).map(one).collect(),
+            cost: (1.0 + EMITTER_SAMPLE) * (many.cost - few.cost).max(0.0) / (m - n),
+        }
+    }
+
+    /// Predicts what a look with n samples would have been with m.
+    fn foretell(&self, look: &Look, n: u32, m: u32) -> Look {
+        let (n, m) = (f64::from(n), f64::from(m));
+        let with = |(cell, direct): (&Cell, &f64)| Cell {
+            variance: (cell.variance - direct * (1.0 / n - 1.0 / m)).max(0.0),
+            ..*cell
+        };
+        Look {
+            cells: look.cells.iter().zip(&self.variances).map(with).collect(),
+            cost: look.cost + (m - n) * self.cost,
+        }
+    }
+}
+
+/// A way to render, with several numbers of emitter samples.
+struct Entrant {
+    /// With the fewest emitter samples.
+    choice: Candidate,
+    price: f64,
+    /// Numbers of emitter samples that are in the race, with their factors.
+    samples: Vec<(u32, f64)>,
+    sight: Sight,
+}
+
+/// All ways to render with light paths for caustics, or without them.
+struct Field {
+    caustics: bool,
+    /// The first shares nothing. It is looked at as long as it is in the race or predicts others.
+    entrants: Vec<Entrant>,
+    /// The first with the most emitter samples, while their number is open.
+    many: Option<Entrant>,
+    /// Those that enter, with their price, once one of others is within [`FAR`] of the best.
+    waiting: Vec<(Candidate, f64, Vec<Candidate>)>,
+}
+
+/// All fields of a scene.
+pub struct Race<'a> {
+    scene: &'a mut Scene,
+    fields: Vec<Field>,
+    /// All numbers of emitter samples, with their factors.
+    samples: Vec<(u32, f64)>,
+    /// What light paths for caustics bring.
+    brought: Option<Brought>,
+    /// These light paths, while the scene is without them.
+    aside: Option<Caustics>,
+}
+
+impl<'a> Race<'a> {
+    /// Of all settings of a scene that a pilot is to choose; the others are as given.
+    pub fn new(scene: &'a mut Scene, given: Candidate) -> Self {
+        let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
+        let times = |(times, price): (u32, f64)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price);
+        let samples =
+            if free.first_emitter_samples { SAMPLES.map(times).into() } else { vec![(given.samples, 1.0)] };
+        let brought = Brought::of(scene);
+        let relieved =
+            scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
+        let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
+        let with = brought.is_some();
+        let fields = if with && relieved { vec![field(true), field(false)] } else { vec![field(with)] };
+        Self { scene, fields, samples, brought, aside: None }
+    }
+
+    /// Runs it, and gives the scene the settings of the winner.
+    pub fn run(mut self) -> Judged {
+        let corners = corners(self.scene.sensor.film.crop);
+        for cells in STAGES {
+            let corners = &corners[..cells.min(corners.len())];
+            loop {
+                self.look(corners);
+                if !self.let_in() {
+                    break;
+                }
+            }
+            self.drop_those_behind();
+            self.fields.iter_mut().for_each(Field::settle_samples);
+            let still =
+                self.fields.iter().flat_map(|field| &field.entrants).map(|entrant| entrant.samples.len());
+            if still.sum::<usize>() == 1 && (self.brought.is_none() || corners.len() >= BALANCED) {
+                break;
+            }
+        }
+        let best = self.best();
+        self.dress(best.caustics.is_some(), best.choice);
+        best
+    }
+
+    /// Gives the scene these settings.
+    fn dress(&mut self, caustics: bool, choice: Candidate) {
+        if self.brought.is_some() && self.scene.caustics.is_some() != caustics {
+            std::mem::swap(&mut self.scene.caustics, &mut self.aside);
+            self.scene.settle_caustics();
+        }
+        reuse::set(self.scene, choice);
+    }
+
+    /// Looks at all that is in the race until these cells have been seen.
+    fn look(&mut self, corners: &[(u32, u32)]) {
+        let mut fields = std::mem::take(&mut self.fields);
+        for field in &mut fields {
+            let caustics = field.caustics;
+            for entrant in field.looked_at() {
+                self.dress(caustics, entrant.choice);
+                entrant.sight.extend(self.scene, corners);
+            }
+        }
+        self.fields = fields;
+    }
+
+    /// The best that is in the race; of equals the first.
+    fn best(&self) -> Judged {
+        let judged = self.fields.iter().flat_map(|field| field.judged(self.brought.as_ref()));
+        let better = |a: Judged, b: Judged| if b.product < a.product { b } else { a };
+        judged.flatten().reduce(better).expect("the best stays in the race")
+    }
+
+    /// Takes out of the race what is far behind.
+    fn drop_those_behind(&mut self) {
+        let best = self.best();
+        for field in &mut self.fields {
+            let judged: Vec<_> = field.judged(self.brought.as_ref()).collect();
+            for (entrant, judged) in field.entrants.iter_mut().zip(judged) {
+                let mut behind = judged.iter().map(|judged| judged.is_far_behind(&best));
+                entrant.samples.retain(|_| behind.next() != Some(true));
+            }
+        }
+    }
+
+    /// Lets in those that need wait no longer, and says whether there were any.
+    fn let_in(&mut self) -> bool {
+        let limit = FAR * self.best().product;
+        let (brought, samples) = (self.brought.as_ref(), &self.samples);
+        let entered: usize = self.fields.iter_mut().map(|field| field.let_in(limit, brought, samples)).sum();
+        entered > 0
+    }
+}
+
+impl Field {
+    fn new(caustics: bool, given: Candidate, samples: &[(u32, f64)], shares_light_paths: bool) -> Self {
+        let (each, more) = LIGHT_PATHS;
+        let (mut waiting, mut unlit_before, mut lit_before) = (vec![], given, None);
+        for (pixels, price) in PIXELS {
+            let unlit = Candidate { pixels, ..given };
+            let lit = Candidate { light_paths: pixels / each, ..unlit };
+            waiting.push((unlit, price, vec![unlit_before]));
+            if shares_light_paths {
+                waiting.push((lit, price * more, [unlit].into_iter().chain(lit_before).collect()));
+            }
+            (unlit_before, lit_before) = (unlit, Some(lit));
+        }
+        let many = samples.iter().map(|(samples, _)| *samples).max().filter(|many| *many > given.samples);
+        Self {
+            caustics,
+            entrants: vec![Entrant::new(given, 1.0, samples)],
+            many: many.map(|many| Entrant::new(Candidate { samples: many, ..given }, 1.0, &[])),
+            waiting,
+        }
+    }
+
+    /// What is to be looked at.
+    fn looked_at(&mut self) -> impl Iterator<Item = &mut Entrant> {
+        let predicts = self.many.is_some();
+        let raced = self.entrants.iter_mut().enumerate();
+        let raced = raced.filter(move |(i, entrant)| !entrant.samples.is_empty() || (*i == 0 && predicts));
+        raced.map(|(_, entrant)| entrant).chain(&mut self.many)
+    }
+
+    /// What is in the race, judged, by entrant.
+    fn judged(&self, brought: Option<&Brought>) -> impl Iterator<Item = Vec<Judged>> {
+        let (first, brought) = (&self.entrants[0], brought.filter(|_| self.caustics));
+        let direct = self.many.as_ref().map(|many| {
+            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look());
+            Direct::between(looked(first), looked(many))
+        });
+        self.entrants.iter().map(move |entrant| entrant.judged(direct.as_ref(), brought))
+    }
+
+    /// Lets in those that wait for what is within a limit, and says how many there were.
+    fn let_in(&mut self, limit: f64, brought: Option<&Brought>, samples: &[(u32, f64)]) -> usize {
+        let judged: Vec<_> = self.judged(brought).collect();
+        let near = |(entrant, judged): (&Entrant, Vec<Judged>)| {
+            judged.iter().any(|judged| judged.product <= limit).then_some(entrant.choice)
+        };
+        let near: Vec<_> = self.entrants.iter().zip(judged).filter_map(near).collect();
+        let (entering, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.waiting)
+            .into_iter()
+            .partition(|(_, _, others)| others.iter().any(|other| near.contains(other)));
+        self.waiting = waiting;
+        let entered = entering.len();
+        self.entrants
+            .extend(entering.into_iter().map(|(choice, price, _)| Entrant::new(choice, price, samples)));
+        entered
+    }
+
+    /// Predicts nothing any more once nothing in the race has more emitter samples than it is looked at with.
+    fn settle_samples(&mut self) {
+        let several = |entrant: &Entrant| entrant.samples.iter().any(|(n, _)| *n > entrant.choice.samples);
+        self.many.take_if(|_| !self.entrants.iter().any(several));
+    }
+}
+
+impl Entrant {
+    fn new(choice: Candidate, price: f64, samples: &[(u32, f64)]) -> Self {
+        Self { choice, price, samples: samples.into(), sight: Sight::default() }
+    }
+
+    /// With each number of emitter samples that is in the race.
+    fn judged(&self, direct: Option<&Direct>, brought: Option<&Brought>) -> Vec<Judged> {
+        if self.samples.is_empty() {
+            return vec![];
+        }
+        let seen = self.sight.look();
+        let with = |(samples, more): &(u32, f64)| {
+            let choice = Candidate { samples: *samples, ..self.choice };
+            let foretold = match direct {
+                Some(direct) => direct.foretell(&seen, self.choice.samples, *samples),
+                None => seen.clone(),
+            };
+            Judged::new(choice, foretold, self.price * more, brought)
+        };
+        self.samples.iter().map(with).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(variances: &[f64], cost: f64) -> Judged {
+        let cells = variances.iter().map(|v| Cell { variance: *v, ..Cell::default() }).collect();
+        let choice = Candidate { pixels: 1, light_paths: 0, samples: 1 };
+        Judged::new(choice, Look { cells, cost }, 1.0, None)
+    }
+
+    #[test]
+    fn what_drops_out_is_what_luck_cannot_explain() {
+        let best = judged(&[1.0, 4.0, 9.0, 1.0], 1.0);
+        // A little dearer in each cell alike: nothing to hope for.
+        assert!(judged(&[1.0, 4.0, 9.0, 1.0], 1.01).is_far_behind(&best));
+        assert!(judged(&[2.0, 8.0, 18.0, 2.0], 1.0).is_far_behind(&best));
+        // Much noisier in one cell, and calmer in the others.
+        let unlucky = judged(&[0.8, 3.0, 7.0, 9.0], 1.0);
+        assert!(unlucky.product > 1.3 * best.product && !unlucky.is_far_behind(&best));
+        assert!(!best.is_far_behind(&best) && !best.is_far_behind(&unlucky));
+        let dark = judged(&[0.0; 4], 1.0);
+        assert!(!dark.is_far_behind(&dark) && !judged(&[0.0; 4], 2.0).is_far_behind(&dark));
+    }
+
+    #[test]
+    fn two_looks_foretell_any_number_of_emitter_samples() {
+        // Shared light leaves so much of each cell, one sample of direct light so much more.
+        let (shared, direct) = ([3.0, 0.5, 0.0], [1.0, 8.0, 2.0]);
+        let look = |shared: [f64; 3], samples: f64, cost: f64| Look {
+            cells: shared
+                .iter()
+                .zip(&direct)
+                .map(|(shared, direct)| Cell { variance: shared + direct / samples, ..Cell::default() })
+                .collect(),
+            cost: cost + samples * (1.0 + EMITTER_SAMPLE),
+        };
+        // A ray is all that looks know of the cost of a sample.
+        let alone = |samples: f64| Look { cost: 5.0 + samples, ..look(shared, samples, 0.0) };
+        let direct = Direct::between((2, alone(2.0)), (8, alone(8.0)));
+        let fewer = shared.map(|variance| variance / 16.0);
+        let (foretold, seen) = (direct.foretell(&look(fewer, 1.0, 9.0), 1, 4), look(fewer, 4.0, 9.0));
+        assert!((foretold.cost - seen.cost).abs() < 1e-12);
+        for (foretold, seen) in foretold.cells.iter().zip(&seen.cells) {
+            assert!((foretold.variance - seen.variance).abs() < 1e-12);
+        }
+    }
+}
