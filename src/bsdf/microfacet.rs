@@ -103,7 +103,27 @@ impl Distribution {
     /// The density, in sr⁻¹, with which [`Self::sample`] makes `m` for a viewer `w` with w.z > 0.
     #[inline]
     pub fn pdf(&self, w: DVec3, m: DVec3) -> f64 {
-        self.density(m) * if self.visible { self.visible_share(w) * w.dot(m).max(0.0) / w.z } else { m.z }
+        self.density(m) * self.drawn_share(w, m)
+    }
+
+    /// Ratio of the density of sampled facets to that of facets.
+    #[inline]
+    fn drawn_share(&self, w: DVec3, m: DVec3) -> f64 {
+        if self.visible { self.visible_share(w) * w.dot(m).max(0.0) / w.z } else { m.z }
+    }
+
+    /// D·G of directions that meet at a facet `m`, and the density with which a viewer `wo` samples it.
+    #[inline]
+    pub fn shown_and_drawn(&self, wo: DVec3, wi: DVec3, m: DVec3) -> (f64, f64) {
+        let density = self.density(m);
+        (density * self.masking(wo, m) * self.masking(wi, m), density * self.drawn_share(wo, m))
+    }
+
+    /// The same if the viewer samples the [widened](Self::widened) distribution.
+    #[inline]
+    pub fn shown_and_drawn_widened(&self, wo: DVec3, wi: DVec3, m: DVec3) -> (f64, f64) {
+        let (shown, drawn) = self.shown_and_drawn(wo, wi, m);
+        (shown, if self.visible { drawn } else { self.widened(wo.z).pdf(wo, m) })
     }
 
     /// Draws a facet normal for a viewer `w` with w.z > 0.
@@ -139,8 +159,8 @@ impl Distribution {
     /// density of `wi` when `m` is sampled. The value still lacks its Fresnel factor.
     #[inline]
     pub fn reflection(&self, wo: DVec3, wi: DVec3, m: DVec3) -> (f64, f64) {
-        let value = self.density(m) * self.masking(wo, m) * self.masking(wi, m) / (4.0 * wo.z);
-        (value, self.pdf(wo, m) / (4.0 * wo.dot(m)))
+        let (shown, drawn) = self.shown_and_drawn(wo, wi, m);
+        (shown / (4.0 * wo.z), drawn / (4.0 * wo.dot(m)))
     }
 }
 

@@ -95,8 +95,7 @@ impl Frosted {
             return (0.0, 0.0);
         }
         let face = fresnel::dielectric(o, eta);
-        let shown = self.facets.density(m) * self.facets.masking(wo, m) * self.facets.masking(wi, m);
-        let drawn = self.facets.widened(wo.z).pdf(wo, m);
+        let (shown, drawn) = self.facets.shown_and_drawn_widened(wo, wi, m);
         if wi.z > 0.0 {
             return (face.reflectance * shown / (4.0 * wo.z), face.reflectance * drawn / (4.0 * o));
         }

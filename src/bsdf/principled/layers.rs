@@ -137,12 +137,11 @@ impl Layers {
         }
         let h = o + at.eta * i;
         let jacobian = -i / (h * h);
-        let shown =
-            self.facets.density(at.m) * self.facets.masking(at.wo, at.m) * self.facets.masking(at.wi, at.m);
+        let (shown, drawn) = self.facets.shown_and_drawn(at.wo, at.wi, at.m);
         // η² of the Jacobian is not in the value, because radiance carries 1/η².
         let value = self.clear * at.face.transmittance * shown * o * jacobian / at.wo.z;
         let chance = if outside { self.specular_chance * self.clear } else { 1.0 };
-        let drawn = self.facets.pdf(at.wo, at.m) * at.eta * at.eta * jacobian;
+        let drawn = drawn * at.eta * at.eta * jacobian;
         Evaluation {
             value: self.base.map(f32::sqrt) * value as f32,
             pdf: chance * at.face.transmittance * drawn,

@@ -91,18 +91,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_committed_plan_names_known_renderers_and_present_scenes() {
-        let plan = load(&file()).unwrap();
+    fn the_committed_plans_name_known_renderers_and_present_scenes() {
         let known = crate::renderers::load(&crate::renderers::file()).unwrap();
-        assert!(plan.renderers().all(|name| known.contains_key(name)));
-        let (own, others): (Vec<&Entry>, Vec<&Entry>) =
-            plan.scene.iter().partition(|entry| entry.path(None).is_ok());
-        assert_eq!(own.iter().filter(|entry| entry.path(None).is_ok_and(|path| path.is_file())).count(), 10);
-        assert!(others.iter().all(|entry| entry.path(None).is_err_and(|why| why.contains(&entry.from))));
-        assert!(others.iter().all(|entry| !entry.from.is_empty()));
-        let mut names: Vec<&String> = plan.scene.iter().map(|entry| &entry.name).collect();
-        names.sort();
-        names.dedup();
-        assert_eq!(names.len(), plan.scene.len());
+        for (file, own_scenes) in [(file(), 10), (file().with_file_name("converge/rooms.toml"), 0)] {
+            let plan = load(&file).unwrap();
+            assert!(plan.renderers().all(|name| known.contains_key(name)));
+            let (own, others): (Vec<&Entry>, Vec<&Entry>) =
+                plan.scene.iter().partition(|entry| entry.path(None).is_ok());
+            let present = own.iter().filter(|entry| entry.path(None).is_ok_and(|path| path.is_file()));
+            assert_eq!(present.count(), own_scenes);
+            assert!(others.iter().all(|entry| entry.path(None).is_err_and(|why| why.contains(&entry.from))));
+            assert!(others.iter().all(|entry| !entry.from.is_empty()));
+            let mut names: Vec<&String> = plan.scene.iter().map(|entry| &entry.name).collect();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), plan.scene.len());
+        }
     }
 }
