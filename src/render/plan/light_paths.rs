@@ -100,8 +100,8 @@ impl Brought {
 
     /// A look with as many light paths to each camera path as are best beside it, and that number.
     pub fn best_with(&self, look: &Look) -> (Look, f64) {
-        // Variances of a cell relative to its light squared: that which camera paths leave, and that which one
-        // light path per camera path leaves. Cells that are black are left as they are.
+        // Variances of a cell relative to its light squared: that which camera paths leave, and that which
+        // one light path per camera path leaves. Black cells have neither.
         let of_cell = |cell: &Cell| {
             let Tile { light, squares } = self.tiles[tile(self.film, FINE_TILES, cell.first_of(self.film))];
             let all = cell.light + light;

@@ -1,5 +1,5 @@
-//! A look: a few cells of an image are rendered to measure their noise and their cost. It can go on to more cells,
-//! in an order that all looks at a film share, so that two of them compare the same cells.
+//! A look: a few cells of an image are rendered to measure their noise and their cost. It can go on to more
+//! cells, in an order that all looks at a film share, so that two of them compare the same cells.
 
 use super::super::spread::neighbours;
 use super::{Camera, brightness, pilot_camera, scattered};
@@ -35,8 +35,8 @@ const CAMERA_SAMPLES: u64 = 32;
 /// Most cells that a look goes on to.
 const MOST: u64 = 64;
 
-/// Cells of a look that does not go on, unless the film has fewer: enough, and between one number and the other as
-/// many as make one sample of every pixel of the film.
+/// Cells of a look that does not go on, unless the film has fewer: enough, and between one number and the
+/// other as many as make one sample of every pixel of the film.
 const ENOUGH: [u64; 2] = [24, 64];
 
 /// Samples of a block, of which the sums are compared: noise that stratification removes must not count.
@@ -161,8 +161,8 @@ impl Seen {
             (sum, cost(scene, &counters, which.len() as f64))
         };
         let blocks: Vec<_> = (0..BLOCKS).into_par_iter().map(of_block).collect();
-        // The variance of a pixel's sum, from the scatter of its blocks, over its number of samples is that of
-        // one sample.
+        // The variance of a pixel's sum, from the scatter of its blocks, over its number of samples is that
+        // of one sample.
         let of_pixel = |((x, y), _): ((u32, u32), u64)| {
             let of_blocks = blocks.iter().map(|(block, _)| block[(y % CELL) as usize][(x % CELL) as usize]);
             let (sum, squares) = of_blocks.fold((0.0, 0.0), |(sum, squares), b| (sum + b, squares + b * b));

@@ -10,8 +10,8 @@ use crate::math::function::ln;
 use crate::sampler::MOST_EMITTER_SAMPLES;
 use crate::scene::Scene;
 
-/// Numbers of pixels to choose from besides one, each with the factor by which its product of variance and cost
-/// is multiplied for comparison: correlated errors are a price as well, which a small gain is not worth.
+/// Numbers of pixels to choose from besides one, each with the factor by which its product of variance and
+/// cost is multiplied for comparison: correlated errors are a price as well, which a small gain is not worth.
 const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
 /// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
@@ -25,8 +25,8 @@ const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
 /// Numbers of cells of the stages of a race; the last is all that a look goes on to.
 const STAGES: [usize; 4] = [8, 16, 32, usize::MAX];
 
-/// What shares more pixels, or light paths, waits until a product of what shares less is within this factor of
-/// the best: it has not been seen to be best otherwise.
+/// What shares more pixels, or light paths, waits until a product of what shares less is within this factor
+/// of the best: it has not been seen to be best otherwise.
 const FAR: f64 = 1.3;
 
 /// What is not better than the best so far by this factor, however unlucky it was, drops out.
@@ -38,8 +38,8 @@ const SURE: f64 = 2.0;
 /// Cells that the number of light paths for caustics is chosen by.
 const BALANCED: usize = 24;
 
-/// A choice, and what is known or foretold of it with as many light paths for caustics to a camera path as are
-/// best.
+/// A choice, and what is known or foretold of it with as many light paths for caustics to a camera path as
+/// are best.
 pub struct Judged {
     pub choice: Candidate,
     pub caustics: Option<f64>,
@@ -58,9 +58,9 @@ impl Judged {
         Self { choice, caustics, product: price * look.product(), look }
     }
 
-    /// Whether this would gain little over the best so far even if chance had been against it. What two choices
-    /// have in each cell, relative to their means over the cells, differs; the logarithm of the ratio of the means
-    /// is uncertain by the standard error of the mean difference.
+    /// Whether this would gain little over the best so far even if chance had been against it. What two
+    /// choices have in each cell, relative to their means over the cells, differs; the logarithm of the ratio
+    /// of the means is uncertain by the standard error of the mean difference.
     fn is_far_behind(&self, best: &Self) -> bool {
         let relative = |look: &Look| {
             let deviations: Vec<_> = look.cells.iter().map(|cell| cell.variance.sqrt()).collect();
