@@ -65,7 +65,8 @@ pub fn relations() -> Vec<Relation> {
             1.0,
             &(ball(&bsdf("conductor", "<string name=\"material\" value=\"Cu\"/>")) + &sheet(&metal())),
         )
-        .in_spectra(),
+        .in_spectra()
+        .at_length(),
         relation(
             "dispersion",
             1.0,

@@ -241,7 +241,7 @@ pub fn relations() -> Vec<Relation> {
         relation("two_sided_glass", &view, &room(&block(&two_sided(&glass(""))))),
         relation("two_sided_frosted_glass", &view, &room(&ball(&two_sided(&frosted)))),
         relation("two_sided_veil", &view, &room(&(ball(&mirror()) + &two_sided_veil))),
-        relation("in_spectra", &view, &room(&ball(&glass("")))).in_spectra(),
+        relation("in_spectra", &view, &room(&ball(&glass("")))).in_spectra().at_length(),
         relation(
             "dispersion",
             &view,

@@ -48,6 +48,6 @@ pub fn relations() -> Vec<Relation> {
         up_to(4, "no_edge_too_far", 0.0, &ball(&clear())),
         relation("dispersion", 0.0, &(block(flint) + &ball(&metal()))).in_spectra().longer(2),
         shared("path_re_use", 1.0).at_length(),
-        shared("path_re_use_at_all_vertices", 0.0),
+        shared("path_re_use_at_all_vertices", 0.0).at_length(),
     ]
 }

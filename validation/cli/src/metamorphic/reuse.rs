@@ -222,6 +222,7 @@ pub fn relations() -> Vec<Relation> {
     };
     relations.push(colours.option("integer", "rr_depth", "2").relation().samples(16_384));
     relations.push(case("dispersion", room(&ball(&flint))).relation().in_spectra().samples(4096));
-    relations.push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().longer(4));
+    relations
+        .push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().longer(4).at_length());
     relations
 }
