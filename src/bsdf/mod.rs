@@ -281,6 +281,7 @@ materials! {
     plastic::Plastic,
     roughplastic::RoughPlastic,
     principled::Principled,
+    principledthin::PrincipledThin,
     null::Null,
     twosided::TwoSided,
     mask::Mask,

@@ -8,6 +8,7 @@ mod constant;
 mod directional;
 mod envmap;
 mod point;
+mod projector;
 pub mod select;
 mod spot;
 pub mod tree;
@@ -25,6 +26,7 @@ pub use constant::Constant;
 pub use directional::Directional;
 pub use envmap::{EnvironmentMap, MapPlace};
 pub use point::Point;
+pub use projector::Projector;
 pub use select::{Choice, Emitters};
 use select::{Distant, Expected};
 pub use spot::Spot;
@@ -52,6 +54,7 @@ pub enum AnyEmitter {
     Area(Area),
     Point(Point),
     Spot(Box<Spot>),
+    Projector(Box<Projector>),
     Directional(Directional),
     Constant(Constant),
     Envmap(Box<EnvironmentMap>),
@@ -72,7 +75,7 @@ macro_rules! emitters {
         }),*];
     };
 }
-emitters!(area, point, spot, directional, constant, envmap);
+emitters!(area, point, spot, projector, directional, constant, envmap);
 
 /// Refuses a texture where there is no surface to have a place on; `expected` says what may stand there.
 fn require_constant(
@@ -137,6 +140,7 @@ impl AnyEmitter {
             (Self::Area(_), None) => None,
             (Self::Point(point), _) => point.sample(p, λ),
             (Self::Spot(spot), _) => spot.sample(p, λ),
+            (Self::Projector(projector), _) => projector.sample(p, λ),
             (Self::Directional(directional), _) => directional.sample(λ),
             (Self::Constant(constant), _) => constant.sample(n, u, λ),
             (Self::Envmap(map), _) => map.sample(n, u),
@@ -210,6 +214,9 @@ impl AnyEmitter {
                 near((point.place(), point.place()), (Cone::EVERYWHERE, 0.0), point.intensity())
             }
             (Self::Spot(spot), _) => near((spot.place(), spot.place()), spot.cone(), spot.intensity()),
+            (Self::Projector(projector), _) => {
+                near((projector.place(), projector.place()), projector.cone(), projector.intensity())
+            }
             (Self::Directional(directional), _) => far(directional.irradiance(), directional.towards()),
             (Self::Constant(constant), _) => far(PI * constant.sought(), DVec3::ZERO),
             (Self::Envmap(map), _) => far(PI * map.sought(), DVec3::ZERO),
@@ -231,6 +238,7 @@ impl AnyEmitter {
             Self::Area(_) => area::NAME,
             Self::Point(_) => point::NAME,
             Self::Spot(_) => spot::NAME,
+            Self::Projector(_) => projector::NAME,
             Self::Directional(_) => directional::NAME,
             Self::Constant(_) => constant::NAME,
             Self::Envmap(_) => envmap::NAME,

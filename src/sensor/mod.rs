@@ -198,8 +198,9 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
     Ok(Common { to_world, near, far, film, sampler, medium })
 }
 
-/// tan of half the horizontal field of view, from `fov` and `fov_axis` or from `focal_length`.
-fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
+/// tan of half the horizontal field of view of a picture of this width over height, from `fov` and `fov_axis`
+/// or from `focal_length`.
+pub fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
     let axes = ["x", "y", "diagonal", "smaller", "larger"];
     let expected = "degrees above 0 and below 180";
     let about = "field of view in degrees; without it `focal_length` holds";
@@ -232,8 +233,9 @@ fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
     })
 }
 
-/// Refuses a camera whose transform scales; distances along its rays would not be distances in the world.
-fn require_rigid(params: &Params, to_world: &Transform) -> Result<(), SceneError> {
+/// Refuses a camera, or another thing of this name, whose transform scales; distances along its rays would not
+/// be distances in the world.
+pub fn require_rigid(params: &Params, to_world: &Transform, name: &str) -> Result<(), SceneError> {
     /// Matrices written with a few decimals are meant as rotations; Mitsuba's tolerance.
     const TOLERANCE: f64 = 1e-3;
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
@@ -241,7 +243,7 @@ fn require_rigid(params: &Params, to_world: &Transform) -> Result<(), SceneError
     if scaled {
         return Err(params.error(
             "to_world",
-            "a camera cannot be scaled",
+            format!("{name} cannot be scaled"),
             "expected rotation and translation",
         ));
     }

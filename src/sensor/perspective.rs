@@ -29,7 +29,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let half = DVec2::new(half, half / common.film.aspect());
     let x = params.float("principal_point_offset_x", 0.0, "of the film's centre, in film widths")?;
     let y = params.float("principal_point_offset_y", 0.0, "of the film's centre, in film heights")?;
-    require_rigid(params, &common.to_world)?;
+    require_rigid(params, &common.to_world, "a camera")?;
     let camera = AnySensor::Perspective(Perspective {
         to_world: common.to_world,
         half,

@@ -40,7 +40,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let expected = "a positive distance";
     let about = "depth of the plane of focus; `far_clip` by default";
     let focus_distance = params.float_where("focus_distance", common.far, about, expected, |v| v > 0.0)?;
-    require_rigid(params, &common.to_world)?;
+    require_rigid(params, &common.to_world, "a camera")?;
     let half = DVec2::new(half, half / common.film.aspect());
     let camera = AnySensor::ThinLens(ThinLens {
         to_world: common.to_world,

@@ -155,6 +155,11 @@ impl Texels {
 }
 
 impl Bitmap {
+    /// See [`AnyTexture::aspect`].
+    pub fn aspect(&self) -> f64 {
+        self.width as f64 / self.height as f64
+    }
+
     /// The four texels about a place, row by row, and how far it lies from the first towards the others.
     #[inline(always)]
     fn square(&self, uv: DVec2) -> ([usize; 4], f64, f64) {

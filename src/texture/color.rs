@@ -1,7 +1,7 @@
 //! `<rgb>`, `<spectrum>` and `<float>`: constants as scene files write them, turned into spectra as Mitsuba
 //! turns them. The same numbers mean different spectra for what reflects and for what emits.
 
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, Span};
 use crate::scene::loader::Loader;
 use crate::scene::params::{MOST, Usage, number};
 use crate::scene::spectrum::{self, Declared};
@@ -18,16 +18,8 @@ pub fn parse<'d>(
 ) -> Result<SpectralFunction, SceneError> {
     match element.tag.as_str() {
         "float" | "integer" => {
-            element.only(&["name", "value"])?;
-            let value = element.require("value")?;
-            let number = number(&value.value).ok_or_else(|| {
-                SceneError::at(
-                    &value.value_span,
-                    format!("`{}` is no number", value.value),
-                    "expected a number",
-                )
-            })?;
-            check_range(&[number], value, usage)?;
+            let number = number_of(element)?;
+            check_range(&[number], &element.require("value")?.value_span, usage)?;
             Ok(match usage {
                 Usage::Emission => from_rgb([number; 3], usage, loader),
                 _ => SpectralFunction::Uniform(number as f32),
@@ -35,7 +27,7 @@ pub fn parse<'d>(
         }
         "rgb" | "srgb" => {
             let (rgb, value) = components(element)?;
-            check_range(&rgb, value, usage)?;
+            check_range(&rgb, &value.value_span, usage)?;
             Ok(from_rgb(rgb, usage, loader))
         }
         "spectrum" => parse_spectrum(element, loader, usage),
@@ -48,6 +40,14 @@ pub fn parse<'d>(
             Err(SceneError::at(&element.span, message, "expected <rgb>, <spectrum>, <float> or <texture>"))
         }
     }
+}
+
+/// The number of a `<float>`.
+pub fn number_of(element: &Element) -> Result<f64, SceneError> {
+    element.only(&["name", "value"])?;
+    let value = element.require("value")?;
+    let message = || format!("`{}` is no number", value.value);
+    number(&value.value).ok_or_else(|| SceneError::at(&value.value_span, message(), "expected a number"))
 }
 
 /// The numbers of an `<rgb>`, and the attribute that holds them.
@@ -83,7 +83,7 @@ fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 }
 
 /// Refuses reflectances beyond 0 to 1, and of anything else what is negative or more than f32 can hold.
-pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<(), SceneError> {
+pub fn check_range(values: &[f64], place: &Span, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
         Usage::Emission | Usage::Unbounded | Usage::Any => {
@@ -92,7 +92,7 @@ pub fn check_range(values: &[f64], place: &Attribute, usage: Usage) -> Result<()
     };
     match values.iter().find(|v| !(0.0..=top).contains(*v)) {
         None => Ok(()),
-        Some(v) => Err(SceneError::at(&place.value_span, format!("{v} is out of range"), expected)),
+        Some(v) => Err(SceneError::at(place, format!("{v} is out of range"), expected)),
     }
 }
 
@@ -139,7 +139,7 @@ fn parse_spectrum<'d>(
 ) -> Result<SpectralFunction, SceneError> {
     match spectrum::parse(element, loader)? {
         (Declared::Number(value), place) => {
-            check_range(&[value], place, usage)?;
+            check_range(&[value], &place.value_span, usage)?;
             Ok(uniform(value, usage, loader.mode))
         }
         (Declared::Table(table), place) => from_table(table, place, usage, loader),

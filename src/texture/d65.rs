@@ -25,7 +25,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     if let Some(element) = params.raw("color", "rgb", "1", "linear sRGB colour of the light")? {
         let (rgb, value) = color::components(element)?;
         let rgb = rgb.map(|v| v * scale);
-        color::check_range(&rgb, value, Usage::Emission)?;
+        color::check_range(&rgb, &value.value_span, Usage::Emission)?;
         return Ok(AnyTexture::Constant(color::from_rgb(rgb, Usage::Emission, params.loader)));
     }
     let about = "a texture or spectrum to multiply, from 0 to 1";
@@ -37,6 +37,11 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
 }
 
 impl UnderD65 {
+    /// See [`AnyTexture::aspect`].
+    pub fn aspect(&self) -> f64 {
+        self.texture.aspect()
+    }
+
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         let value = self.texture.eval(uv, λ) * self.scale;
         match λ.mode() {

@@ -11,6 +11,7 @@ mod color;
 mod d65;
 mod irregular;
 mod lookup;
+mod rawconstant;
 mod regular;
 mod srgb;
 mod uniform;
@@ -48,7 +49,7 @@ macro_rules! entries {
         }),*];
     };
 }
-entries!(bitmap, checkerboard, uniform, regular, irregular, srgb, d65, blackbody);
+entries!(bitmap, checkerboard, uniform, regular, irregular, rawconstant, srgb, d65, blackbody);
 
 impl AnyTexture {
     /// Reads `<rgb>`, `<spectrum>`, `<float>` or `<texture>`.
@@ -181,6 +182,15 @@ impl AnyTexture {
         match self {
             Self::Constant(function) => function.constant().map(|v| v as f64),
             _ => None,
+        }
+    }
+
+    /// Width over height of the picture; 1 of what is no picture.
+    pub fn aspect(&self) -> f64 {
+        match self {
+            Self::Bitmap(bitmap) => bitmap.aspect(),
+            Self::UnderD65(product) => product.aspect(),
+            Self::Constant(_) | Self::Checkerboard(_) => 1.0,
         }
     }
 

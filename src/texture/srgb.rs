@@ -18,7 +18,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let unbounded = params.boolean("unbounded", false, about)?;
     if unbounded && params.usage == Usage::Emission {
         let (rgb, value) = color::components(element)?;
-        color::check_range(&rgb, value, Usage::Emission)?;
+        color::check_range(&rgb, &value.value_span, Usage::Emission)?;
         return Ok(AnyTexture::Constant(color::from_rgb(rgb, Usage::Reflectance, params.loader)));
     }
     // As in Mitsuba it stays a reflectance even as an emission: there <rgb> is relative to D65, this is not.

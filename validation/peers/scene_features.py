@@ -35,10 +35,17 @@ REQUIRED = {
         principled.spec_trans principled.eta principled.specular principled.flatness principled.sheen
         principled.clearcoat principled.clearcoat_gloss principled.spec_tint principled.sheen_tint
         principled.main_specular_sampling_rate principled.diffuse_reflectance_sampling_rate
-        principled.clearcoat_sampling_rate""".split(),
+        principled.clearcoat_sampling_rate principledthin.base_color:rgb principledthin.base_color:bitmap
+        principledthin.roughness principledthin.anisotropic principledthin.spec_trans:float
+        principledthin.spec_trans:checkerboard principledthin.eta principledthin.flatness principledthin.sheen
+        principledthin.diff_trans principledthin.diffuse_transmittance_sampling_rate
+        principledthin.specular_reflectance_sampling_rate
+        principledthin.specular_transmittance_sampling_rate""".split(),
     "emitters": """area@rectangle area@sphere area@disk area@cylinder area@obj area@ply area.radiance:bitmap
         area.radiance:rgb point.position point.to_world spot.cutoff_angle spot.beam_width spot.texture:bitmap
-        spot.to_world directional.direction directional.to_world emitter:constant envmap.filename envmap.to_world
+        spot.to_world projector.irradiance:bitmap projector.irradiance:rgb projector.irradiance:checkerboard
+        projector.scale projector.fov projector.fov_axis=y projector.focal_length projector.to_world
+        directional.direction directional.to_world emitter:constant envmap.filename envmap.to_world
         envmap.scale""".split(),
     "sensors": """sensor:perspective perspective.fov_axis=x perspective.fov_axis=y perspective.fov_axis=diagonal
         perspective.fov_axis=smaller perspective.fov_axis=larger perspective.focal_length

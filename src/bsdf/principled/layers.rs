@@ -1,6 +1,7 @@
 //! The principled model at a point.
 
 use super::Gtr1;
+use super::matte::{Matte, fifth, schlick};
 use crate::bsdf::dielectric::seen;
 use crate::bsdf::microfacet::{Distribution, Shape, reflect};
 use crate::bsdf::roughdielectric::upward;
@@ -8,26 +9,20 @@ use crate::bsdf::{Bsdf, Evaluation, Sample, fresnel, rescale};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, warp};
 use crate::spectrum::Spectrum;
-use std::f64::consts::FRAC_1_PI;
 
 /// All lobes at a point.
 pub struct Layers {
-    pub base: Spectrum,
+    /// What neither this nor `clear` takes is metal, which has no sheen.
+    pub matte: Matte,
     /// Colour of the base over its luminance; 1 where nothing is tinted.
     pub hue: Spectrum,
-    /// Colour of the sheen times its amount; zero on metal.
-    pub sheen: Spectrum,
     pub facets: Distribution,
     /// η inside / η outside.
     pub eta: f64,
-    pub roughness: f64,
     pub metallic: f64,
     pub spec_tint: f64,
-    pub flatness: f64,
     pub clearcoat: f64,
     pub coat: Gtr1,
-    /// Share of the matte lobe; what neither this nor `clear` takes is metal.
-    pub matte: f64,
     /// Share of what reflects and transmits like glass.
     pub clear: f64,
     /// Probabilities of sampling the matte lobe and the coat, seen from outside.
@@ -63,8 +58,8 @@ impl Meeting {
 }
 
 impl Layers {
-    /// Schlick's (1 − cos θ)⁵, with the angle on the thinner side.
-    fn schlick(&self, at: &Meeting) -> f64 {
+    /// (1 − cos θ)⁵ for Schlick's approximation, with the angle on the thinner side.
+    fn schlick_weight(&self, at: &Meeting) -> f64 {
         fifth(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
     }
 
@@ -76,27 +71,12 @@ impl Layers {
         if reflectance == 0.0 {
             return Spectrum::ZERO;
         }
-        let weight = self.schlick(at);
-        let approximate = |r0: Spectrum| r0 * (1.0 - weight) as f32 + Spectrum::splat(weight as f32);
+        let weight = self.schlick_weight(at);
         let r0 = (at.eta - 1.0) / (at.eta + 1.0);
         let [metal, tinted] = [self.metallic, (1.0 - self.metallic) * self.spec_tint];
         Spectrum::splat(((1.0 - self.metallic) * (1.0 - self.spec_tint) * reflectance) as f32)
-            + approximate(self.base) * metal as f32
-            + approximate(self.hue * (r0 * r0) as f32) * tinted as f32
-    }
-
-    /// The matte lobe and the sheen: Burley 2012, section 5.3, with retroreflection as in 2015, equation 4;
-    /// for `flatness` the fit of 2012 to light from below the surface (after Hanrahan and Krueger 1993).
-    fn matte(&self, at: &Meeting) -> Spectrum {
-        let (cos_o, cos_i) = (at.wo.z, at.wi.z);
-        let cos_d = at.wi.dot(at.m);
-        let (o, i) = (fifth(cos_o), fifth(cos_i));
-        let retro = 2.0 * self.roughness * cos_d * cos_d;
-        let rough = (1.0 - 0.5 * o) * (1.0 - 0.5 * i) + retro * (o + i + o * i * (retro - 1.0));
-        let towards = |weight: f64| 1.0 + (0.5 * retro - 1.0) * weight;
-        let below = 1.25 * (towards(o) * towards(i) * (1.0 / (cos_o + cos_i) - 0.5) + 0.5);
-        let matte = self.matte * (rough + (below - rough) * self.flatness);
-        self.base * (matte * FRAC_1_PI * cos_i) as f32 + self.sheen * (fifth(cos_d) * cos_i) as f32
+            + schlick(self.matte.color, weight) * metal as f32
+            + schlick(self.hue * (r0 * r0) as f32, weight) * tinted as f32
     }
 
     /// The clear coat. Its masking is that of a roughness of ½, whatever its own (Burley 2012, section 5.6),
@@ -106,7 +86,7 @@ impl Layers {
             return 0.0;
         }
         let masking = Distribution::new(Shape::Ggx, 0.25, 0.25, true);
-        let reflectance = 0.04 + 0.96 * self.schlick(at);
+        let reflectance = 0.04 + 0.96 * self.schlick_weight(at);
         let shown = self.coat.density(at.m) * masking.masking(at.wo, at.m) * masking.masking(at.wi, at.m);
         0.25 * self.clearcoat * reflectance * shown * at.wi.z
     }
@@ -120,8 +100,9 @@ impl Layers {
         }
         let [diffuse, coat] = self.chances;
         let specular = self.specular_chance * (1.0 - self.clear * at.face.transmittance);
+        let matte = self.matte.value([at.wo.z, at.wi.z], at.wi.dot(at.m));
         Evaluation {
-            value: self.fresnel(at) * shown as f32 + self.matte(at) + Spectrum::splat(self.coat(at) as f32),
+            value: self.fresnel(at) * shown as f32 + matte + Spectrum::splat(self.coat(at) as f32),
             pdf: diffuse * warp::cosine_hemisphere_pdf(at.wi)
                 + coat * self.coat.pdf(at.m) / (4.0 * at.wo.dot(at.m))
                 + specular * drawn,
@@ -143,7 +124,7 @@ impl Layers {
         let chance = if outside { self.specular_chance * self.clear } else { 1.0 };
         let drawn = drawn * at.eta * at.eta * jacobian;
         Evaluation {
-            value: self.base.map(f32::sqrt) * value as f32,
+            value: self.matte.color.map(f32::sqrt) * value as f32,
             pdf: chance * at.face.transmittance * drawn,
         }
     }
@@ -161,12 +142,6 @@ impl Layers {
     fn shows(&self, wo: DVec3) -> bool {
         wo.z > 0.0 || wo.z < 0.0 && self.clear > 0.0
     }
-}
-
-/// (1 − cos θ)⁵.
-fn fifth(cos: f64) -> f64 {
-    let rest = (1.0 - cos).clamp(0.0, 1.0);
-    rest * rest * (rest * rest) * rest
 }
 
 impl Bsdf for Layers {

@@ -9,6 +9,7 @@
 
 mod gtr1;
 mod layers;
+pub mod matte;
 
 use super::microfacet::{Distribution, NARROW, Shape};
 use super::{Material, Traits};
@@ -19,12 +20,11 @@ use crate::spectrum::{Spectrum, Wavelengths};
 use crate::texture::AnyTexture;
 use gtr1::Gtr1;
 pub use layers::Layers;
+use matte::{Base, Matte, alphas};
 
 /// The parameters of the model.
 pub struct Principled {
-    base: AnyTexture,
-    /// Luminance of the base colour, if that does not vary.
-    luminance: Option<f64>,
+    base: Base,
     roughness: AnyTexture,
     anisotropic: AnyTexture,
     metallic: AnyTexture,
@@ -75,7 +75,7 @@ impl Material for Principled {
     type Bsdf<'a> = Layers;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
-        let base = params.texture("base_color", 0.5, Usage::Reflectance, "colour of the material")?;
+        let base = Base::parse(params)?;
         let mut share = |name, default, about| {
             params.texture(name, default, Usage::Reflectance, about).map(AnyTexture::scalar)
         };
@@ -109,10 +109,8 @@ impl Material for Principled {
             )?,
             coat: rate("clearcoat_sampling_rate", "how readily the coat is sampled, within 0.01 and 100")?,
         };
-        let luminance = (!base.varies()).then(|| base.luminance(SurfacePoint::flat().uv));
         Ok(Self {
             base,
-            luminance,
             roughness,
             anisotropic,
             metallic,
@@ -130,39 +128,31 @@ impl Material for Principled {
 
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Layers {
         let share = |texture: &AnyTexture| texture.eval_scalar(point.uv).clamp(0.0, 1.0);
-        let base = self.base.eval(point.uv, λ);
         let [spec_tint, sheen, sheen_tint] = [&self.spec_tint, &self.sheen, &self.sheen_tint].map(share);
-        // The colour of the base without its brightness.
-        let hue = match self.luminance {
-            _ if spec_tint == 0.0 && sheen * sheen_tint == 0.0 => Spectrum::ONE,
-            known => match known.unwrap_or_else(|| self.base.luminance(point.uv)) {
-                luminance if luminance > 0.0 => base * (1.0 / luminance) as f32,
-                _ => Spectrum::ONE,
-            },
-        };
+        let [color, hue] = self.base.at(point, λ, spec_tint != 0.0 || sheen * sheen_tint != 0.0);
         let [metallic, spec_trans, clearcoat] =
             [&self.metallic, &self.spec_trans, &self.clearcoat].map(share);
         let roughness = share(&self.roughness);
-        let aspect = (1.0 - 0.9 * share(&self.anisotropic)).sqrt();
-        let [along, across] =
-            [roughness * roughness / aspect, roughness * roughness * aspect].map(|a| a.max(1e-3));
+        let [along, across] = alphas(roughness, share(&self.anisotropic));
         let matte = (1.0 - metallic) * (1.0 - spec_trans);
         let (diffuse, coat) = (matte * self.rates.diffuse, 0.25 * clearcoat * self.rates.coat);
         let total = diffuse + coat + self.rates.specular;
         let tinted = Spectrum::splat(1.0 - sheen_tint as f32) + hue * sheen_tint as f32;
         Layers {
-            base,
+            matte: Matte {
+                color,
+                sheen: tinted * (sheen * (1.0 - metallic)) as f32,
+                roughness,
+                flatness: share(&self.flatness),
+                share: matte,
+            },
             hue,
-            sheen: tinted * (sheen * (1.0 - metallic)) as f32,
             facets: Distribution::new(Shape::Ggx, along, across, true),
             eta: self.eta,
-            roughness,
             metallic,
             spec_tint,
-            flatness: share(&self.flatness),
             clearcoat,
             coat: Gtr1::new(0.1 + (0.001 - 0.1) * share(&self.clearcoat_gloss)),
-            matte,
             clear: (1.0 - metallic) * spec_trans,
             chances: if total > 0.0 { [diffuse / total, coat / total] } else { [0.0; 2] },
             specular_chance: if total > 0.0 { self.rates.specular / total } else { 0.0 },
@@ -172,7 +162,6 @@ impl Material for Principled {
     fn traits(&self) -> Traits {
         let transmits = self.spec_trans.constant() != Some(0.0);
         let shares = [
-            &self.base,
             &self.roughness,
             &self.anisotropic,
             &self.metallic,
@@ -195,7 +184,7 @@ impl Material for Principled {
             transmits,
             glossy: bright && across < NARROW,
             anisotropic: self.anisotropic.constant() != Some(0.0),
-            textured: shares.iter().any(|texture| texture.varies()),
+            textured: self.base.varies() || shares.iter().any(|texture| texture.varies()),
             ..Traits::default()
         }
     }

@@ -41,6 +41,10 @@ const KNOWN: &[Known] = &[
     ("principled[2]", [2e-5, 2e-5], COAT),
     ("principled[3]", [2e-5, 0.0], UPSAMPLING),
     ("principled[4]", [0.5, 1e-5], LUMINANCE),
+    ("principledthin[1]", [2e-5, 0.0], UPSAMPLING),
+    ("principledthin[2]", [2e-5, 0.0], UPSAMPLING),
+    // The density where Mitsuba rounds the half vector of two grazing directions.
+    ("principledthin[3]", [0.2, 5e-5], LUMINANCE),
     ("twosided[2]", [1e-4, 5e-3], TRANSMITTANCE),
     ("mask[1]", [0.0, 3e-3], MASKING),
     ("blendbsdf[0]", [0.0, 2e-3], MASKING),

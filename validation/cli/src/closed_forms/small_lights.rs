@@ -21,6 +21,11 @@ pub fn cases() -> Vec<ClosedForm> {
             "I(θ) = I (cutoff − θ)/(cutoff − beam) between the angles (Mitsuba's definition of `spot`)";
         cases.push(ClosedForm::new(name, source, floor_under(&spot(target)), shown(spot_answer(target))));
     }
+    for (name, target) in [("projector", [0.6, 0.0, 0.0]), ("projector_aslant", [0.1, -0.1, 0.0])] {
+        let source = "E = πE₁ h/z³ at height h below a projector, z along its axis (Mitsuba's definition)";
+        let answer = shown(projector_answer(target));
+        cases.push(ClosedForm::new(name, source, floor_under(&projector(target)), answer));
+    }
     for degrees in [0.0, 30.0, 60.0] {
         let source = "E = LA cos⁴θ / h² of a small lamp parallel to the plane (the cos⁴ law)";
         let scene = floor_under(&lamp(degrees));
@@ -50,6 +55,27 @@ fn spot_answer(target: f64) -> f64 {
     let fade = ((cutoff - angle) / (cutoff - beam)).clamp(0.0, 1.0);
     let d2 = x * x + z * z;
     2.0 * fade * z / (d2 * d2.sqrt())
+}
+
+/// Position, E₁ and the factor `scale` of a projector that throws an even picture at a point of the floor.
+const PROJECTOR: (Point, f64, f64) = ([0.6, 0.0, 1.5], 0.4, 2.0);
+
+fn projector(target: Point) -> String {
+    let (place, irradiance, factor) = PROJECTOR;
+    let turn = to_world(&[look_at(place, target, [0.0, 1.0, 0.0])]);
+    emitter(
+        "projector",
+        &(grey("irradiance", irradiance) + &float("scale", factor) + &float("fov", 60.0) + &turn),
+    )
+}
+
+/// At the origin.
+fn projector_answer(target: Point) -> f64 {
+    let (place, irradiance, factor) = PROJECTOR;
+    let axis = [0, 1, 2].map(|i| target[i] - place[i]);
+    let product = |a: Point, b: Point| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let along = product(axis, place.map(|x| -x)) / product(axis, axis).sqrt();
+    PI * irradiance * factor * place[2] / (along * along * along)
 }
 
 /// Radius of a lamp at height 1.

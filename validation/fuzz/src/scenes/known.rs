@@ -60,7 +60,8 @@ pub const KNOWN: &[Known] = &[
         cause: "the luminance of a principled material's base depends on the wavelengths that a path carries",
         shows: |n| {
             let tints = ["spec_tint", "sheen_tint"];
-            n.is("bsdf", "principled") && tints.iter().any(|tint| n.child(tint).is_some())
+            let principled = n.is("bsdf", "principled") || n.is("bsdf", "principledthin");
+            principled && tints.iter().any(|tint| n.child(tint).is_some())
         },
     },
     Known {
