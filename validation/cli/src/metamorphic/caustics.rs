@@ -172,6 +172,8 @@ pub fn relations() -> Vec<Relation> {
     let shining_floor = floor(&(diffuse(0.7) + &area(0.1)));
     let polished = bsdf("roughconductor", &float("alpha", 0.1));
     let frosted = bsdf("roughdielectric", &(float("alpha", 0.15) + &float("int_ior", 1.5)));
+    let facets = float("spec_trans", 0.8) + &float("roughness", 0.3) + &float("anisotropic", 0.5);
+    let sheet = bsdf("principledthin", &(facets + &float("diff_trans", 0.7)));
     // The lamp faces the camera and covers all of the view.
     let plate = {
         let steps = [scale([0.4; 3]), rotate('x', 90.0), translate([0.18, -4.1, 1.5])];
@@ -216,6 +218,7 @@ pub fn relations() -> Vec<Relation> {
         four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished))))
             .at_length(),
         relation("frosted_glass", &view, &room(&block(&frosted))),
+        relation("thin_sheets", &view, &room(&block(&sheet))),
         relation("bulb_in_a_globe", &view, &room(&bulb)),
         relation("block_of_glass", &view, &room(&block(&glass("")))),
         relation("tinted_glass", &view, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
