@@ -2,8 +2,8 @@
 //! that reflect and let through without bending (Burley 2015, "Extending the Disney BRDF to a BSDF with
 //! Integrated Subsurface Scattering", section 5.3), in the form that Mitsuba gives it.
 
-use super::microfacet::{Distribution, NARROW, Shape, reflect};
-use super::principled::matte::{Base, Matte, alphas, fifth, schlick};
+use super::microfacet::{Distribution, reflect};
+use super::principled::matte::{self, Base, Matte, fifth, schlick, share_at};
 use super::roughdielectric::upward;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
@@ -18,13 +18,8 @@ use std::f64::consts::FRAC_1_PI;
 /// The parameters of the model.
 pub struct PrincipledThin {
     base: Base,
-    roughness: AnyTexture,
-    anisotropic: AnyTexture,
     spec_trans: AnyTexture,
     spec_tint: AnyTexture,
-    sheen: AnyTexture,
-    sheen_tint: AnyTexture,
-    flatness: AnyTexture,
     diff_trans: AnyTexture,
     eta: AnyTexture,
     /// Factors of the probabilities of the [lobes](Sheet::chances), besides the lobes' weights.
@@ -57,17 +52,9 @@ impl Material for PrincipledThin {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = Base::parse(params)?;
-        let mut share = |name, default, about| {
-            params.texture(name, default, Usage::Reflectance, about).map(AnyTexture::scalar)
-        };
-        let roughness = share("roughness", 0.5, "square root of the microfacets' α")?;
-        let anisotropic = share("anisotropic", 0.0, "how much rougher it is along the tangent than across")?;
-        let spec_trans = share("spec_trans", 0.0, "share of microfacets; the rest is matte")?;
-        let spec_tint = share("spec_tint", 0.0, "how far reflection has the base's colour")?;
-        let sheen = share("sheen", 0.0, "brightness at grazing, as of cloth")?;
-        let sheen_tint = share("sheen_tint", 0.0, "how far the sheen has the base's colour")?;
-        let flatness =
-            share("flatness", 0.0, "how far the matte lobe is one of light from below the surface")?;
+        let mut share = |name, about| matte::share(params, name, 0.0, about);
+        let spec_trans = share("spec_trans", "share of microfacets; the rest is matte")?;
+        let spec_tint = share("spec_tint", "how far reflection has the base's colour")?;
         let about = "twice the share of matte light that goes through";
         let diff_trans = params.texture("diff_trans", 0.0, Usage::Unbounded, about)?.scalar();
         let about = "index of refraction of the sheet over that around it";
@@ -78,89 +65,49 @@ impl Material for PrincipledThin {
                 return Err(params.error(name, format!("{value} is out of range"), expected));
             }
         }
-        // A lobe that is never sampled would be lost.
-        let mut rate = |name, about| {
-            let rate = params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0)?;
-            Ok(rate.clamp(0.01, 100.0))
-        };
+        let mut rate = |name, about| matte::rate(params, name, about);
         let rates = [
             rate("diffuse_reflectance_sampling_rate", "how readily matte reflection is sampled")?,
             rate("diffuse_transmittance_sampling_rate", "how readily matte transmission is sampled")?,
             rate("specular_reflectance_sampling_rate", "how readily reflecting facets are sampled")?,
             rate("specular_transmittance_sampling_rate", "how readily transmitting facets are sampled")?,
         ];
-        Ok(Self {
-            base,
-            roughness,
-            anisotropic,
-            spec_trans,
-            spec_tint,
-            sheen,
-            sheen_tint,
-            flatness,
-            diff_trans,
-            eta,
-            rates,
-        })
+        Ok(Self { base, spec_trans, spec_tint, diff_trans, eta, rates })
     }
 
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Sheet {
-        let share = |texture: &AnyTexture| texture.eval_scalar(point.uv).clamp(0.0, 1.0);
-        let [spec_tint, sheen, sheen_tint] = [&self.spec_tint, &self.sheen, &self.sheen_tint].map(share);
-        let [color, hue] = self.base.at(point, λ, spec_tint != 0.0 || sheen * sheen_tint != 0.0);
-        let [specular, roughness, anisotropic] =
-            [&self.spec_trans, &self.roughness, &self.anisotropic].map(share);
+        let [specular, spec_tint] =
+            [&self.spec_trans, &self.spec_tint].map(|texture| share_at(texture, point));
         let through = 0.5 * self.diff_trans.eval_scalar(point.uv).clamp(0.0, 2.0);
         let eta = self.eta.eval_scalar(point.uv).clamp(*ior::RANGE.start(), *ior::RANGE.end());
         let matte = (1.0 - specular) * (1.0 - through);
-        let tinted = Spectrum::splat(1.0 - sheen_tint as f32) + hue * sheen_tint as f32;
         let shares = [matte, (1.0 - specular) * through, 0.5 * specular, 0.5 * specular];
         let weights = [0, 1, 2, 3].map(|lobe| shares[lobe] * self.rates[lobe]);
         let total: f64 = weights.iter().sum();
-        let facets = |roughness: f64| {
-            let [along, across] = alphas(roughness, anisotropic);
-            Distribution::new(Shape::Ggx, along, across, true)
-        };
+        let (base, hue) = self.base.at(point, λ, [matte, matte], spec_tint);
         Sheet {
-            matte: Matte {
-                color,
-                sheen: tinted * (sheen * matte) as f32,
-                roughness,
-                flatness: share(&self.flatness),
-                share: matte,
-            },
+            reflecting: self.base.facets(point, base.roughness),
+            // Light bends twice in the sheet, which blurs it as much as one reflection at such facets
+            // (Burley 2015, figure 15).
+            transmitting: self.base.facets(point, (0.65 * eta - 0.35) * base.roughness),
+            matte: base,
             matte_through: shares[1],
             hue,
             spec_tint,
             specular,
             eta,
-            reflecting: facets(roughness),
-            // Light bends twice in the sheet, which blurs it as much as one reflection at such facets
-            // (Burley 2015, figure 15).
-            transmitting: facets((0.65 * eta - 0.35) * roughness),
             chances: weights.map(|weight| weight / total),
         }
     }
 
     fn traits(&self) -> Traits {
-        let shares = [
-            &self.roughness,
-            &self.anisotropic,
-            &self.spec_trans,
-            &self.spec_tint,
-            &self.sheen,
-            &self.sheen_tint,
-            &self.flatness,
-            &self.diff_trans,
-            &self.eta,
-        ];
-        let [_, across] = alphas(self.roughness.mean(), self.anisotropic.mean());
+        let shares = [&self.spec_trans, &self.spec_tint, &self.diff_trans, &self.eta];
         let has_facets = self.spec_trans.constant() != Some(0.0);
         Traits {
             has_density: true,
             transmits: has_facets || self.diff_trans.constant() != Some(0.0),
-            glossy: has_facets && across < NARROW,
-            anisotropic: self.anisotropic.constant() != Some(0.0),
+            glossy: has_facets && self.base.narrow(),
+            anisotropic: self.base.anisotropic(),
             textured: self.base.varies() || shares.iter().any(|texture| texture.varies()),
             ..Traits::default()
         }

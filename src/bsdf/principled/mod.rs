@@ -11,28 +11,22 @@ mod gtr1;
 mod layers;
 pub mod matte;
 
-use super::microfacet::{Distribution, NARROW, Shape};
 use super::{Material, Traits};
 use crate::scene::error::SceneError;
-use crate::scene::params::{Params, Usage};
+use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
-use crate::spectrum::{Spectrum, Wavelengths};
+use crate::spectrum::Wavelengths;
 use crate::texture::AnyTexture;
 use gtr1::Gtr1;
 pub use layers::Layers;
-use matte::{Base, Matte, alphas};
+use matte::{Base, share_at};
 
 /// The parameters of the model.
 pub struct Principled {
     base: Base,
-    roughness: AnyTexture,
-    anisotropic: AnyTexture,
     metallic: AnyTexture,
     spec_trans: AnyTexture,
     spec_tint: AnyTexture,
-    sheen: AnyTexture,
-    sheen_tint: AnyTexture,
-    flatness: AnyTexture,
     clearcoat: AnyTexture,
     clearcoat_gloss: AnyTexture,
     /// η inside / η outside.
@@ -76,28 +70,15 @@ impl Material for Principled {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = Base::parse(params)?;
-        let mut share = |name, default, about| {
-            params.texture(name, default, Usage::Reflectance, about).map(AnyTexture::scalar)
-        };
-        let roughness = share("roughness", 0.5, "square root of the microfacets' α")?;
-        let anisotropic = share("anisotropic", 0.0, "how much rougher it is along the tangent than across")?;
+        let mut share = |name, about| matte::share(params, name, 0.0, about);
         let metallic =
-            share("metallic", 0.0, "share of metal, which has no other lobes than microfacets and coat")?;
-        let spec_trans = share("spec_trans", 0.0, "share of glass in what is no metal; the rest is matte")?;
-        let spec_tint =
-            share("spec_tint", 0.0, "how far reflection of what is no metal has the base's colour")?;
-        let sheen = share("sheen", 0.0, "brightness at grazing, as of cloth")?;
-        let sheen_tint = share("sheen_tint", 0.0, "how far the sheen has the base's colour")?;
-        let flatness =
-            share("flatness", 0.0, "how far the matte lobe is one of light from below the surface")?;
-        let clearcoat = share("clearcoat", 0.0, "brightness of a second, colourless reflection")?;
-        let clearcoat_gloss = share("clearcoat_gloss", 0.0, "α of the coat: 0.1 at 0, 0.001 at 1")?;
+            share("metallic", "share of metal, which has no other lobes than microfacets and coat")?;
+        let spec_trans = share("spec_trans", "share of glass in what is no metal; the rest is matte")?;
+        let spec_tint = share("spec_tint", "how far reflection of what is no metal has the base's colour")?;
+        let clearcoat = share("clearcoat", "brightness of a second, colourless reflection")?;
+        let clearcoat_gloss = share("clearcoat_gloss", "α of the coat: 0.1 at 0, 0.001 at 1")?;
         let eta = index(params, spec_trans.constant() != Some(0.0))?;
-        // A lobe that is never sampled would be lost.
-        let mut rate = |name, about| {
-            let rate = params.float_where(name, 1.0, about, "no negative number", |rate| rate >= 0.0)?;
-            Ok(rate.clamp(0.01, 100.0))
-        };
+        let mut rate = |name, about| matte::rate(params, name, about);
         let rates = Rates {
             diffuse: rate(
                 "diffuse_reflectance_sampling_rate",
@@ -109,45 +90,21 @@ impl Material for Principled {
             )?,
             coat: rate("clearcoat_sampling_rate", "how readily the coat is sampled, within 0.01 and 100")?,
         };
-        Ok(Self {
-            base,
-            roughness,
-            anisotropic,
-            metallic,
-            spec_trans,
-            spec_tint,
-            sheen,
-            sheen_tint,
-            flatness,
-            clearcoat,
-            clearcoat_gloss,
-            eta,
-            rates,
-        })
+        Ok(Self { base, metallic, spec_trans, spec_tint, clearcoat, clearcoat_gloss, eta, rates })
     }
 
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Layers {
-        let share = |texture: &AnyTexture| texture.eval_scalar(point.uv).clamp(0.0, 1.0);
-        let [spec_tint, sheen, sheen_tint] = [&self.spec_tint, &self.sheen, &self.sheen_tint].map(share);
-        let [color, hue] = self.base.at(point, λ, spec_tint != 0.0 || sheen * sheen_tint != 0.0);
-        let [metallic, spec_trans, clearcoat] =
-            [&self.metallic, &self.spec_trans, &self.clearcoat].map(share);
-        let roughness = share(&self.roughness);
-        let [along, across] = alphas(roughness, share(&self.anisotropic));
+        let share = |texture: &AnyTexture| share_at(texture, point);
+        let [metallic, spec_trans, spec_tint, clearcoat] =
+            [&self.metallic, &self.spec_trans, &self.spec_tint, &self.clearcoat].map(share);
         let matte = (1.0 - metallic) * (1.0 - spec_trans);
         let (diffuse, coat) = (matte * self.rates.diffuse, 0.25 * clearcoat * self.rates.coat);
         let total = diffuse + coat + self.rates.specular;
-        let tinted = Spectrum::splat(1.0 - sheen_tint as f32) + hue * sheen_tint as f32;
+        let (base, hue) = self.base.at(point, λ, [matte, 1.0 - metallic], spec_tint);
         Layers {
-            matte: Matte {
-                color,
-                sheen: tinted * (sheen * (1.0 - metallic)) as f32,
-                roughness,
-                flatness: share(&self.flatness),
-                share: matte,
-            },
+            facets: self.base.facets(point, base.roughness),
+            matte: base,
             hue,
-            facets: Distribution::new(Shape::Ggx, along, across, true),
             eta: self.eta,
             metallic,
             spec_tint,
@@ -161,29 +118,16 @@ impl Material for Principled {
 
     fn traits(&self) -> Traits {
         let transmits = self.spec_trans.constant() != Some(0.0);
-        let shares = [
-            &self.roughness,
-            &self.anisotropic,
-            &self.metallic,
-            &self.spec_trans,
-            &self.spec_tint,
-            &self.sheen,
-            &self.sheen_tint,
-            &self.flatness,
-            &self.clearcoat,
-            &self.clearcoat_gloss,
-        ];
-        // Narrow in either direction, by the same limit as rough metal, and more than the gloss of something
-        // matte.
+        let shares =
+            [&self.metallic, &self.spec_trans, &self.spec_tint, &self.clearcoat, &self.clearcoat_gloss];
+        // More than the gloss of something matte.
         let bright = transmits || self.metallic.mean() > 0.5;
-        let across =
-            self.roughness.mean() * self.roughness.mean() * (1.0 - 0.9 * self.anisotropic.mean()).sqrt();
         Traits {
             has_density: true,
             only_rough: !transmits,
             transmits,
-            glossy: bright && across < NARROW,
-            anisotropic: self.anisotropic.constant() != Some(0.0),
+            glossy: bright && self.base.narrow(),
+            anisotropic: self.base.anisotropic(),
             textured: self.base.varies() || shares.iter().any(|texture| texture.varies()),
             ..Traits::default()
         }
