@@ -45,7 +45,7 @@ pub fn relations() -> Vec<Relation> {
             .samples(16384)
             .at_length(),
         relation("lamp_that_is_not_seen_and_light_paths", 1.0, &(hidden + &sheet(&metal()))),
-        relation("two_mirrors", 1.0, &(ball(&metal()) + &sheet(&metal()))),
+        relation("two_mirrors", 1.0, &(ball(&metal()) + &sheet(&metal()))).at_length(),
         relation(
             "many_mirrors",
             0.0,
@@ -54,7 +54,7 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_before_a_sheet", 1.0, &(globe() + &sheet(&metal()))).at_length(),
         relation("metal_within_glass", 1.0, &within).at_length(),
         relation("matte_within_a_block", 1.0, &embedded).samples(16384).at_length(),
-        relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)),
+        relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)).at_length(),
         with_integrator(relation("four_samples", 1.0, &(ball(&metal()) + &sheet(&metal()))), four)
             .at_length(),
         // By way of the mirror the lamp is two edges from the floor, and the camera a third.

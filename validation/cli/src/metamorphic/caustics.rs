@@ -217,7 +217,7 @@ pub fn relations() -> Vec<Relation> {
             .at_length(),
         four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished))))
             .at_length(),
-        relation("frosted_glass", &view, &room(&block(&frosted))),
+        relation("frosted_glass", &view, &room(&block(&frosted))).at_length(),
         relation("thin_sheets", &view, &room(&block(&sheet))),
         relation("bulb_in_a_globe", &view, &room(&bulb)),
         relation("block_of_glass", &view, &room(&block(&glass("")))),
@@ -230,7 +230,7 @@ pub fn relations() -> Vec<Relation> {
         relation("relief_of_glass", &view, &room(&block(&relief(&glass(""))))),
         relation("relief_of_a_mirror_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&mirror()))))),
         relation("relief_of_glass_as_it_comes", &view, &room(&block(&as_it_comes(&relief(&glass("")))))),
-        relation("vase_of_glass", &view, &room(&vase(&glass("")))),
+        relation("vase_of_glass", &view, &room(&vase(&glass("")))).at_length(),
         relation("vase_of_polished_metal", &view, &room(&vase(&polished))).at_length(),
         relation("turned_plate", &view, &room(&turned_plate(&polished))),
         relation("relief_of_polished_metal", &view, &room(&block(&relief(&polished)))).at_length(),

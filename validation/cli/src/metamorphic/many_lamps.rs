@@ -83,7 +83,7 @@ pub fn relations() -> Vec<Relation> {
     );
     vec![
         all_kinds("path", &path(4)).longer(2),
-        all_kinds("direct", direct).samples(1024),
+        all_kinds("direct", direct).samples(1024).at_length(),
         all_kinds("by_emitters_alone", by_emitters).longer(2).at_length(),
         together("light_paths_and_links", &found_by_all, (&things, &[]), None)
             .within(0.02)

@@ -194,8 +194,10 @@ pub fn relations() -> Vec<Relation> {
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(noisy.map(|case| case.relation().longer(2)));
-    relations.push(case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3));
-    relations.push(lit_matte.relation().longer(3));
+    relations.push(
+        case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3).at_length(),
+    );
+    relations.push(lit_matte.relation().longer(3).at_length());
     relations.push(lit_glass.relation().longer(4));
     relations.push(lit_metal.relation().longer(3));
     relations.push(lit_one_way.relation().longer(3));
@@ -221,7 +223,7 @@ pub fn relations() -> Vec<Relation> {
         ..case("roulette_of_colours", closed_room(pure) + &ball(pure))
     };
     relations.push(colours.option("integer", "rr_depth", "2").relation().samples(16_384));
-    relations.push(case("dispersion", room(&ball(&flint))).relation().in_spectra().samples(4096));
+    relations.push(case("dispersion", room(&ball(&flint))).relation().in_spectra().samples(4096).at_length());
     relations
         .push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().longer(4).at_length());
     relations

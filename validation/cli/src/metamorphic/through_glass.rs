@@ -77,7 +77,7 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_in_a_globe", 0.0, &globe).at_length(),
         relation("bulb_in_a_globe_and_light_paths", 1.0, &globe).at_length(),
         relation("seen_in_a_mirror", 1.0, &(globe.clone() + &mirror)).at_length(),
-        relation("matte_within_glass", 1.0, &within()),
+        relation("matte_within_glass", 1.0, &within()).at_length(),
         relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
         relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen))
             .longer(3)
@@ -114,7 +114,7 @@ pub fn relations() -> Vec<Relation> {
         with_integrator(relation("four_samples", 1.0, &globe), four).at_length(),
         // Through the glass the lamp is two edges from the floor, and the camera a third.
         up_to(3, "one_edge_too_far", 0.0, &room(&ball(&clear()))),
-        up_to(4, "no_edge_too_far", 1.0, &room(&ball(&clear()))),
+        up_to(4, "no_edge_too_far", 1.0, &room(&ball(&clear()))).at_length(),
         lamp_past_the_origin(),
         relation("in_spectra", 1.0, &globe).in_spectra().at_length(),
         relation(

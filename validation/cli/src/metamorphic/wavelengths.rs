@@ -26,7 +26,8 @@ pub fn relations() -> Vec<Relation> {
         |scene: &str, view: fn(&Image) -> Image| vec![Term { view: Some(view), ..spectral(scene.into()) }];
     let banded = |scene: &str| scene.replace(&film(SIZE, SIZE), &observing_film());
     vec![
-        colours("hero_is_single_wavelength", &hero, &single).longer(3),
+        // Both are held to `specfilm` below.
+        colours("hero_is_single_wavelength", &hero, &single).longer(3).at_length(),
         Relation::expectation("hero_is_specfilm", seen(&hero, luminance), seen(&banded(&hero), band))
             .samples(1 << 12),
         Relation::expectation(
