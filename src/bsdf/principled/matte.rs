@@ -1,5 +1,5 @@
-//! What the principled models have in common: a base, whose colour may tint other lobes, its matte lobe, and how rough
-//! it is.
+//! What the principled models have in common: a base, whose colour may tint other lobes, its matte lobe, and
+//! how rough it is.
 
 use crate::bsdf::microfacet::{Distribution, NARROW, Shape};
 use crate::scene::error::SceneError;
@@ -42,8 +42,8 @@ impl Base {
         })
     }
 
-    /// The lobe, with the shares that it and the sheen have; and the colour over its luminance, which is 1 where
-    /// neither the sheen nor, by `spec_tint`, reflection is tinted.
+    /// The lobe, with the shares that it and the sheen have; and the colour over its luminance, which is 1
+    /// where neither the sheen nor, by `spec_tint`, reflection is tinted.
     pub fn at(
         &self,
         point: &SurfacePoint,

@@ -54,7 +54,7 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_before_a_sheet", 1.0, &(globe() + &sheet(&metal()))).at_length(),
         relation("metal_within_glass", 1.0, &within).at_length(),
         relation("matte_within_a_block", 1.0, &embedded).samples(16384).at_length(),
-        relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)).at_length(),
+        relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)),
         with_integrator(relation("four_samples", 1.0, &(ball(&metal()) + &sheet(&metal()))), four)
             .at_length(),
         // By way of the mirror the lamp is two edges from the floor, and the camera a third.

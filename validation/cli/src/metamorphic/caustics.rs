@@ -217,7 +217,7 @@ pub fn relations() -> Vec<Relation> {
             .at_length(),
         four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished))))
             .at_length(),
-        relation("frosted_glass", &view, &room(&block(&frosted))).at_length(),
+        relation("frosted_glass", &view, &room(&block(&frosted))),
         relation("thin_sheets", &view, &room(&block(&sheet))),
         relation("bulb_in_a_globe", &view, &room(&bulb)),
         relation("block_of_glass", &view, &room(&block(&glass("")))),

@@ -194,9 +194,7 @@ pub fn relations() -> Vec<Relation> {
     let sixteen = Case { pixels: 16, ..case("sixteen", room(&matte)) };
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(noisy.map(|case| case.relation().longer(2)));
-    relations.push(
-        case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3).at_length(),
-    );
+    relations.push(case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3));
     relations.push(lit_matte.relation().longer(3).at_length());
     relations.push(lit_glass.relation().longer(4));
     relations.push(lit_metal.relation().longer(3));
