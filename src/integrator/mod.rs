@@ -156,6 +156,7 @@ macro_rules! kernels {
         }),*];
     };
 }
+#[cfg(not(test))]
 kernels! {
     "plain": 0,
     "plain+environment": Features::ENVIRONMENT,
@@ -163,6 +164,11 @@ kernels! {
     "path re-use": Features::REUSE | Features::CAUSTICS | Features::ENVIRONMENT,
     "textured": Features::TEXTURED,
     "textured path re-use": Features::TEXTURED | Features::REUSE,
+    "full": Features::ALL,
+}
+// Unit tests need one kernel, and each takes six seconds to compile: the programs of tests/ run the others.
+#[cfg(test)]
+kernels! {
     "full": Features::ALL,
 }
 
