@@ -19,7 +19,7 @@
 use crate::math::function::ln;
 use crate::math::random::uniform;
 use crate::sampler::Sampler;
-use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
+use crate::spectrum::{Spectrum, Wavelengths};
 use rand_pcg::Pcg32;
 
 /// How likely each lane is to be the one that a distance is drawn for.
@@ -29,11 +29,7 @@ pub struct Shares(Spectrum);
 impl Shares {
     /// In proportion to what a path carries.
     pub fn of(carried: Spectrum, λ: &Wavelengths) -> Self {
-        let lanes = match λ.mode() {
-            ColorMode::Spectral => LANES,
-            ColorMode::Rgb => 3,
-        };
-        let counted = Spectrum::from_fn(|i| if i < lanes { carried.0[i] } else { 0.0 });
+        let counted = carried * λ.ones();
         // The largest first, so that no sum overflows and none is lost.
         let largest = counted.max();
         let scaled = counted.map(|v| v / largest);
@@ -112,6 +108,7 @@ pub fn optical_depth(u: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::LANES;
 
     #[test]
     fn lanes_are_chosen_by_what_they_carry() {

@@ -74,11 +74,23 @@ impl Wavelengths {
         self.collapsed != 0
     }
 
+    #[inline]
     pub fn mode(&self) -> ColorMode {
         if self.mean_factor == 1.0 / LANES as f32 { ColorMode::Spectral } else { ColorMode::Rgb }
     }
 
-    /// The mean over lanes. Lobes are chosen by it because it treats all lanes alike: so all lanes have the
+    /// 1 in each lane that counts: what a path carries before anything is taken from it. The lanes that RGB
+    /// mode leaves empty are 0 here, and stay so whatever they are multiplied with, for what is the same at
+    /// all wavelengths fills them too.
+    #[inline(always)]
+    pub fn ones(&self) -> Spectrum {
+        match self.mode() {
+            ColorMode::Spectral => Spectrum::ONE,
+            ColorMode::Rgb => Spectrum([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        }
+    }
+
+    /// The mean over lanes, of which those that do not count are 0. Lobes are chosen by it because it treats all lanes alike: so all lanes have the
     /// same path density and need no weights between them.
     #[inline]
     pub fn mean(&self, s: Spectrum) -> f32 {

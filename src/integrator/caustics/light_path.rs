@@ -57,7 +57,7 @@ impl LightPath {
         let path = Self {
             λ,
             emitted: start.radiance,
-            throughput: Spectrum::ONE,
+            throughput: λ.ones(),
             scale,
             ratio: f64::from(caustics.paths) / scale,
             end: start.end,

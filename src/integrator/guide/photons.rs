@@ -32,7 +32,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
     };
     let start = emission.sample(&scene.emitters, &scene.shapes, &u, &λ)?;
     // A lane might not hold the product.
-    let (mut light, scale) = (start.radiance, start.cos / start.density);
+    let (mut light, scale) = (start.radiance * λ.ones(), start.cos / start.density);
     let mut ray = start.ray;
     let mut passage = Some((Passage::default(), 1.0));
     for edges in 1..=MOST_SURFACES + 1 {

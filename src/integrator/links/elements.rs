@@ -186,7 +186,8 @@ impl Visitor for At45 {
             sample.wi.z * self.wo.z < 0.0 && sample.delta && !sample.dispersed && sample.eta != 1.0
         });
         Turned {
-            reflected: reflected.map_or(0.0, |sample| f64::from(λ.mean(sample.weight)) * sample.pdf),
+            reflected: reflected
+                .map_or(0.0, |sample| f64::from(λ.mean(sample.weight * λ.ones())) * sample.pdf),
             eta: bent.map(|sample| sample.eta),
         }
     }

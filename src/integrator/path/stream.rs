@@ -39,8 +39,9 @@ pub struct State {
 }
 
 impl State {
+    /// At the camera, but for the throughput, [`Wavelengths::ones`](crate::spectrum::Wavelengths::ones).
     const START: Self = Self {
-        throughput: Spectrum::ONE,
+        throughput: Spectrum::ZERO,
         eta2: 1.0,
         arrival: Arrival::FROM_CAMERA,
         depth: 0,
@@ -147,7 +148,7 @@ impl Path {
         counters: &mut Counters,
     ) {
         states.clear();
-        states.resize(paths.len(), State::START);
+        states.extend(paths.iter().map(|path| State { throughput: path.λ.ones(), ..State::START }));
         if F & Features::REUSE != 0 {
             shared.clear();
         }

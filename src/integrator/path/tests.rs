@@ -120,3 +120,19 @@ fn roulette_begins_early_where_a_pilot_decides_and_takes_no_light() {
     assert_eq!(glow(&[auto, given].concat()).0, Roulette::after(7));
     assert_eq!(glow("").0, usual);
 }
+
+/// Metals have no light in the lanes that RGB mode leaves empty, and no share in roulette.
+#[test]
+fn roulette_ends_paths_as_early_in_colours_as_in_spectra() {
+    let text = r#"<scene version="3.0.0"><integrator type="path"/>
+        <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="16"/>
+            <integer name="height" value="16"/></film></sensor>
+        <shape type="cube"><boolean name="flip_normals" value="true"/><bsdf type="conductor">
+            <string name="material" value="Cr"/></bsdf></shape><emitter type="point"/></scene>"#;
+    let [colours, spectra] = [ColorMode::Rgb, ColorMode::Spectral].map(|mode| {
+        let scene = load_text("scene.xml", text, mode).unwrap();
+        let settings = Settings::of(&scene, 0..16);
+        render(&scene, &settings, &Progress::default()).unwrap().1.rays as f64
+    });
+    assert!((0.8..1.25).contains(&(colours / spectra)), "{colours} {spectra}");
+}

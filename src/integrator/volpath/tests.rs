@@ -110,3 +110,22 @@ fn invisible_surfaces_are_no_edges() {
         assert!([r, g, b].iter().all(|v| (v - 0.5).abs() < 0.02), "{r} {g} {b}");
     }
 }
+
+/// Red, green and blue underflow on the way to the inner ball; what RGB mode leaves empty must not go on.
+#[test]
+fn paths_end_where_nothing_comes_through() {
+    let ink = |place: &str| {
+        format!(
+            r#"<medium type="homogeneous" name="{place}"><rgb name="sigma_t" value="300, 310, 320"/>
+            <float name="albedo" value="0"/></medium>"#
+        )
+    };
+    let inner = format!(
+        r#"<shape type="sphere"><float name="radius" value="0.5"/><bsdf type="null"/>{}
+        <medium type="homogeneous" name="interior"><rgb name="sigma_t" value="1, 1, 1.5"/></medium></shape></scene>"#,
+        ink("exterior")
+    );
+    let text = ball(&format!(r#"<bsdf type="null"/>{}"#, ink("interior"))).replace("</scene>", &inner);
+    let image = colours(&text, ColorMode::Rgb, 64);
+    assert!(image.iter().flatten().all(|v| *v == 0.0), "{image:?}");
+}

@@ -20,7 +20,7 @@ pub fn between<const F: u32>(
     numbers: &mut FlightNumbers,
     counters: &mut Counters,
 ) -> Spectrum {
-    let mut passed = Spectrum::ONE;
+    let mut passed = λ.ones();
     for _ in 0..MOST {
         counters.rays += 1;
         let hit = scene.accel.closest(&ray);

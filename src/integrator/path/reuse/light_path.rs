@@ -58,7 +58,7 @@ impl LightPath {
             λ,
             end: start.end,
             emitted: start.radiance,
-            throughput: Spectrum::ONE,
+            throughput: λ.ones(),
             scale,
             ratio: 1.0 / scale,
             from_matte: 0.0,

@@ -144,7 +144,7 @@ impl Shared {
         };
         if begins {
             self.own = state.throughput;
-            (state.throughput, state.eta2, state.shares) = (Spectrum::ONE, 1.0, true);
+            (state.throughput, state.eta2, state.shares) = (λ.ones(), 1.0, true);
             let matte = self.source.is_some_and(|source| source.lobes.is_none());
             if settings.shared_light_paths > 0 && matte {
                 state.tail = Tail::BEGINS;
