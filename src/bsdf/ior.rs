@@ -7,7 +7,6 @@ use crate::scene::spectrum::{self, Declared};
 use crate::scene::transform::numbers;
 use crate::scene::xml::{Attribute, Element};
 use crate::spectrum::materials::{self, Dispersion};
-use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 
 /// Indices of refraction whose ratios leave room for their squares, also in `f32`.
 pub const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
@@ -95,9 +94,8 @@ pub fn dispersive(params: &mut Params, interior: &'static str) -> Result<Index, 
             return Ok(Index::Constant(eta / outside));
         }
     };
-    let visible = (WAVELENGTH_MIN as u32..=WAVELENGTH_MAX as u32).map(|λ| (λ, law.eta(λ as f32)));
-    if let Some((λ, eta)) = visible.into_iter().find(|(_, eta)| !RANGE.contains(eta)) {
-        let message = format!("the index of refraction would be {eta:?} at {λ} nm");
+    if let Some((λ, eta)) = law.outside(&RANGE) {
+        let message = format!("the index of refraction would be {eta:?} at {} nm", (1e3 * λ).round() / 1e3);
         return Err(params.error(
             given.first().unwrap_or(&"int_ior"),
             message,

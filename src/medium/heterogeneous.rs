@@ -16,9 +16,13 @@ use super::majorants::Majorants;
 use super::{AnyExtinction, FlightNumbers, Shares, flight};
 use crate::math::{DVec3, Ray, Transform, bounds};
 use crate::scene::error::SceneError;
-use crate::scene::params::{MOST, Params, Usage};
+use crate::scene::params::{Params, Usage};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::volume::AnyVolume;
+
+/// Flights are drawn as steps at the greatest density in a part of the box: more of them than this along one
+/// ray would be waited for in vain.
+const MOST_DEPTH: f64 = 1e6;
 
 pub const NAME: &str = "heterogeneous";
 pub const ABOUT: &str = "A medium whose density varies, within the box around its density.";
@@ -63,8 +67,10 @@ pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
         (sigma_t.majorant(lo, hi) * above) as f32
     };
     let majorants = Majorants::new(sigma_t.resolution(), bound);
-    if f64::from(majorants.most()) > MOST {
-        return Err(params.error("scale", "the density overflows", "expected at most 1.7e38"));
+    let depth = f64::from(majorants.most()) * crate::math::length(hi - lo);
+    if depth.is_nan() || depth > MOST_DEPTH {
+        let message = format!("the medium is {depth:e} free paths across where it is densest");
+        return Err(params.error("sigma_t", message, format!("expected at most {MOST_DEPTH:e}")));
     }
     let medium = Heterogeneous { sigma_t, scale: scale as f32, place, majorants };
     Ok(AnyExtinction::Heterogeneous(Box::new(medium)))
@@ -126,15 +132,17 @@ impl Heterogeneous {
         let direction = to_local.transform_vector3(ray.direction);
         let mut left = flight::optical_depth(numbers.draw());
         for part in self.majorants.walk(origin, direction, length) {
-            let mut t = part.begin;
+            // From where the part begins: far from the ray's origin, steps would be lost in a distance from there.
+            let mut travelled = 0.0;
             loop {
                 let rate = f64::from(part.majorant);
-                let depth = (part.end - t) * rate;
+                let depth = (part.end - part.begin - travelled) * rate;
                 if depth <= left {
                     left -= depth;
                     break;
                 }
-                t += left / rate;
+                travelled += left / rate;
+                let t = part.begin + travelled;
                 if last(t, part.majorant, numbers) {
                     return Some(t);
                 }

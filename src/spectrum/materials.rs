@@ -3,6 +3,7 @@
 use super::observer;
 use super::table::Tabulated;
 use crate::scene::error::known;
+use std::ops::RangeInclusive;
 
 const CONDUCTORS: &str = include_str!("data/conductors.csv");
 const DIELECTRICS: &str = include_str!("data/dielectrics.csv");
@@ -70,6 +71,23 @@ impl Dispersion {
             rows(DISPERSIVE).find(|(n, _)| *n == lower).ok_or_else(|| known(&lower, &names(DISPERSIVE)))?;
         let numbers: Vec<f64> = row.1.split(',').filter_map(|w| w.parse().ok()).collect();
         Ok(Self::Sellmeier(numbers.chunks_exact(2).map(|c| (c[0], c[1])).collect()))
+    }
+
+    /// A wavelength in nm, of those from 360 to 830, at which the index is not within `range`, and the index.
+    /// Between whole wavelengths only a pole or a table's value can be far from what is found at them.
+    pub fn outside(&self, range: &RangeInclusive<f64>) -> Option<(f64, f64)> {
+        let visible = f64::from(observer::WAVELENGTH_MIN)..=f64::from(observer::WAVELENGTH_MAX);
+        let between: Vec<(f64, f64)> = match self {
+            Self::Sellmeier(terms) => {
+                let poles = terms.iter().filter(|(b, _)| *b != 0.0).map(|(_, c)| 1e3 * c.sqrt());
+                poles.map(|pole| (pole, f64::INFINITY)).collect()
+            }
+            Self::Cauchy(_) => vec![],
+            Self::Table(table) => table.nodes().map(|(λ, eta)| (f64::from(λ), f64::from(eta))).collect(),
+        };
+        let whole = (observer::WAVELENGTH_MIN as u32..=observer::WAVELENGTH_MAX as u32).map(f64::from);
+        let all = between.into_iter().chain(whole.map(|λ| (λ, self.eta(λ as f32))));
+        all.filter(|(λ, _)| visible.contains(λ)).find(|(_, eta)| !range.contains(eta))
     }
 
     /// The index at λ in nm; not finite or below zero where the formula has a pole.

@@ -40,13 +40,18 @@ impl Tabulated {
         Ok(table)
     }
 
-    /// Reads lines of "wavelength value", whatever follows, `#` starting a comment. The error names the line.
+    /// Reads lines of "wavelength value", whatever follows, `#` starting a comment. The error names the line;
+    /// a comma within a word is one, for "400 0,5" would be black.
     pub fn parse_spd(text: &str) -> Result<Self, String> {
         let (mut wavelengths, mut values) = (vec![], vec![]);
         for (i, line) in text.lines().enumerate() {
             let line = line.split('#').next().unwrap_or("").trim();
             if line.is_empty() {
                 continue;
+            }
+            let inside_word = |word: &str| word.trim_matches(',').contains(',');
+            if line.contains(char::is_whitespace) && line.split_whitespace().any(inside_word) {
+                return Err(format!("line {}: expected decimal points, not commas, found `{line}`", i + 1));
             }
             let mut words = line.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty());
             let mut number = || words.next()?.parse::<f32>().ok().filter(|v| v.is_finite());
@@ -84,6 +89,11 @@ impl Tabulated {
         (self.wavelengths[0], self.wavelengths[self.wavelengths.len() - 1])
     }
 
+    /// All wavelengths in nm, each with its value.
+    pub fn nodes(&self) -> impl Iterator<Item = (f32, f32)> {
+        self.wavelengths.iter().copied().zip(self.values.iter().copied())
+    }
+
     /// The smallest and largest value.
     pub fn bounds(&self) -> (f32, f32) {
         self.values.iter().fold((f32::MAX, f32::MIN), |(lo, hi), &v| (lo.min(v), hi.max(v)))
@@ -119,6 +129,8 @@ mod tests {
         assert!(Tabulated::parse_spd("400 1\n500 nan\n").unwrap_err().contains("line 2"));
         assert!(Tabulated::parse_spd("400 1\nx 500 1\n").unwrap_err().contains("line 2"));
         assert!(Tabulated::parse_spd("400 1\n500\n").unwrap_err().contains("line 2"));
+        assert!(Tabulated::parse_spd("400 1\n500 0,5\n").unwrap_err().contains("line 2: expected decimal"));
+        assert_eq!(Tabulated::parse_spd("400,1,7\n500,3,7\n").unwrap().eval(450.0), 2.0);
         assert!(Tabulated::regular(700.0, 400.0, vec![1.0, 2.0]).unwrap_err().contains("increase"));
         assert_eq!(Tabulated::parse_spd("400 1 # c\n\n500 3\n").unwrap().eval(450.0), 2.0);
         let more = Tabulated::parse_spd("400 1 0.5 measured\n500, 3, nan").unwrap();

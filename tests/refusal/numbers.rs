@@ -247,9 +247,22 @@ fn amounts_and_shapes_that_no_number_can_hold_are_refused() {
     let film = |filter: &str| {
         format!("<sensor type=\"perspective\"><film type=\"hdrfilm\">{filter}</film></sensor>")
     };
+    let between = |index: &str| format!("<bsdf type=\"dielectric\">\n<{index}/></bsdf>");
     let too_dense = of("bsdf", "plastic", "int_ior", "4");
     all_refused(&[
         ("int_ior", &of("bsdf", "dielectric", "int_ior", "1e300"), &["no index of refraction"]),
+        // A pole, and a peak, between two whole wavelengths.
+        (
+            "sellmeier",
+            &between(r#"string name="sellmeier" value="0.001 0.25050025 1 0.01""#),
+            &["inf at 500.5 nm"],
+        ),
+        (
+            "int_ior",
+            &between(r#"spectrum name="int_ior" value="400:1.5, 500.4:1.5, 500.5:1e10, 500.6:1.5, 800:1.5""#),
+            &["at 500.5 nm"],
+        ),
+        ("<medium", &of("medium", "heterogeneous", "scale", "1e9"), &["free paths across", "at most 1e6"]),
         ("int_ior", &too_dense, &["exceeds 1", "expected a ratio of indices up to 3.8"]),
         ("stddev", &film(&of("rfilter", "gaussian", "stddev", "1e-9")), &["to 16"]),
         ("radius", &film(&of("rfilter", "tent", "radius", "1e-6")), &["to 16"]),
