@@ -154,7 +154,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let hash = hash(document, &loader, mode)?;
     let features = features(&objects, &integrator);
     let choosing = |traits: Traits| traits.has_density && !traits.one_lobe;
-    let several_lobes = objects.materials.iter().any(|material| choosing(material.traits()));
+    let several_lobes = objects.sides().any(choosing);
     let trees = objects.instances.trees();
     lamps::raise(&mut objects.shapes, trees.iter().map(Instance::bounds));
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
@@ -200,15 +200,14 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
 fn media_matter(objects: &Objects, sensor: &Sensor) -> bool {
     let mut shapes = objects.shapes.iter().chain(objects.instances.shapes());
     sensor.medium.is_some()
-        || objects.materials.iter().any(|material| material.traits().has_null)
+        || objects.sides().any(|traits| traits.has_null)
         || shapes.any(|shape| shape.interface.is_some())
 }
 
 /// The features that a kernel for the scene needs.
 fn features(objects: &Objects, integrator: &AnyIntegrator) -> Features {
     let mut bits = 0;
-    for material in &objects.materials {
-        let traits = material.traits();
+    for traits in objects.sides() {
         bits |= if traits.textured { Features::TEXTURES } else { 0 };
         bits |= if traits.anisotropic { Features::TEXTURES | Features::ANISOTROPY } else { 0 };
         bits |= if traits.dispersive { Features::DISPERSION } else { 0 };
@@ -242,6 +241,24 @@ mod tests {
             );
             let loaded = load_text("scene.xml", &text, ColorMode::Rgb).map(drop);
             assert!(loaded.is_ok(), "{kind}: {}", loaded.unwrap_err());
+        }
+    }
+
+    #[test]
+    fn materials_that_nothing_is_made_of_decide_nothing() {
+        let text = |unused: &str| {
+            format!(
+                r#"<scene version="3.0.0"><integrator type="volpath"/><sensor type="perspective"/>{unused}
+                <shape type="sphere"/></scene>"#
+            )
+        };
+        let load = |unused: &str| load_text("scene.xml", &text(unused), ColorMode::Spectral).unwrap();
+        let null = r#"<bsdf type="null" id="null"/>"#;
+        let glass = r#"<bsdf type="dielectric" id="glass"><string name="dispersion" value="BK7"/></bsdf>"#;
+        for unused in [null, glass] {
+            let scene = load(unused);
+            assert_eq!((scene.features, scene.several_lobes), (load("").features, false), "{unused}");
+            assert_eq!(scene.integrator.name(), "path", "{unused}");
         }
     }
 }

@@ -52,6 +52,14 @@ impl<'a, 'd> Objects<'a, 'd> {
         }
     }
 
+    /// What is known of both sides of each surface. A material that no surface has decides nothing.
+    pub fn sides(&self) -> impl Iterator<Item = Traits> {
+        self.shapes
+            .iter()
+            .chain(self.instances.shapes())
+            .flat_map(|shape| shape.sides.map(|side| side.traits))
+    }
+
     /// Reads a `<shape>` with its material and its emitter, a group, or an instance.
     pub fn shape(&mut self, element: &'d Element) -> Result<(), SceneError> {
         let mut params = Params::new(element, self.loader, Usage::Unbounded)?;
@@ -169,7 +177,7 @@ impl<'a, 'd> Objects<'a, 'd> {
     }
 
     /// Adds a material. A two-sided one at the top is resolved here, once and for all.
-    fn sides(&mut self, material: AnyMaterial) -> [Side; 2] {
+    fn add(&mut self, material: AnyMaterial) -> [Side; 2] {
         match material {
             AnyMaterial::TwoSided(both) => {
                 let one_way = both.traits().one_way;
@@ -195,14 +203,14 @@ impl<'a, 'd> Objects<'a, 'd> {
             return Ok(*sides);
         }
         let material = AnyMaterial::parse(element, self.loader)?;
-        let sides = self.sides(material);
+        let sides = self.add(material);
         self.known.insert(element, sides);
         Ok(sides)
     }
 
     fn default_sides(&mut self, shines: bool) -> [Side; 2] {
         let known = self.default_sides[usize::from(shines)];
-        let sides = known.unwrap_or_else(|| self.sides(AnyMaterial::matte(if shines { 0.0 } else { 0.5 })));
+        let sides = known.unwrap_or_else(|| self.add(AnyMaterial::matte(if shines { 0.0 } else { 0.5 })));
         self.default_sides[usize::from(shines)] = Some(sides);
         sides
     }
