@@ -6,9 +6,14 @@ use etalon::spectrum::ColorMode;
 
 /// The `A` of a one-pixel film that sees `content` head-on.
 fn alpha(integrator: &str, content: &str) -> f64 {
+    alpha_with("", &[integrator, content].concat())
+}
+
+/// The same with something more said of the sensor.
+fn alpha_with(sensor: &str, content: &str) -> f64 {
     let text = format!(
-        r#"<scene version="3.0.0">{integrator}
-        <sensor type="orthographic"><transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        r#"<scene version="3.0.0">
+        <sensor type="orthographic">{sensor}<transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
         <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
         <string name="pixel_format" value="RGBA"/><rfilter type="box"/></film></sensor>{content}</scene>"#
     );
@@ -49,6 +54,42 @@ fn hidden_lamps_cover_nothing() {
     assert!(alpha(PATH, LAMP) > 0.7);
     let hidden = r#"<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>"#;
     assert_eq!(alpha(hidden, LAMP), 0.0);
+}
+
+/// As in Mitsuba, also where a surface scatters nothing: from behind, or by a sample that failed.
+#[test]
+fn what_scatters_nothing_covers_too() {
+    let black = r#"<shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate y="1" angle="180"/></transform></shape>"#;
+    let rough = r#"<shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate y="1" angle="75"/></transform>
+        <bsdf type="roughconductor"><float name="alpha" value="0.6"/></bsdf></shape>"#;
+    // Somewhere else, for `volpath` to have something to do.
+    let beside = r#"<shape type="sphere"><point name="center" x="99"/><bsdf type="null"/></shape>"#;
+    for surface in [black, rough] {
+        for integrator in [PATH, r#"<integrator type="volpath"/>"#] {
+            assert_eq!(alpha(integrator, &format!("{surface}{beside}")), 1.0, "{integrator} {surface}");
+        }
+    }
+}
+
+/// As in Mitsuba, `far_clip` ends what the camera sees, but not beyond a surface that lets light through, nor
+/// beyond a lamp that is hidden.
+#[test]
+fn far_clips_end_the_first_ray() {
+    let wall =
+        r#"<shape type="rectangle"><transform name="to_world"><translate z="-1"/></transform></shape>"#;
+    let (pane, lamp) = (r#"<bsdf type="null"/>"#, r#"<emitter type="area"/>"#);
+    let before = |what: &str| format!(r#"{wall}<shape type="rectangle">{what}</shape>"#);
+    let clipped = |integrator: &str, content: &str| {
+        alpha_with(r#"<float name="far_clip" value="5.5"/>"#, &[integrator, content].concat())
+    };
+    for name in ["path", "volpath", "direct"] {
+        let hides =
+            format!(r#"<integrator type="{name}"><boolean name="hide_emitters" value="true"/></integrator>"#);
+        assert_eq!((clipped(&hides, wall), clipped(&hides, &before(lamp))), (0.0, 1.0), "{name}");
+        if name != "direct" {
+            assert_eq!(clipped(&hides, &before(pane)), 1.0, "{name}");
+        }
+    }
 }
 
 /// As in Mitsuba, a medium covers what it scatters.

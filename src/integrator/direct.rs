@@ -66,7 +66,7 @@ impl Direct {
             if !(self.hide_emitters && shape.emitter.is_some()) {
                 break (hit, shape, point);
             }
-            ray = Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive);
+            ray = Ray::leaving(point.p, ray.direction, f64::INFINITY, hit.primitive);
         };
         *covered = true;
         let mut radiance = match shape.emitter {

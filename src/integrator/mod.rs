@@ -168,9 +168,7 @@ kernels! {
 }
 // Unit tests need one kernel, and each takes six seconds to compile: the programs of tests/ run the others.
 #[cfg(test)]
-kernels! {
-    "full": Features::ALL,
-}
+kernels! { "full": Features::ALL }
 
 /// The least kernel that suffices.
 pub fn kernel_for(features: Features) -> &'static KernelEntry {

@@ -47,7 +47,7 @@ impl<'a> Walk<'a> {
             scene,
             counters,
             radiance: Spectrum::ZERO,
-            throughput: Spectrum::ONE,
+            throughput: path.λ.ones(),
             eta2: 1.0,
             ray,
             medium: scene.sensor.medium.as_deref(),
@@ -149,13 +149,14 @@ impl<'a> Walk<'a> {
         }
         let u = numbers.0;
         let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
-        let sample = bsdf.sample(vertex.wo, lobe, u.pair(1))?;
+        let sample = bsdf.sample(vertex.wo, lobe, u.pair(1));
+        self.path.covered |= !sample.is_some_and(|sample| sample.null);
+        let sample = sample?;
         if sample.null {
             self.throughput *= sample.weight;
             self.pass(shape, &point, &hit);
             return (!self.throughput.is_zero()).then_some(());
         }
-        self.path.covered = true;
         if last {
             return None;
         }
@@ -167,13 +168,13 @@ impl<'a> Walk<'a> {
         self.scatter::<F>(&sample, (arrival, onward), &u)
     }
 
-    /// Goes straight on through a surface.
+    /// Goes straight on through a surface, as in Mitsuba beyond the camera's `far_clip` too.
     fn pass(&mut self, shape: &'a Shape, point: &SurfacePoint, hit: &Hit) {
         let w = self.ray.direction;
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(w.dot(point.ng));
         }
-        self.ray = Ray::leaving(point.p, w, self.ray.end - hit.t, hit.primitive);
+        self.ray = Ray::leaving(point.p, w, f64::INFINITY, hit.primitive);
     }
 
     /// Light that an emitting surface sends along the ray.
