@@ -102,6 +102,31 @@ fn killed_at_any_moment_a_render_goes_on_to_the_same_bytes() {
     assert!(!folder.path("c").exists());
 }
 
+/// The number of samples that a pilot has chosen is in the checkpoint: the same command goes on.
+#[test]
+fn killed_after_its_pilot_a_render_goes_on_to_as_many_samples() {
+    let folder = Folder::new();
+    for chosen in [["--time", "3"], ["--target-error", "0.02%"]] {
+        let arguments = [
+            &chosen[..],
+            &["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json", "--resume"],
+        ]
+        .concat();
+        let mut child = folder.start(&arguments);
+        while !folder.path("c").exists() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let output = folder.run(&arguments);
+        let document = json(&output);
+        assert!(document["resumed_at"].as_u64().is_some_and(|at| at > 0), "{document}");
+        let samples = document["samples"].as_u64().unwrap() / (40 * 30);
+        folder.done(&["--spp", &samples.to_string(), "-o", "whole.exr", "--quiet"]);
+        assert!(folder.bytes("out.exr") == folder.bytes("whole.exr"));
+    }
+}
+
 #[test]
 fn the_checkpoint_of_another_render_is_refused() {
     let folder = Folder::new();

@@ -81,7 +81,7 @@ struct SceneArguments {
     #[arg(long, value_name = "spectral|rgb", default_value = "spectral", value_parser = color)]
     color: ColorMode,
     /// Integrator to use instead of the scene's, with its default settings
-    #[arg(long, value_name = "NAME", value_parser = one_of(INTEGRATORS))]
+    #[arg(long, value_name = "NAME", value_parser = integrator())]
     integrator: Option<String>,
     /// Edges of the longest path, instead of the scene's; -1 means no limit
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
@@ -112,6 +112,13 @@ struct SceneArguments {
     /// Another seed, another noise; 0 by default, or the scene's
     #[arg(long, value_name = "S")]
     seed: Option<u32>,
+}
+
+/// Takes the name of an integrator that needs nothing to be said of it.
+fn integrator() -> PossibleValuesParser {
+    let alone = |name: &str| format!("<integrator type=\"{name}\"/>");
+    let all = INTEGRATORS.iter().filter(|entry| entry.examples.contains(&alone(entry.name).as_str()));
+    all.map(|entry| entry.name).collect::<Vec<_>>().into()
 }
 
 /// Takes the name of a model.

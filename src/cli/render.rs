@@ -34,11 +34,11 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "samples")]
     spp: Option<u32>,
     /// Render for about this long; prints the number of samples that makes the image again
-    #[arg(long, value_name = "SECONDS", value_parser = parse_positive, conflicts_with_all = ["spp", "samples", "resume"])]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_positive, conflicts_with_all = ["spp", "samples"])]
     time: Option<f64>,
     /// Render until the image's mean has this relative standard error, such as 0.5% or 0.005; prints the
     /// number of samples
-    #[arg(long, value_name = "E", value_parser = parse_share, conflicts_with_all = ["spp", "samples", "resume", "time"])]
+    #[arg(long, value_name = "E", value_parser = parse_share, conflicts_with_all = ["spp", "samples", "time"])]
     target_error: Option<f64>,
     /// Only these samples of every pixel; the file can be merged with others
     #[arg(long, value_name = "A..B", value_parser = parse_samples)]
@@ -52,7 +52,7 @@ pub struct Arguments {
     /// Seconds between two savings; by default as often as costs at most 1 %
     #[arg(long, value_name = "SECONDS", value_parser = parse_positive, requires = "checkpoint")]
     pub checkpoint_every: Option<f64>,
-    /// Go on from the checkpoint, if there is one yet
+    /// Go on from the checkpoint, if there is one yet, to the number of samples that it was begun with
     #[arg(long, requires = "checkpoint")]
     resume: bool,
     /// Show the render in the image viewer tev, which listens at port 14158
@@ -93,12 +93,15 @@ impl Arguments {
         let spreads = scene.sensor.film.spread.is_some();
         let needs = memory::Needs { channels: channels.len(), passes, light_paths, spreads };
         memory::check(&settings, needs, memory::available())?;
-        let resumed = self.resumed(&scene, &settings)?;
+        let resumed = self.resumed(&scene, &mut settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();
         let progress = Progress::default();
         let watch = Watch::new(&self, self.says_little(), &progress)?;
-        let pilot = watch.aside(|| self.pilot(&scene, &settings, &progress))?;
+        // What is resumed has its number of samples.
+        let wanted = chosen && resumed.is_none();
+        let pilot = watch.aside(|| wanted.then(|| self.pilot(&scene, &settings, &progress)).transpose())?;
+        let pilot = pilot.flatten();
         let pilot_seconds = start.elapsed().as_secs_f64();
         if let Some(pilot) = &pilot {
             settings.samples = 0..pilot.count;
@@ -177,8 +180,9 @@ impl Arguments {
         })
     }
 
-    /// The render in the checkpoint. Without `--resume` there must be none, nor any other file in its place.
-    fn resumed(&self, scene: &Scene, settings: &Settings) -> Result<Option<Partial>, image::ImageError> {
+    /// The render in the checkpoint; its samples are those that a pilot chose, if one was to. Without
+    /// `--resume` there must be none, nor any other file in its place.
+    fn resumed(&self, scene: &Scene, settings: &mut Settings) -> Result<Option<Partial>, image::ImageError> {
         let Some(path) = &self.checkpoint else { return Ok(None) };
         if !self.resume {
             return checkpoint::refuse_to_replace(path).map(|()| None);
@@ -186,6 +190,9 @@ impl Arguments {
         if !path.exists() {
             eprintln!("{}: there is no checkpoint yet; the render begins at the beginning", path.display());
             return Ok(None);
+        }
+        if self.time.is_some() || self.target_error.is_some() {
+            settings.samples = checkpoint::samples(path)?;
         }
         checkpoint::load(path, scene, settings).map(Some)
     }

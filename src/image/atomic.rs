@@ -5,6 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Once};
 use std::time::{Duration, Instant};
 
 /// Replaces the file at `path` by one with these bytes: it is the old one or the new one, never half of
@@ -26,6 +27,7 @@ pub(crate) fn write_file_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), ImageError> {
+    heed_size_limits();
     let target = target(path);
     let result = if is_special(&target) {
         File::create(&target).and_then(|file| buffered(&file, write))
@@ -33,6 +35,17 @@ pub(crate) fn write_file_with(
         replace(&target, write)
     };
     result.map_err(|error| ImageError::new(format!("cannot write: {error}")).at(path))
+}
+
+/// Makes a write beyond the largest file that the process may write an error like that of a full disk: the
+/// system would end the process by a signal, if that had no handler.
+fn heed_size_limits() {
+    #[cfg(unix)]
+    {
+        static HEEDED: Once = Once::new();
+        // Without the handler such a write has no message, but still harms no file.
+        HEEDED.call_once(|| drop(signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())));
+    }
 }
 
 /// Finds out whether the file at `path` could be written, and leaves no trace. That there will be space is
@@ -54,7 +67,9 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
         return Ok(());
     }
     // Neither the file nor what another process may be writing beside it is touched.
-    let in_use = match File::options().write(true).open(partial(&target)) {
+    let partial = partial(&target);
+    let in_use = match File::options().write(true).open(&partial) {
+        Err(_) if is_link(&partial) => Ok(()),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         tried => tried.map(drop),
     };
@@ -85,11 +100,21 @@ pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result
     Ok(())
 }
 
-/// The file that a path leads to. Links cannot be followed where nothing exists yet; then it is the path
-/// itself.
+/// Links that lead to one another in a row, as many as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// The file that a path leads to, which may not exist yet.
 fn target(path: &Path) -> PathBuf {
-    let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
-    fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match (fs::canonicalize(&path), fs::read_link(&path)) {
+            (Ok(found), _) => return found,
+            (Err(_), Ok(next)) => path = folder(&path).join(next),
+            (Err(_), Err(_)) => break,
+        }
+    }
+    let in_folder = || Some(fs::canonicalize(folder(&path)).ok()?.join(path.file_name()?));
+    in_folder().unwrap_or(path)
 }
 
 fn folder(path: &Path) -> &Path {
@@ -98,6 +123,10 @@ fn folder(path: &Path) -> &Path {
 
 fn is_special(target: &Path) -> bool {
     fs::metadata(target).is_ok_and(|metadata| !metadata.is_file())
+}
+
+fn is_link(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink())
 }
 
 fn partial(target: &Path) -> PathBuf {
@@ -144,10 +173,13 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Opens a partial file, empty, for this process alone; the lock ends when the file is closed. If another
 /// process holds it too long, or the file system has no locks, the file gets a name of its own: a complete
-/// render must not be lost because of a lock.
+/// render must not be lost because of a lock. So it does where a link has the name, which may lead anywhere.
 fn claim(target: &Path) -> io::Result<(File, PathBuf)> {
     let (begin, path) = (Instant::now(), partial(target));
     loop {
+        if is_link(&path) {
+            return create_unique(target, "partial");
+        }
         let file = File::options().write(true).create(true).truncate(false).open(&path)?;
         match file.try_lock() {
             // Whoever had the lock may have renamed the file since it was opened: then it is the output, and
@@ -167,7 +199,7 @@ fn claim(target: &Path) -> io::Result<(File, PathBuf)> {
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     let place = |metadata: &fs::Metadata| (metadata.dev(), metadata.ino());
-    matches!((file.metadata(), fs::metadata(path)), (Ok(a), Ok(b)) if place(&a) == place(&b))
+    matches!((file.metadata(), fs::symlink_metadata(path)), (Ok(a), Ok(b)) if place(&a) == place(&b))
 }
 
 /// On other systems a file that is open cannot be renamed, so it is the one if there is one of this name.
@@ -267,6 +299,20 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
+    fn a_link_beside_the_file_leads_nowhere() -> std::io::Result<()> {
+        let folder = tempfile::tempdir()?;
+        let (path, other) = (folder.path().join("out.exr"), folder.path().join("precious"));
+        fs::write(&other, "precious")?;
+        std::os::unix::fs::symlink(&other, folder.path().join("out.exr.partial"))?;
+        assert_eq!(check_writable(&path), Ok(()));
+        assert_eq!(write_file(&path, b"new"), Ok(()));
+        assert_eq!([&other, &path].map(|file| fs::read_to_string(file).unwrap()), ["precious", "new"]);
+        assert!(!fs::symlink_metadata(&path)?.is_symlink());
+        Ok(())
+    }
+
+    #[cfg(unix)]
+    #[test]
     fn links_and_devices_are_written_through() -> std::io::Result<()> {
         let folder = tempfile::tempdir()?;
         let (path, link) = (folder.path().join("out.exr"), folder.path().join("link.exr"));
@@ -275,6 +321,11 @@ mod tests {
         assert_eq!(write_file(&link, b"new"), Ok(()));
         assert_eq!(fs::read_to_string(&path)?, "new");
         assert!(fs::symlink_metadata(&link)?.is_symlink());
+        let (dangling, later) = (folder.path().join("dangling.exr"), folder.path().join("later.exr"));
+        std::os::unix::fs::symlink("later.exr", &dangling)?;
+        assert_eq!(write_file(&dangling, b"new"), Ok(()));
+        assert_eq!(fs::read_to_string(&later)?, "new");
+        assert!(fs::symlink_metadata(&dangling)?.is_symlink());
         let null = folder.path().join("null");
         std::os::unix::fs::symlink("/dev/null", &null)?;
         assert_eq!(write_file(&null, b"new"), Ok(()));

@@ -12,6 +12,7 @@ use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufReader, Read};
+use std::ops::Range;
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -157,21 +158,37 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
 /// # Errors
 /// If it cannot be read, is damaged, or is that of another render; with one sentence that names the file.
 pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, ImageError> {
-    let refusal = |cause| ImageError { path: Some(path.to_owned()), cause };
-    read(path, scene, settings).map_err(|refused| match refused {
-        Refused::Input(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
-            refusal("the checkpoint is damaged: it ends too early".into())
-        }
-        Refused::Input(e) => refusal(format!("the checkpoint cannot be read: {e}")),
-        Refused::Damaged(why) => refusal(format!("the checkpoint is damaged: {why}")),
-        Refused::Other(why) => refusal(format!("the checkpoint cannot be resumed: {why}")),
-    })
+    read(path, scene, settings).map_err(|refused| refused.at(path))
+}
+
+/// The range of samples of the render that a checkpoint is of, which a pilot may have chosen.
+///
+/// # Errors
+/// If it cannot be read or is damaged at its beginning; with one sentence that names the file.
+pub fn samples(path: &Path) -> Result<Range<u64>, ImageError> {
+    let (_, head) = begin(path).map_err(|refused| refused.at(path))?;
+    let (start, end) = head.identity.samples;
+    Ok(start..end)
 }
 
 enum Refused {
     Input(io::Error),
     Damaged(&'static str),
     Other(String),
+}
+
+impl Refused {
+    fn at(self, path: &Path) -> ImageError {
+        let cause = match self {
+            Self::Input(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
+                "the checkpoint is damaged: it ends too early".into()
+            }
+            Self::Input(e) => format!("the checkpoint cannot be read: {e}"),
+            Self::Damaged(why) => format!("the checkpoint is damaged: {why}"),
+            Self::Other(why) => format!("the checkpoint cannot be resumed: {why}"),
+        };
+        ImageError { path: Some(path.to_owned()), cause }
+    }
 }
 
 impl From<io::Error> for Refused {
@@ -194,7 +211,8 @@ impl<R: Read> Hashed<R> {
     }
 }
 
-fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refused> {
+/// Reads all that is before the sums.
+fn begin(path: &Path) -> Result<(Hashed<BufReader<File>>, Head), Refused> {
     let mut file = Hashed { reader: BufReader::with_capacity(1 << 20, File::open(path)?), hash: Xxh3::new() };
     let mut word = [0; 8];
     file.fill(&mut word)?;
@@ -208,8 +226,12 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
     }
     let mut head = vec![0; length as usize];
     file.fill(&mut head)?;
-    let head: Head =
-        serde_json::from_slice(&head).map_err(|_| Refused::Damaged("its head cannot be understood"))?;
+    let head = serde_json::from_slice(&head);
+    Ok((file, head.map_err(|_| Refused::Damaged("its head cannot be understood"))?))
+}
+
+fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refused> {
+    let (mut file, head) = begin(path)?;
     let mut partial = Partial::new(scene, settings);
     if let Some(why) = head.identity.difference(&Identity::new(scene, settings, &partial.channels)) {
         return Err(Refused::Other(why));
@@ -231,6 +253,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
             }
         }
     }
+    let mut word = [0; 8];
     file.reader.read_exact(&mut word)?;
     if u64::from_le_bytes(word) != file.hash.digest() {
         return Err(Refused::Damaged("its checksum is wrong"));

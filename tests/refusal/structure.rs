@@ -307,7 +307,7 @@ fn channels_that_no_file_could_hold_are_refused() {
     refused(&sensor("R|ω"), "name=\"R\"", &["two channels would have the name `R`"]);
     refused(&sensor("|ω"), "name=\"\"", &["a channel would have no name"]);
     refused(&sensor("variance.R|ω"), "name=\"variance.R\"", &["`variance` is taken"]);
-    refused(&sensor("λ|ω"), "name=\"λ\"", &["Latin-1"]);
+    refused(&sensor("λ|ω"), "name=\"λ\"", &["ASCII"]);
     refused(
         &sensor("b.T|c").replace(
             "</scene>",

@@ -13,7 +13,11 @@ impl Arguments {
         let mut say = |option: &str, value: Option<String>| {
             words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));
         };
-        let shown = |path: &std::path::PathBuf| path.display().to_string();
+        // A name that begins like an option is none where it begins with its folder.
+        let shown = |path: &std::path::PathBuf| match path.display().to_string() {
+            name if name.starts_with('-') => format!("./{name}"),
+            name => name,
+        };
         say("-o", Some(shown(&self.output)));
         say("--png", self.png.as_ref().map(shown));
         let told = self.spp.is_some() || self.time.is_some() || self.target_error.is_some();
@@ -55,6 +59,10 @@ mod tests {
         assert_eq!(
             printed("a.xml -o b.exr --samples 8..400 --checkpoint ck --quiet"),
             "etalon render a.xml -o b.exr --samples 8..400 --checkpoint ck --quiet --resume"
+        );
+        assert_eq!(
+            printed("a.xml -o=-b.exr --spp 400 --checkpoint=-ck"),
+            "etalon render a.xml -o ./-b.exr --spp 400 --checkpoint ./-ck --resume"
         );
     }
 }

@@ -16,8 +16,9 @@ pub fn check_names(names: &[String]) -> Result<(), (usize, String)> {
             "a channel would have no name".into()
         } else if count > LONGEST {
             format!("the name of a channel would have {count} characters, more than {LONGEST}")
-        } else if name.chars().any(|c| u8::try_from(c).is_err()) {
-            format!("the name `{name}` of a channel has characters beyond Latin-1")
+        } else if !name.is_ascii() {
+            // Readers take the bytes for UTF-8, for Latin-1, or for neither.
+            format!("the name `{name}` of a channel has characters beyond ASCII")
         } else if name.starts_with(VARIANCE) {
             format!(
                 "a channel would have the name `{name}`: `variance` is taken by the variances of channels"
@@ -42,8 +43,10 @@ mod tests {
             check_names(&names)
                 .map_err(|(index, why)| (index, why.split(' ').next_back().unwrap().to_owned()))
         };
-        assert_eq!(found(&["R", "G", "variances", "variance", "é", &"x".repeat(246)]), Ok(()));
-        for (bad, word) in [("", "name"), ("R", "`R`"), ("variance.R", "channels"), ("λ", "Latin-1")] {
+        assert_eq!(found(&["R", "G", "variances", "variance", &"x".repeat(246)]), Ok(()));
+        for (bad, word) in
+            [("", "name"), ("R", "`R`"), ("variance.R", "channels"), ("é", "ASCII"), ("λ", "ASCII")]
+        {
             assert_eq!(found(&["R", bad, bad]), Err((1, word.to_owned())));
         }
         assert_eq!(found(&["R", &"x".repeat(247)]), Err((1, "246".to_owned())));

@@ -88,7 +88,7 @@ fn seeds_needed(scatter: f64) -> u32 {
 /// The calibration holds if for some number of seeds equal sides are called different in at most 1 % of
 /// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs is inconclusive.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
-    check_writable(&[&arguments.json])?;
+    check_writable(&[], &[&arguments.json])?;
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
     let out = std::env::temp_dir().join(format!("etalon-calibrate-{}.exr", std::process::id()));

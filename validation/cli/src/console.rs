@@ -31,14 +31,23 @@ pub fn write(
     Ok(etalon::image::write_file(path, text.as_bytes())?)
 }
 
-/// Tests in advance whether documents can be written to the given paths, and whether their provenance can be
-/// determined.
-pub fn check_writable(paths: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
-    for path in paths.iter().copied().flatten() {
-        etalon::image::check_writable(path)?;
+/// Tests in advance whether documents can be written to the given paths, each of its own and none that of a
+/// file that is read, and whether their provenance can be determined.
+pub fn check_writable(read: &[&Path], written: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
+    let read: Vec<PathBuf> = read.iter().map(|path| path.to_path_buf()).collect();
+    let written: Vec<Option<&PathBuf>> = written.iter().map(|path| path.as_ref()).collect();
+    etalon::image::check_outputs(&read, &written)?;
+    if written.iter().any(Option::is_some) {
         Provenance::here()?;
     }
     Ok(())
+}
+
+/// Parses a number of samples. Error: so few that neither a mean nor its error means anything.
+pub fn samples(text: &str) -> Result<usize, String> {
+    const FEWEST: usize = 64;
+    let number = text.parse().ok().filter(|n| *n >= FEWEST);
+    number.ok_or_else(|| format!("expected a number of at least {FEWEST}"))
 }
 
 /// Parses a share written with a per cent sign. Error: any other text.
@@ -59,6 +68,14 @@ mod tests {
         assert_eq!([" 0.25% ", "50 %"].map(percentage), [Ok(0.0025), Ok(0.5)]);
         let refused = ["0.005", "1%%", "%", "-1%", "NaN%", "inf%", ""];
         assert!(refused.into_iter().all(|text| percentage(text).is_err()));
+    }
+
+    #[test]
+    fn no_document_takes_the_place_of_another_or_of_what_is_read() {
+        let (a, b) = (Some(PathBuf::from("a.json")), Some(PathBuf::from("./b.json")));
+        let refused = |read: &[&Path], written: &[&Option<PathBuf>]| check_writable(read, written).is_err();
+        assert!(!refused(&[Path::new("c.exr")], &[&a, &None, &b]));
+        assert!(refused(&[], &[&a, &b, &a]) && refused(&[Path::new("b.json")], &[&a, &b]));
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     if let Some((_, name)) = arguments.renderers.iter().enumerate().find(|of| twice(*of)) {
         return Err(format!("the renderer {name:?} is named twice").into());
     }
-    check_writable(&[&arguments.json, &arguments.html])?;
+    check_writable(&[&arguments.scene, &file], &[&arguments.json, &arguments.html])?;
     let mut samples = arguments.spp;
     samples.sort_unstable();
     let longest = samples.last().copied().unwrap_or(1);

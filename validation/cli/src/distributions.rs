@@ -6,7 +6,7 @@ use crate::documents::Documents;
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{furnace, ledger, limits, materials, peers, sampling};
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use validation::checks::Effort;
 use validation::{Report, Verdict};
@@ -15,7 +15,7 @@ use validation::{Report, Verdict};
 #[derive(clap::Args)]
 struct Settings {
     /// Samples a check
-    #[arg(long, default_value_t = 1 << 18)]
+    #[arg(long, default_value_t = 1 << 18, value_parser = console::samples)]
     samples: usize,
     /// Ask what is inconclusive again, of 4, 16 and 64 times the samples; 10 000 states for `jacobian`,
     /// harmonics to degree 8 for `moments`
@@ -58,7 +58,7 @@ pub struct FurnaceArguments {
     /// Only cells of the furnace whose name contains this
     name: Option<String>,
     /// Samples an albedo
-    #[arg(long, default_value_t = 1 << 18)]
+    #[arg(long, default_value_t = 1 << 18, value_parser = console::samples)]
     samples: usize,
     /// Ask what is inconclusive again, of 4, 16 and 64 times the samples
     #[arg(long, conflicts_with = "losses")]
@@ -80,7 +80,7 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
     if let Some(command) = peer {
         let limit = Duration::from_secs(timeout);
         let Settings { samples, number, documents, .. } = settings;
-        documents.check_writable()?;
+        documents.check_writable(&[], &[])?;
         return documents.finish(peers::run(
             &command,
             &peers::Settings { name, samples, number, limit },
@@ -117,7 +117,7 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     if cells.is_empty() {
         return Err("there is nothing of this name".into());
     }
-    documents.check_writable()?;
+    documents.check_writable(&[], &[])?;
     let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), thorough) };
     let outcomes = ask_and_print(&cells, |cell| cell.run(&effort, number).map(Some))?;
     documents.finish(Report::new("furnace", outcomes))
@@ -129,7 +129,9 @@ fn judge(
     effort: &Effort,
     Settings { number, documents, ledger, .. }: Settings,
 ) -> Result<Verdict, Box<dyn Error>> {
-    documents.check_writable()?;
+    // What is appended to must be none of the documents either.
+    let appended: Vec<&Path> = ledger.iter().map(PathBuf::as_path).collect();
+    documents.check_writable(&appended, &[])?;
     let outcomes = ask_and_print(&trials, |trial| trial.run(effort, number))?;
     if let Some(path) = ledger {
         ledger::append(&path, &outcomes, number)?;

@@ -6,7 +6,7 @@ use crate::provenance::Made;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use validation::report::to_json;
 use validation::{Outcome, Report, Verdict};
 
@@ -22,9 +22,9 @@ pub struct Documents {
 }
 
 impl Documents {
-    /// Tests in advance whether the documents can be written.
-    pub fn check_writable(&self) -> Result<(), Box<dyn Error>> {
-        check_writable(&[&self.json, &self.digest])
+    /// Tests in advance whether the documents and `others` can be written, none of them over what is read.
+    pub fn check_writable(&self, read: &[&Path], others: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
+        check_writable(read, &[&[&self.json, &self.digest], others].concat())
     }
 
     /// Prints the number of outcomes that hold, as the last line of a command, and writes the documents.

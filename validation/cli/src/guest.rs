@@ -53,7 +53,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         let names: Vec<&str> = known.keys().map(String::as_str).collect();
         format!("{} has no renderer {renderer:?}; known are {}", file.display(), names.join(", "))
     })?;
-    documents.check_writable()?;
+    documents.check_writable(&[&file], &[])?;
     let chosen = |mode: ColorMode, other: &str| {
         mode.name() == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))
     };

@@ -1,6 +1,6 @@
 //! The command that tests whole renders: `validate scenes`.
 
-use crate::console::{check_writable, percentage, print, write};
+use crate::console::{percentage, print, write};
 use crate::crew::ask_and_print;
 use crate::documents::Documents;
 use crate::provenance::Provenance;
@@ -36,8 +36,7 @@ pub struct Arguments {
 /// Compares Etalon with the stored references, closed forms and metamorphic relations.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { name, spp, margin, number, thorough, markdown, documents } = arguments;
-    check_writable(&[&markdown])?;
-    documents.check_writable()?;
+    documents.check_writable(&[], &[&markdown])?;
     let mut outcomes = vec![];
     for reference in references::references(&references::folder())? {
         if name.as_ref().is_none_or(|n| reference.name.contains(n)) {

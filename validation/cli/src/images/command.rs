@@ -4,7 +4,7 @@ use super::calibration::{EFFORT, Row, calibrate};
 use crate::console::{check_writable, percentage, say, write};
 use etalon::image::write_file;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use validation::Verdict;
 use validation::image::{self, ChannelComparison, Errors, Settings};
 use validation::report::to_json;
@@ -37,7 +37,8 @@ pub struct Arguments {
 /// Compares two images, or calibrates the comparison.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { a, b, calibrate, margin, json, map, tile_map } = arguments;
-    check_writable(&[&json, &map, &tile_map])?;
+    let read: Vec<&Path> = [&a, &b].into_iter().flatten().map(PathBuf::as_path).collect();
+    check_writable(&read, &[&json, &map, &tile_map])?;
     match (a, b) {
         (Some(a), Some(b)) if !calibrate => {
             let settings = Settings::with_margin(margin);

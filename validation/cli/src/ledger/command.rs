@@ -21,7 +21,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
     batch: u64,
     /// Samples a check of these runs
-    #[arg(long, default_value_t = 1 << 12)]
+    #[arg(long, default_value_t = 1 << 12, value_parser = crate::console::samples)]
     samples: usize,
     /// Only these checks are run
     #[arg(long = "check", value_name = "NAME", requires = "reseed")]
@@ -34,7 +34,7 @@ pub struct Arguments {
 /// Runs the reseeded suites, and judges the whole file.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { file, reseed, batch, samples, checks, json } = arguments;
-    check_writable(&[&json])?;
+    check_writable(&[&file], &[&json])?;
     let mut suite = suite(samples);
     suite.retain(|(trial, _)| checks.is_empty() || checks.iter().any(|check| check == trial.check()));
     if suite.is_empty() {
