@@ -28,7 +28,9 @@ pub fn pixels(path: &Path) -> Result<Pixels, String> {
 fn hdr_pixels(path: &Path) -> Result<Pixels, String> {
     let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
     let decoder = image::codecs::hdr::HdrDecoder::new_nonstrict(std::io::BufReader::new(file));
-    let image = decoder.and_then(image::DynamicImage::from_decoder).map_err(|e| e.to_string())?;
+    let decoder = decoder.map_err(|e| e.to_string())?;
+    check_claim(path, decoder.dimensions(), PIXELS_A_PACKED_BYTE)?;
+    let image = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     Ok(Pixels { width, height, channels: 3, values: image.into_rgb32f().into_raw(), encoded: false })
 }
@@ -37,19 +39,26 @@ fn hdr_pixels(path: &Path) -> Result<Pixels, String> {
 /// of 255 two bytes in the other.
 const PIXELS_A_BYTE: u64 = 512;
 
+/// The same of PNG and HDR, with room to spare: deflate makes 1032 bytes of one, each of up to 8 pixels, and a
+/// run of Radiance's first kind repeats a texel through a whole row.
+const PIXELS_A_PACKED_BYTE: u64 = 1 << 14;
+
+/// Refuses a file that claims more pixels than one of its length can hold, before there is memory for them:
+/// the decoders of JPEG and BMP fill in what is missing, however much that is.
+fn check_claim(path: &Path, (width, height): (u32, u32), pixels_a_byte: u64) -> Result<(), String> {
+    let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
+    match u64::from(width) * u64::from(height) > pixels_a_byte.saturating_mul(bytes) {
+        true => Err(format!("it claims {width} × {height} pixels, and has {bytes} bytes")),
+        false => Ok(()),
+    }
+}
+
 fn other_pixels(path: &Path) -> Result<Pixels, String> {
     let reader =
         image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
     let pads = matches!(reader.format(), Some(image::ImageFormat::Jpeg | image::ImageFormat::Bmp));
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
-    if pads {
-        // The decoders of JPEG and BMP fill in what is missing, however much that is.
-        let (width, height) = decoder.dimensions();
-        let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
-        if u64::from(width) * u64::from(height) > PIXELS_A_BYTE * bytes {
-            return Err(format!("it claims {width} × {height} pixels, and has {bytes} bytes"));
-        }
-    }
+    check_claim(path, decoder.dimensions(), if pads { PIXELS_A_BYTE } else { PIXELS_A_PACKED_BYTE })?;
     let image = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     let color = image.color();
@@ -76,6 +85,10 @@ mod tests {
         {
             assert!(pixels(&folder.join(file)).err().unwrap().contains(claim), "{file}");
         }
+        let folder = tempfile::tempdir().unwrap();
+        let vast = folder.path().join("vast.hdr");
+        std::fs::write(&vast, b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000 +X 2000000\nabcd").unwrap();
+        assert!(pixels(&vast).err().unwrap().contains("2000000 × 2000000 pixels"));
     }
 
     #[test]
