@@ -20,7 +20,7 @@ pub struct Arguments {
 impl Arguments {
     pub fn run(self) -> Outcome {
         let scene = self.scene.load(0)?;
-        let kernel = kernel_for(scene.features);
+        let kernel = kernel_for(scene.features());
         let left_out = Features(Features::ALL & !kernel.features.0);
         let mut materials: Vec<&str> = scene.materials.iter().map(|m| m.name()).collect();
         materials.sort_unstable();
@@ -76,7 +76,7 @@ impl Arguments {
             "emitter_samples": path.map(|path| [path.first_emitter_samples, path.emitter_samples]),
             "emitter_count": scene.emitters.list.len(),
             "emitter_choice": if scene.emitters.chosen_by_place() { "by place and power" } else { "none" },
-            "uses": scene.features.names(),
+            "uses": scene.features().names(),
             "kernel": kernel.name,
             "left_out": left_out.names(),
         });

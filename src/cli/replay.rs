@@ -27,7 +27,7 @@ impl Arguments {
         if x < film.x || y < film.y || x >= film.x + film.width || y >= film.y + film.height {
             return Err(format!("the pixel {x},{y} is not on the film").into());
         }
-        let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features));
+        let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features()));
         let replay = camera.replay(self.pixel, self.sample);
         let CameraPath { ray, λ, radiance, .. } = replay.path;
         say!("pixel {x},{y} sample {}", self.sample);

@@ -1,7 +1,7 @@
 //! Direct light only.
 
 use super::light::{self, Vertex, power_heuristic};
-use super::path::{Arrival, environment, side_towards};
+use super::path::{Arrival, environment};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
 use crate::emitter::Choice;
@@ -75,7 +75,7 @@ impl Direct {
                 scene.emitters.list[index as usize].emitter.surface_radiance(&point, -ray.direction, λ)
             }
         };
-        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        let side = shape.side_towards(point.ns.dot(-ray.direction));
         let frame = side.frame::<F>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);

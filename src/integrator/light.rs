@@ -41,7 +41,7 @@ impl<'a, B> Vertex<'a, B> {
         Origin { p: self.point.p, primitive: self.primitive }
     }
 
-    /// `wo` in world space.
+    /// A vertex with this frame; `wo` is in world space, and is taken into the frame.
     #[inline]
     pub fn new(
         (point, primitive): (&'a SurfacePoint, u32),
@@ -53,13 +53,13 @@ impl<'a, B> Vertex<'a, B> {
         Self { point, primitive, frame, bsdf, wo: frame.to_local(wo), side }
     }
 
-    /// World direction to the frame.
+    /// A world direction in the frame's coordinates.
     #[inline]
     pub fn to_local(&self, w: DVec3) -> DVec3 {
         self.frame.to_local(w)
     }
 
-    /// Direction in the frame to world.
+    /// A direction of the frame's coordinates in world space.
     #[inline]
     pub fn to_world(&self, w: DVec3) -> DVec3 {
         self.frame.to_world(w)

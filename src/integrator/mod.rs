@@ -73,7 +73,8 @@ fn nested_integrator<'d>(
     Ok(found.map(|(element, site)| (element, site.name().unwrap_or("_arg_0"))))
 }
 
-/// Reads what every integrator of Mitsuba has and none needs here.
+/// Reads what every integrator of Mitsuba has and this one has not read: `hide_emitters`, if it shows no light
+/// itself, and how Mitsuba divides its work.
 fn ignore(params: &mut Params) -> Result<(), SceneError> {
     params.boolean("hide_emitters", false, "Mitsuba's; ignored")?;
     params.float("timeout", -1.0, "Mitsuba's; ignored")?;

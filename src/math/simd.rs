@@ -2,8 +2,8 @@
 //!
 //! Both do the same IEEE operation to each lane, never a fused one, so they give the same bits; the tests
 //! hold the intrinsics to the array. All `unsafe` of the renderer is here and in the folder of this name:
-//! each call is of an intrinsic that the `cfg` above it guarantees. (The program has one more, the allocator
-//! of `out_of_memory.rs`.)
+//! each call is of an intrinsic that the `cfg` above it guarantees, but for [`F64x4::lane`]. (The program has
+//! one more, the allocator of `out_of_memory.rs`.)
 
 mod floats;
 mod lanewise;
@@ -233,6 +233,7 @@ impl F64x4 {
     /// The value of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> f64 {
+        // SAFETY: a register in memory is its lanes in order, as the array is.
         let lanes: &[f64; 4] = unsafe { &*std::ptr::from_ref(self).cast() };
         lanes[lane]
     }

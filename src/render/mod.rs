@@ -59,7 +59,7 @@ impl Settings {
 
     /// The kernel that renders a scene.
     fn kernel(&self, scene: &Scene) -> &'static KernelEntry {
-        self.kernel.unwrap_or_else(|| kernel_for(scene.features))
+        self.kernel.unwrap_or_else(|| kernel_for(scene.features()))
     }
 }
 

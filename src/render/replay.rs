@@ -80,7 +80,7 @@ mod tests {
             let window = scene.sensor.film.crop;
             let settings = Settings::of(&scene, 0..1);
             let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
-            let camera = Camera::new(&scene, 0, kernel_for(scene.features));
+            let camera = Camera::new(&scene, 0, kernel_for(scene.features()));
             let mut thrown = 0;
             for (i, (x, y)) in
                 (0..window.height).flat_map(|y| (0..window.width).map(move |x| (x, y))).enumerate()

@@ -272,7 +272,7 @@ mod tests {
                 <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
                     <rfilter type="box"/></film><sampler type="independent"/></sensor></scene>"#;
         let scene = load_text("scene.xml", text, ColorMode::Spectral).unwrap();
-        let camera = Camera::new(&scene, 0, kernel_for(scene.features));
+        let camera = Camera::new(&scene, 0, kernel_for(scene.features()));
         let which: Vec<_> = (0..SAMPLES).map(|sample| ((0, 0), sample)).collect();
         let drawn = |path: &CameraPath| {
             let (lens, way) = (path.ray.origin, path.ray.direction);

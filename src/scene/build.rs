@@ -189,7 +189,6 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         hash,
         files: [&document.files[..], &loader.files()].concat(),
     };
-    scene.settle_caustics();
     let begin = Instant::now();
     plan::settle(&mut scene);
     scene.planning = begin.elapsed();
@@ -257,7 +256,7 @@ mod tests {
         let glass = r#"<bsdf type="dielectric" id="glass"><string name="dispersion" value="BK7"/></bsdf>"#;
         for unused in [null, glass] {
             let scene = load(unused);
-            assert_eq!((scene.features, scene.several_lobes), (load("").features, false), "{unused}");
+            assert_eq!((scene.features(), scene.several_lobes), (load("").features(), false), "{unused}");
             assert_eq!(scene.integrator.name(), "path", "{unused}");
         }
     }

@@ -58,6 +58,12 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// The side that faces a direction, from the cosine between the direction and the shading normal.
+    #[inline]
+    pub fn side_towards(&self, cos: f64) -> &Side {
+        &self.sides[usize::from(cos < 0.0)]
+    }
+
     /// Whether light passes it only by refraction, on both sides.
     pub fn refracts(&self) -> bool {
         self.sides.iter().all(|side| side.traits.refracts)
@@ -151,8 +157,8 @@ pub struct Scene {
     /// The directions by which emitter samples are guided instead, if light paths have left photons.
     pub guide: Option<Guide>,
     pub mode: ColorMode,
-    /// What the scene uses; decides which kernel runs.
-    pub features: Features,
+    /// What its shapes, materials and emitters use, and the channels of its image.
+    features: Features,
     /// Whether some material for which emitters are sampled has several lobes.
     pub several_lobes: bool,
     /// How long pilots took to settle what the file leaves open; a part of the time for loading.
@@ -200,11 +206,12 @@ impl Features {
 }
 
 impl Scene {
-    /// Sets whether a kernel needs [`Features::CAUSTICS`], after what needs it has changed.
-    pub fn settle_caustics(&mut self) {
-        let needed = self.caustics.is_some() || self.links.is_some() || self.guide.is_some();
-        self.features.0 &= !Features::CAUSTICS;
-        self.features.0 |= if needed { Features::CAUSTICS } else { 0 };
+    /// What the scene uses, and the techniques that it is to be rendered by; decides which kernel runs.
+    pub fn features(&self) -> Features {
+        let seeks_casters = self.caustics.is_some() || self.links.is_some() || self.guide.is_some();
+        let caustics = if seeks_casters { Features::CAUSTICS } else { 0 };
+        let reuse = if self.integrator.reuse() > 1 { Features::REUSE } else { 0 };
+        Features(self.features.0 | caustics | reuse)
     }
 
     /// The shape that a primitive belongs to, and its number there.

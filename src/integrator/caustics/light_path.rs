@@ -7,7 +7,7 @@ use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, density_of_samples, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
-use crate::integrator::path::{roulette, side_towards};
+use crate::integrator::path::roulette;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Scene, Side};
@@ -90,12 +90,12 @@ impl Caustics {
         counters: &mut Counters,
     ) -> Option<Ray> {
         let (shape, point) = scene.surface::<F>(landing.ray, &landing.hit);
-        let side = side_towards(shape, point.ns.dot(-landing.ray.direction));
+        let side = shape.side_towards(point.ns.dot(-landing.ray.direction));
         if side.traits.one_way || landing.edges == 1 && !side.traits.focuses() {
             return None;
         }
         // The camera looks through emitters that are hidden.
-        let seen = !(self.settings.lengths.hide_emitters && shape.emitter.is_some());
+        let seen = !(self.lengths.hide_emitters && shape.emitter.is_some());
         scene.materials[side.material as usize].visit(Scatter::<F> {
             caustics: self,
             scene,
@@ -146,13 +146,13 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
                 let EmitterPoint { emitter, p, n } = path.end;
                 let end = (emitter, &SurfacePoint::plain(p, n, n));
                 let found = density_of(scene, vertex.origin(), (to_light, passage), end, &λ, counters);
-                found.unwrap_or(0.0) * f64::from(caustics.settings.emitter_samples) / chance
+                found.unwrap_or(0.0) * caustics.emitter_samples / chance
             });
         if edges > 1 && seen && side.traits.has_density {
             caustics.connect(scene, (index, path), (&vertex, to_light), (linked, u), connections);
         }
         // The next connection is one edge more.
-        if edges >= caustics.settings.lengths.max_depth.saturating_sub(1) {
+        if edges >= caustics.lengths.max_depth.saturating_sub(1) {
             return None;
         }
         let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
@@ -189,7 +189,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if sample.dispersed {
             path.λ.collapse();
         }
-        if edges >= caustics.settings.lengths.rr_depth {
+        if edges >= caustics.lengths.rr_depth {
             let carried = path.λ.mean(path.throughput) as f64;
             path.throughput *= roulette(carried, edges, sample.delta, u.one(6))?;
         }

@@ -40,7 +40,7 @@ mod light_path;
 mod stream;
 
 use super::AnyIntegrator;
-use super::path::Path;
+use super::lengths::Lengths;
 use crate::emitter::{EmitterPoint, Emitters};
 use crate::math::DVec3;
 use crate::scene::instances::Instances;
@@ -57,7 +57,9 @@ const LIGHT_PATHS: f64 = 0.25;
 #[derive(Debug)]
 pub struct Caustics {
     emission: Emission,
-    settings: Path,
+    /// Those of the camera paths, and how many emitter samples these take at a vertex.
+    lengths: Lengths,
+    emitter_samples: f64,
     /// M, the number of light paths per sample number.
     pub paths: u32,
 }
@@ -71,13 +73,14 @@ impl Caustics {
         instances: &Instances,
         emitters: &Emitters,
     ) -> Option<Self> {
-        let settings = *integrator.path()?;
+        let settings = integrator.path()?;
         let ratio = settings.light_paths.unwrap_or(LIGHT_PATHS);
         if settings.lengths.max_depth < 3 || ratio == 0.0 {
             return None;
         }
         let emission = Emission::new(emitters, shapes, instances)?;
-        let mut caustics = Self { emission, settings, paths: 0 };
+        let (lengths, emitter_samples) = (settings.lengths, f64::from(settings.emitter_samples));
+        let mut caustics = Self { emission, lengths, emitter_samples, paths: 0 };
         caustics.set_ratio(ratio, sensor.film.crop.pixels());
         Some(caustics)
     }

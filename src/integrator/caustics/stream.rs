@@ -36,7 +36,7 @@ impl Caustics {
     ) {
         // Kernels of light paths differ in what they need of a surface; light paths never meet an
         // environment.
-        let simple = scene.features.0 & Features::TEXTURED & !Features::ENVIRONMENT == 0;
+        let simple = scene.features().0 & Features::TEXTURED & !Features::ENVIRONMENT == 0;
         let mut stream = Stream::default();
         for first in numbers.clone().step_by(STREAM) {
             let sampler = |number: u64| {

@@ -23,7 +23,6 @@ mod photons;
 use super::Counters;
 use super::caustics::Emission;
 use super::light::{Vertex, power_heuristic};
-use super::path::side_towards;
 use crate::bsdf::{Bsdf, Sample};
 use crate::math::{DVec2, DVec3, Ray, bounds};
 use crate::sampler::{GUIDED, GUIDED_OF_VERTEX, Sampler};
@@ -113,7 +112,7 @@ pub fn sample_emitters<B: Bsdf>(
             let emitter = &scene.emitters.list[emitter as usize].emitter;
             found += throughput * emitter.surface_radiance(&point, -ray.direction, λ);
         }
-        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        let side = shape.side_towards(point.ns.dot(-ray.direction));
         if side.traits.has_density {
             break;
         }

@@ -4,7 +4,6 @@ use super::{MOST_SURFACES, onward};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::links::{Passage, density_of};
-use crate::integrator::path::side_towards;
 use crate::math::{DVec3, INV_PI, Origin};
 use crate::sampler::{CAMERA, FIRST_VERTEX, GUIDE_COLUMN, Kind, Sampler};
 use crate::scene::{Features, Scene};
@@ -39,7 +38,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
         let hit = scene.accel.closest(&ray)?;
         let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
         let w = -ray.direction;
-        let side = side_towards(shape, point.ns.dot(w));
+        let side = shape.side_towards(point.ns.dot(w));
         if side.traits.has_density {
             let power = f64::from(λ.mean(light)) * scale;
             let linked = passage.and_then(|(passage, chance)| {

@@ -14,7 +14,6 @@ use super::Surface;
 use super::passage::{Turn, turn};
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
-use crate::integrator::path::side_towards;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Origin, Ray, length};
 use crate::scene::{Features, Scene, Shape};
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -79,7 +78,7 @@ impl Bent {
                 let moved = *dp + dd * hit.t;
                 *dp = moved - d * (moved.dot(point.ng) / d.dot(point.ng));
             }
-            let side = side_towards(shape, point.ns.dot(-d));
+            let side = shape.side_towards(point.ns.dot(-d));
             let frame = side.frame::<{ Features::ALL }>(&point);
             let wo = frame.to_local(-d);
             let material = &scene.materials[side.material as usize];

@@ -11,7 +11,7 @@ use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
 use crate::integrator::{Counters, Event};
 use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;
-use crate::scene::{Features, Scene, Shape, Side};
+use crate::scene::{Features, Scene, Shape};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -76,7 +76,7 @@ impl Path {
         if state.depth + 1 >= self.lengths.max_depth {
             return None;
         }
-        let side = side_towards(shape, point.ns.dot(-ray.direction));
+        let side = shape.side_towards(point.ns.dot(-ray.direction));
         let onward = scene.materials[side.material as usize].visit(Scatter::<F> {
             settings: self,
             scene,
@@ -159,12 +159,6 @@ struct Met<'a> {
     point: &'a SurfacePoint,
     /// Its number.
     emitter: usize,
-}
-
-/// The side of a shape that faces a direction, from the cosine between the direction and the normal.
-#[inline]
-pub fn side_towards(shape: &Shape, cos: f64) -> &Side {
-    &shape.sides[usize::from(cos < 0.0)]
 }
 
 /// Light from the environment along a ray that met nothing.

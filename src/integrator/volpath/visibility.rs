@@ -2,7 +2,6 @@
 
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
-use crate::integrator::path::side_towards;
 use crate::math::Ray;
 use crate::medium::{FlightNumbers, Medium};
 use crate::scene::Scene;
@@ -26,7 +25,7 @@ pub fn between<const F: u32>(
         let hit = scene.accel.closest(&ray);
         let surface = hit.map(|hit| {
             let (shape, point) = scene.surface::<F>(&ray, &hit);
-            (hit, shape, point, side_towards(shape, point.ns.dot(-ray.direction)))
+            (hit, shape, point, shape.side_towards(point.ns.dot(-ray.direction)))
         });
         // What is before a surface that nothing passes does not matter.
         if surface.as_ref().is_some_and(|(.., side)| !side.traits.has_null) {

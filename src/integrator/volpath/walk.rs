@@ -5,7 +5,7 @@ use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::emitter::Choice;
 use crate::integrator::lengths::Lengths;
 use crate::integrator::light::{self, Vertex, power_heuristic};
-use crate::integrator::path::{Arrival, environment, roulette, side_towards};
+use crate::integrator::path::{Arrival, environment, roulette};
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
 use crate::medium::{Flight, FlightNumbers, Medium};
@@ -134,7 +134,7 @@ impl<'a> Walk<'a> {
         }
         self.log(hit.t, Some(hit.primitive), point.p);
         let wo = -self.ray.direction;
-        let side = side_towards(shape, point.ns.dot(wo));
+        let side = shape.side_towards(point.ns.dot(wo));
         let last = self.depth + 1 >= self.lengths.max_depth;
         if last && !side.traits.has_null {
             return None;

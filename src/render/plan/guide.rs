@@ -51,7 +51,6 @@ pub fn settle(scene: &mut Scene) {
     let light_paths = f64::from(light_paths).min(enough) as u32;
     scene.links = None;
     scene.guide = Guide::new(photons(scene, &emission, light_paths));
-    scene.settle_caustics();
 }
 
 /// Whether guided samples find enough that links do not, and are taken often enough, by a few photons.
@@ -61,10 +60,8 @@ fn pays(scene: &mut Scene, photons: Vec<Photon>) -> bool {
     let Some(guide) = Guide::new(photons).filter(|_| left > LEFT * all) else { return false };
     let links = scene.links.take();
     scene.guide = Some(guide);
-    scene.settle_caustics();
     let asked = guided_samples(scene) * ONE_IN > CAMERA_SAMPLES;
     (scene.links, scene.guide) = (links, None);
-    scene.settle_caustics();
     asked
 }
 

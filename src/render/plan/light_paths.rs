@@ -68,7 +68,6 @@ pub fn settle(scene: &mut Scene) {
         set(scene, part.sqrt().max(FIRST));
     } else {
         scene.caustics = None;
-        scene.settle_caustics();
     }
 }
 
@@ -235,7 +234,7 @@ mod tests {
         );
         let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
         let paths = scene.light_paths();
-        assert_eq!(paths > 0, scene.features.0 & Features::CAUSTICS != 0);
+        assert_eq!(paths > 0, scene.features().0 & Features::CAUSTICS != 0);
         f64::from(paths) / 1024.0
     }
 

@@ -37,7 +37,7 @@ fn scattered(i: u64, count: u64) -> u64 {
 /// whose samples must not be those that have settled it.
 fn pilot_camera(scene: &Scene) -> Camera<'_> {
     const SEED: u32 = 0x5eed_ab1e;
-    Camera::new(scene, SEED, kernel_for(scene.features))
+    Camera::new(scene, SEED, kernel_for(scene.features()))
 }
 
 /// So many samples of pixels spread evenly over a window, for a pilot.

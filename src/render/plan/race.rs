@@ -153,7 +153,6 @@ impl<'a> Race<'a> {
     fn dress(&mut self, caustics: bool, choice: Candidate) {
         if self.brought.is_some() && self.scene.caustics.is_some() != caustics {
             std::mem::swap(&mut self.scene.caustics, &mut self.aside);
-            self.scene.settle_caustics();
         }
         reuse::set(self.scene, choice);
     }

@@ -11,7 +11,7 @@
 use super::light_paths;
 use super::race::Race;
 use crate::integrator::path::reuse::LightSources;
-use crate::scene::{Features, Scene};
+use crate::scene::Scene;
 
 /// The settings that are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +62,6 @@ pub fn set(scene: &mut Scene, choice: Candidate) {
         0 => None,
         some => LightSources::new(some, &scene.shapes, &scene.emitters),
     };
-    scene.features.0 &= !Features::REUSE;
-    scene.features.0 |= if choice.pixels > 1 { Features::REUSE } else { 0 };
 }
 
 #[cfg(test)]

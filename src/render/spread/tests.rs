@@ -86,7 +86,7 @@ fn a_pixel_is_the_weighted_sum_of_the_samples_around_it() {
     for filter in FILTERS {
         let [_, scene] = scenes(filter, BALL);
         let film = &scene.sensor.film;
-        let camera = Camera::new(&scene, 1, kernel_for(scene.features));
+        let camera = Camera::new(&scene, 1, kernel_for(scene.features()));
         let settings = Settings { seed: 1, ..Settings::of(&scene, 4..5) };
         let (image, _) = render(&scene, &settings, &Progress::default()).expect("it renders");
         let place = camera.place_in_pixels(4).expect("it is the same in all pixels");

@@ -7,7 +7,7 @@ use crate::bsdf::Bsdf;
 use crate::emitter::EmitterPoint;
 use crate::integrator::caustics::further;
 use crate::integrator::light::{Vertex, density_of_samples};
-use crate::integrator::path::{roulette, side_towards};
+use crate::integrator::path::roulette;
 use crate::math::{DVec3, Ray};
 use crate::sampler::{LIGHT_SOURCES, Numbers, Sampler};
 use crate::scene::{Features, Scene};
@@ -83,7 +83,7 @@ impl LightPath {
     ) -> Option<Ray> {
         let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
         let to_light = -ray.direction;
-        let side = side_towards(shape, point.ns.dot(to_light));
+        let side = shape.side_towards(point.ns.dot(to_light));
         let left_to_others = edges == 1 && side.traits.focuses() && scene.caustics.is_some();
         if side.traits.one_way || !side.traits.has_density || left_to_others {
             return None;
