@@ -87,8 +87,7 @@ impl Arguments {
         if self.png.is_some() {
             image::check_developable(&channels)?;
         }
-        let chosen = self.time.is_some() || self.target_error.is_some();
-        let passes = self.in_passes() || chosen || scene.caustics.is_some();
+        let passes = self.in_passes() || self.asks_pilot() || scene.caustics.is_some();
         let light_paths = scene.light_paths().into();
         let spreads = scene.sensor.film.spread.is_some();
         let needs = memory::Needs { channels: channels.len(), passes, light_paths, spreads };
@@ -99,9 +98,10 @@ impl Arguments {
         let progress = Progress::default();
         let watch = Watch::new(&self, self.says_little(), &progress)?;
         // What is resumed has its number of samples.
-        let wanted = chosen && resumed.is_none();
-        let pilot = watch.aside(|| wanted.then(|| self.pilot(&scene, &settings, &progress)).transpose())?;
-        let pilot = pilot.flatten();
+        let pilot = match resumed {
+            Some(_) => None,
+            None => watch.aside(|| self.pilot(&scene, &settings, &progress))?,
+        };
         let pilot_seconds = start.elapsed().as_secs_f64();
         if let Some(pilot) = &pilot {
             settings.samples = 0..pilot.count;
@@ -153,6 +153,11 @@ impl Arguments {
         self.checkpoint.is_some() || self.preview.is_some()
     }
 
+    /// Whether a pilot is to choose the number of samples.
+    fn asks_pilot(&self) -> bool {
+        self.time.is_some() || self.target_error.is_some()
+    }
+
     fn says_little(&self) -> bool {
         self.quiet || self.json
     }
@@ -191,7 +196,7 @@ impl Arguments {
             eprintln!("{}: there is no checkpoint yet; the render begins at the beginning", path.display());
             return Ok(None);
         }
-        if self.time.is_some() || self.target_error.is_some() {
+        if self.asks_pilot() {
             settings.samples = checkpoint::samples(path)?;
         }
         checkpoint::load(path, scene, settings).map(Some)

@@ -5,7 +5,6 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Once};
 use std::time::{Duration, Instant};
 
 /// Replaces the file at `path` by one with these bytes: it is the old one or the new one, never half of
@@ -42,6 +41,7 @@ pub(crate) fn write_file_with(
 fn heed_size_limits() {
     #[cfg(unix)]
     {
+        use std::sync::{Arc, Once};
         static HEEDED: Once = Once::new();
         // Without the handler such a write has no message, but still harms no file.
         HEEDED.call_once(|| drop(signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())));

@@ -197,10 +197,9 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
 
 /// Whether light goes through media, or straight through surfaces.
 fn media_matter(objects: &Objects, sensor: &Sensor) -> bool {
-    let mut shapes = objects.shapes.iter().chain(objects.instances.shapes());
     sensor.medium.is_some()
         || objects.sides().any(|traits| traits.has_null)
-        || shapes.any(|shape| shape.interface.is_some())
+        || objects.surfaces().any(|shape| shape.interface.is_some())
 }
 
 /// The features that a kernel for the scene needs.

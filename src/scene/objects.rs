@@ -54,10 +54,12 @@ impl<'a, 'd> Objects<'a, 'd> {
 
     /// What is known of both sides of each surface. A material that no surface has decides nothing.
     pub fn sides(&self) -> impl Iterator<Item = Traits> {
-        self.shapes
-            .iter()
-            .chain(self.instances.shapes())
-            .flat_map(|shape| shape.sides.map(|side| side.traits))
+        self.surfaces().flat_map(|shape| shape.sides.map(|side| side.traits))
+    }
+
+    /// All shapes, those of groups too.
+    pub fn surfaces(&self) -> impl Iterator<Item = &Shape> {
+        self.shapes.iter().chain(self.instances.shapes())
     }
 
     /// Reads a `<shape>` with its material and its emitter, a group, or an instance.

@@ -90,8 +90,8 @@ impl Wavelengths {
         }
     }
 
-    /// The mean over lanes, of which those that do not count are 0. Lobes are chosen by it because it treats all lanes alike: so all lanes have the
-    /// same path density and need no weights between them.
+    /// The mean over lanes, of which those that do not count are 0. Lobes are chosen by it because it treats
+    /// all lanes alike: so all lanes have the same path density and need no weights between them.
     #[inline]
     pub fn mean(&self, s: Spectrum) -> f32 {
         s.sum() * self.mean_factor

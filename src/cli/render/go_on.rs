@@ -20,7 +20,7 @@ impl Arguments {
         };
         say("-o", Some(shown(&self.output)));
         say("--png", self.png.as_ref().map(shown));
-        let told = self.spp.is_some() || self.time.is_some() || self.target_error.is_some();
+        let told = self.spp.is_some() || self.asks_pilot();
         say("--spp", told.then(|| samples.end.to_string()));
         say("--samples", self.samples.as_ref().map(|s| format!("{}..{}", s.start, s.end)));
         say("--crop", self.crop.map(|c| format!("{},{},{},{}", c.x, c.y, c.width, c.height)));
