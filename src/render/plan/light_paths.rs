@@ -12,6 +12,7 @@
 //! of s light paths would leave less. Since few light paths are left little light to find, it would keep few
 //! of them few, so the guess is not below a quarter.
 
+use super::cells::{Cells, first_of};
 use super::look::{Cell, Look};
 use super::{all_over, brightness, pilot_camera};
 use crate::image::Window;
@@ -23,6 +24,10 @@ use crate::scene::Scene;
 const CAMERA_SAMPLES: u64 = 2048;
 /// Light paths of the pilot: some milliseconds.
 const LIGHT_PATHS: u64 = 8192;
+/// Where they bring light to fewer places of a tile than this on average, there are more of them.
+const PLACES: usize = 8;
+/// Most light paths of the pilot.
+const MOST_LIGHT_PATHS: u64 = 16 * LIGHT_PATHS;
 
 /// Tiles along each side of the image where light is measured: few, for there may be few samples in each.
 const TILES: usize = 8;
@@ -86,7 +91,7 @@ impl Brought {
     pub fn of(scene: &Scene) -> Option<Self> {
         let caustics = scene.caustics.as_ref()?;
         let film = scene.sensor.film.crop;
-        let (tiles, rays) = splats(scene, FINE_TILES);
+        let (tiles, rays) = splats(scene, FINE_TILES, MOST_LIGHT_PATHS);
         let ratios = if is_free(scene) {
             let (most, fewest) = (most(film), FEWEST.min(most(film)));
             let halves = std::iter::successors(Some(most), |s| Some(0.5 * s));
@@ -102,7 +107,8 @@ impl Brought {
         // Variances of a cell relative to its light squared: that which camera paths leave, and that which
         // one light path per camera path leaves. Black cells have neither.
         let of_cell = |cell: &Cell| {
-            let Tile { light, squares } = self.tiles[tile(self.film, FINE_TILES, cell.first_of(self.film))];
+            let Tile { light, squares } =
+                self.tiles[tile(self.film, FINE_TILES, first_of(cell.corner, self.film))];
             let all = cell.light + light;
             let parts =
                 [cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all)];
@@ -124,8 +130,30 @@ impl Brought {
 /// Settles the number of light paths by the noise and the cost of camera paths, once all else is settled.
 pub fn balance(scene: &mut Scene) {
     if let Some(brought) = Brought::of(scene) {
-        set(scene, brought.best_with(&Look::at(scene)).1);
+        let cells = cells(scene, Some(&brought));
+        set(scene, brought.best_with(&Look::at(scene, &cells)).1);
     }
+}
+
+/// The cells that a scene is looked at in: noisy are those in the tiles where light paths make half of their
+/// deviations, the fewest that do.
+pub fn cells(scene: &Scene, brought: Option<&Brought>) -> Cells {
+    let film = scene.sensor.film.crop;
+    let deviations: Vec<f64> =
+        brought.map_or(vec![], |brought| brought.tiles.iter().map(|tile| tile.squares.sqrt()).collect());
+    let mut ordered = deviations.clone();
+    ordered.sort_by(|a, b| b.total_cmp(a));
+    let half = 0.5 * ordered.iter().sum::<f64>();
+    let mut sum = 0.0;
+    let least = ordered.into_iter().find(|deviation| {
+        sum += deviation;
+        sum >= half
+    });
+    let is_noisy = |pixel| {
+        let of_tile = deviations.get(tile(film, FINE_TILES, pixel)).copied().unwrap_or(0.0);
+        of_tile > 0.0 && least.is_some_and(|least| of_tile >= least)
+    };
+    Cells::of(film, is_noisy)
 }
 
 /// Gives a scene so many light paths per camera path, within reason.
@@ -171,26 +199,37 @@ fn pixels_along(size: u32, tiles: usize) -> Vec<u32> {
     pixels
 }
 
-/// What light paths contribute to so many tiles along each side, and the number of rays per light path.
-fn splats(scene: &Scene, along: usize) -> (Vec<Tile>, f64) {
+/// What light paths contribute to so many tiles along each side, and the number of rays per light path; by no
+/// more than so many of them, and as few as tell one tile from the other.
+fn splats(scene: &Scene, along: usize, most: u64) -> (Vec<Tile>, f64) {
     let film = scene.sensor.film.crop;
     let mut tiles = vec![Tile::default(); along * along];
     let mut counters = Counters::default();
     let paths = f64::from(scene.light_paths());
-    pilot_camera(scene).trace_light(0..LIGHT_PATHS, &mut counters, |_, at, values| {
-        // As if it had been the only light path.
-        let brought = paths * brightness(values);
-        let tile = &mut tiles[tile(film, along, at)];
-        tile.light += brought;
-        tile.squares += brought * brought;
-    });
+    let camera = pilot_camera(scene);
+    let (mut traced, mut next, mut places) = (0, LIGHT_PATHS, 0);
+    loop {
+        camera.trace_light(traced..next, &mut counters, |_, at, values| {
+            // As if it had been the only light path.
+            let brought = paths * brightness(values);
+            let tile = &mut tiles[tile(film, along, at)];
+            tile.light += brought;
+            tile.squares += brought * brought;
+            places += 1;
+        });
+        (traced, next) = (next, 2 * next);
+        let lit = tiles.iter().filter(|tile| tile.squares > 0.0).count();
+        if next > most || places >= PLACES * lit {
+            break;
+        }
+    }
     let (columns, rows) = (pixels_along(film.width, along), pixels_along(film.height, along));
     let pixels = film.pixels() as f64;
     for (i, tile) in tiles.iter_mut().enumerate() {
-        let samples = LIGHT_PATHS as f64 * f64::from((columns[i % along] * rows[i / along]).max(1));
+        let samples = traced as f64 * f64::from((columns[i % along] * rows[i / along]).max(1));
         *tile = Tile { light: tile.light / samples, squares: tile.squares / (samples * pixels) };
     }
-    (tiles, counters.rays as f64 / LIGHT_PATHS as f64)
+    (tiles, counters.rays as f64 / traced as f64)
 }
 
 /// The share of the light that light paths find, averaged over tiles of the image, so that a lamp in view
@@ -208,7 +247,7 @@ fn part_of_light_paths(scene: &Scene) -> f64 {
         let (light, samples) = &mut seen[tile(film, TILES, *pixel)];
         (*light, *samples) = (*light + brightness(values), *samples + 1.0);
     }
-    let (brought, _) = splats(scene, TILES);
+    let (brought, _) = splats(scene, TILES, LIGHT_PATHS);
     let part =
         |((seen, samples), brought): (&(f64, f64), &Tile)| brought.light / (seen / samples + brought.light);
     let parts = seen.iter().zip(&brought).map(part);

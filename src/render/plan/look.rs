@@ -2,10 +2,10 @@
 //! cells, in an order that all looks at a film share, so that two of them compare the same cells.
 
 use super::super::spread::neighbours;
-use super::{Camera, brightness, pilot_camera, scattered};
+use super::cells::Cells;
+use super::{Camera, brightness, pilot_camera};
 use crate::film::Film;
 use crate::film::filter_weights::{Place, Weights};
-use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::{CELL, cell};
 use crate::math::function::ln;
@@ -31,9 +31,6 @@ const CACHED: f64 = 8192.0;
 
 /// Samples of each pixel of a cell.
 const CAMERA_SAMPLES: u64 = 32;
-
-/// Most cells that a look goes on to.
-const MOST: u64 = 64;
 
 /// Cells of a look that does not go on, unless the film has fewer: enough, and between one number and the
 /// other as many as make one sample of every pixel of the film.
@@ -63,16 +60,11 @@ pub struct Cell {
     /// the cell, as far as stratification leaves it. Where the edge of a lamp is seen, light elsewhere in the
     /// cell is no measure.
     pub variance: f64,
+    /// The weight of the cell in means over the film; all of a look's together make one.
+    pub weight: f64,
 }
 
-impl Cell {
-    /// Its first pixel within a film that it overlaps.
-    pub fn first_of(&self, film: Window) -> (u32, u32) {
-        (self.corner.0.max(film.x), self.corner.1.max(film.y))
-    }
-}
-
-/// What has been seen of the cells of a film, in the order of [`corners`].
+/// What has been seen of the cells of a film, in the order of [`Cells`].
 #[derive(Default)]
 pub struct Sight {
     seen: Vec<Seen>,
@@ -87,57 +79,47 @@ struct Seen {
     cost: f64,
 }
 
-/// Cells to look at, in an order whose every beginning lies all over the film, too.
-pub fn corners(film: Window) -> Vec<(u32, u32)> {
-    let (left, top) = (film.x / CELL, film.y / CELL);
-    let columns = (film.x + film.width).div_ceil(CELL) - left;
-    let rows = (film.y + film.height).div_ceil(CELL) - top;
-    let all = u64::from(columns) * u64::from(rows);
-    let corner = |i: u64| ((left + i as u32 % columns) * CELL, (top + i as u32 / columns) * CELL);
-    let mut chosen: Vec<u64> = (0..all.min(MOST)).collect();
-    if all > MOST {
-        chosen = chosen.into_iter().map(|i| scattered(i, all)).collect();
-    } else {
-        chosen.sort_by_key(|i| scattered(*i, u64::MAX));
-    }
-    chosen.into_iter().map(corner).collect()
-}
-
 impl Sight {
-    /// Looks on, until these cells have been seen, which begin with those that have been. The scene has the
-    /// settings that it had before.
-    pub fn extend(&mut self, scene: &Scene, corners: &[(u32, u32)]) {
+    /// Looks on, until the first `count` cells have been seen, which begin with those that have been. The scene
+    /// has the settings that it had before.
+    pub fn extend(&mut self, scene: &Scene, cells: &Cells, count: usize) {
         let camera = pilot_camera(scene);
-        let more = corners[self.seen.len()..].par_iter().map(|corner| Seen::at(scene, &camera, *corner));
+        let corners: Vec<_> = cells.corners(count).skip(self.seen.len()).collect();
+        let more = corners.par_iter().map(|corner| Seen::at(scene, &camera, *corner));
         self.seen.par_extend(more);
     }
 
-    pub fn look(&self) -> Look {
-        let light: f64 = self.seen.iter().map(Seen::light).sum::<f64>() / self.seen.len() as f64;
-        let cells = self.seen.iter().map(|seen| seen.cell(DARK * light)).collect();
-        let costs = self.seen.iter().map(|seen| seen.cost).sum::<f64>();
-        Look { cells, cost: costs / self.seen.len() as f64 }
+    /// What has been seen of these cells.
+    pub fn look(&self, cells: &Cells) -> Look {
+        let seen = || self.seen.iter().zip(cells.weights(self.seen.len()));
+        let light: f64 = seen().map(|(seen, weight)| weight * seen.light()).sum();
+        Look {
+            cells: seen().map(|(seen, weight)| seen.cell(DARK * light, weight)).collect(),
+            cost: seen().map(|(seen, weight)| weight * seen.cost).sum(),
+        }
     }
 }
 
 impl Look {
     /// A look that does not go on, with the scene's settings as they are.
-    pub fn at(scene: &Scene) -> Self {
-        let corners = corners(scene.sensor.film.crop);
+    pub fn at(scene: &Scene, cells: &Cells) -> Self {
         let [fewest, most] = ENOUGH;
         let one_of_each_pixel =
             scene.sensor.film.crop.pixels() as u64 / (u64::from(CELL * CELL) * CAMERA_SAMPLES);
-        let cells = one_of_each_pixel.clamp(fewest, most) as usize;
         let mut sight = Sight::default();
-        sight.extend(scene, &corners[..cells.min(corners.len())]);
-        sight.look()
+        sight.extend(scene, cells, one_of_each_pixel.clamp(fewest, most) as usize);
+        sight.look(cells)
+    }
+
+    /// The mean deviation of a pixel with one sample.
+    pub fn deviation(&self) -> f64 {
+        self.cells.iter().map(|cell| cell.weight * cell.variance.sqrt()).sum()
     }
 
     /// The product of variance and cost, up to a factor that all looks have.
     pub fn product(&self) -> f64 {
-        let deviation: f64 = self.cells.iter().map(|cell| cell.variance.sqrt()).sum();
-        let mean = deviation / self.cells.len() as f64;
-        mean * mean * self.cost
+        let deviation = self.deviation();
+        deviation * deviation * self.cost
     }
 }
 
@@ -179,13 +161,13 @@ impl Seen {
         self.pixels.iter().map(|(mean, _)| mean).sum::<f64>() / self.pixels.len() as f64
     }
 
-    fn cell(&self, dark: f64) -> Cell {
+    fn cell(&self, dark: f64, weight: f64) -> Cell {
         let relative = |(mean, variance): &(f64, f64)| {
             let square = mean * mean + dark * dark;
             if square > 0.0 { variance / square } else { 0.0 }
         };
         let variance = self.pixels.iter().map(relative).sum::<f64>() / self.pixels.len() as f64;
-        Cell { corner: self.corner, light: self.light(), variance }
+        Cell { corner: self.corner, light: self.light(), variance, weight }
     }
 }
 
@@ -233,7 +215,9 @@ fn spread(film: &Film, place: Option<[Place; 2]>, corner: (u32, u32), seen: Squa
 
 #[cfg(test)]
 mod tests {
+    use super::super::cells::first_of;
     use super::*;
+    use crate::image::Window;
     use crate::render::spread::Spread;
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;
@@ -295,37 +279,21 @@ mod tests {
         let mut scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
         let crop = Window { x: 5, y: 9, width: 7, height: 18 };
         scene.sensor.film.crop = crop;
-        let mut corners: Vec<_> = Look::at(&scene).cells.iter().map(|cell| cell.corner).collect();
+        let look = Look::at(&scene, &Cells::of(crop, |_| false));
+        let mut corners: Vec<_> = look.cells.iter().map(|cell| cell.corner).collect();
         corners.sort_unstable();
         assert_eq!(corners, [(0, 8), (0, 16), (0, 24), (8, 8), (8, 16), (8, 24)]);
-        let first = |corner| Cell { corner, ..Cell::default() }.first_of(crop);
-        assert_eq!([first((0, 8)), first((8, 16))], [(5, 9), (8, 16)]);
-    }
-
-    #[test]
-    fn every_beginning_of_the_cells_lies_all_over_the_film() {
-        let corners = |width, height| corners(Window { x: 0, y: 0, width, height });
-        for (width, height, cells) in [(64, 64, 64), (60, 44, 48), (1920, 1080, 64)] {
-            let mut all = corners(width, height);
-            let quarters = |n: usize| {
-                let quarter = |&(x, y): &(u32, u32)| (2 * x >= width, 2 * y >= height);
-                all[..n].iter().map(quarter).collect::<std::collections::BTreeSet<_>>().len()
-            };
-            assert_eq!((all.len(), quarters(8)), (cells, 4), "{width} x {height}");
-            all.sort_unstable();
-            all.dedup();
-            assert_eq!(all.len(), cells);
-        }
+        assert_eq!([first_of((0, 8), crop), first_of((8, 16), crop)], [(5, 9), (8, 16)]);
     }
 
     #[test]
     fn a_look_that_goes_on_is_the_look_at_all_its_cells() {
         let scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
-        let corners = corners(scene.sensor.film.crop);
+        let cells = Cells::of(scene.sensor.film.crop, |(x, _)| x < 8);
         let looked = |stages: &[usize]| {
             let mut sight = Sight::default();
-            stages.iter().for_each(|cells| sight.extend(&scene, &corners[..*cells]));
-            let look = sight.look();
+            stages.iter().for_each(|count| sight.extend(&scene, &cells, *count));
+            let look = sight.look(&cells);
             (look.product(), look.cost, look.cells.len())
         };
         assert_eq!(looked(&[3, 3, 9]), looked(&[9]));
@@ -334,7 +302,7 @@ mod tests {
     #[test]
     fn noise_in_the_dark_is_relative_to_the_light_of_the_image() {
         let seen = Seen { corner: (0, 0), pixels: vec![(1.0, 4.0), (0.0, 0.0), (1e-3, 1e-4)], cost: 0.0 };
-        let variance = |dark| seen.cell(dark).variance;
+        let variance = |dark| seen.cell(dark, 1.0).variance;
         assert!((variance(0.0) - (4.0 + 100.0) / 3.0).abs() < 1e-12);
         assert!((variance(0.01) - (4.0 + 1e-4 / 1.01e-4) / 3.0).abs() < 1e-3);
     }

@@ -6,6 +6,7 @@
 //! the scene alone, so every part of a render settles the same. Pilots have a seed of their own and their
 //! samples are thrown away, so no choice can bias an image.
 
+mod cells;
 mod direct;
 pub mod guide;
 pub mod light_paths;

@@ -1,9 +1,10 @@
 //! A race of the ways to render a scene that [`reuse`] chooses from. All are looked at in the same few cells;
 //! those that are far behind the best drop out, the rest are looked at in more cells, and so on.
 
+use super::cells::Cells;
 use super::direct::Direct;
 use super::light_paths::{self, Brought};
-use super::look::{Look, Sight, corners};
+use super::look::{Cell, Look, Sight};
 use super::reuse::{self, Candidate};
 use crate::integrator::caustics::Caustics;
 use crate::math::function::ln;
@@ -62,16 +63,15 @@ impl Judged {
     /// choices have in each cell, relative to their means over the cells, differs; the logarithm of the ratio
     /// of the means is uncertain by the standard error of the mean difference.
     fn is_far_behind(&self, best: &Self) -> bool {
-        let relative = |look: &Look| {
-            let deviations: Vec<_> = look.cells.iter().map(|cell| cell.variance.sqrt()).collect();
-            let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
-            deviations.into_iter().map(move |deviation| deviation / mean)
-        };
+        let means = [self.look.deviation(), best.look.deviation()];
         let cells = self.look.cells.len() as f64;
-        let squares: f64 =
-            relative(&self.look).zip(relative(&best.look)).map(|(a, b)| (a - b) * (a - b)).sum();
+        let square = |(own, best): (&Cell, &Cell)| {
+            let difference = own.variance.sqrt() / means[0] - best.variance.sqrt() / means[1];
+            own.weight * difference * (own.weight * difference)
+        };
+        let squares: f64 = self.look.cells.iter().zip(&best.look.cells).map(square).sum();
         // The product has the square of the mean.
-        let error = 2.0 * (squares / (cells * (cells - 1.0))).sqrt();
+        let error = 2.0 * (squares * (cells / (cells - 1.0))).sqrt();
         self.product > best.product && ln(self.product / best.product) > SURE * error - ln(GAIN)
     }
 }
@@ -100,6 +100,7 @@ struct Field {
 /// All fields of a scene.
 pub struct Race<'a> {
     scene: &'a mut Scene,
+    cells: Cells,
     fields: Vec<Field>,
     /// All numbers of emitter samples, with their factors.
     samples: Vec<(u32, f64)>,
@@ -117,21 +118,21 @@ impl<'a> Race<'a> {
         let samples =
             if free.first_emitter_samples { SAMPLES.map(times).into() } else { vec![(given.samples, 1.0)] };
         let brought = Brought::of(scene);
+        let cells = light_paths::cells(scene, brought.as_ref());
         let relieved =
             scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
         let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
         let with = brought.is_some();
         let fields = if with && relieved { vec![field(true), field(false)] } else { vec![field(with)] };
-        Self { scene, fields, samples, brought, aside: None }
+        Self { scene, cells, fields, samples, brought, aside: None }
     }
 
     /// Runs it, and gives the scene the settings of the winner.
     pub fn run(mut self) -> Judged {
-        let corners = corners(self.scene.sensor.film.crop);
-        for cells in STAGES {
-            let corners = &corners[..cells.min(corners.len())];
+        for stage in STAGES {
+            let count = stage.min(self.cells.len());
             loop {
-                self.look(corners);
+                self.look(count);
                 if !self.let_in() {
                     break;
                 }
@@ -140,7 +141,7 @@ impl<'a> Race<'a> {
             self.fields.iter_mut().for_each(Field::settle_samples);
             let still =
                 self.fields.iter().flat_map(|field| &field.entrants).map(|entrant| entrant.samples.len());
-            if still.sum::<usize>() == 1 && (self.brought.is_none() || corners.len() >= BALANCED) {
+            if still.sum::<usize>() == 1 && (self.brought.is_none() || count >= BALANCED) {
                 break;
             }
         }
@@ -157,14 +158,14 @@ impl<'a> Race<'a> {
         reuse::set(self.scene, choice);
     }
 
-    /// Looks at all that is in the race until these cells have been seen.
-    fn look(&mut self, corners: &[(u32, u32)]) {
+    /// Looks at all that is in the race until the first so many cells have been seen.
+    fn look(&mut self, count: usize) {
         let mut fields = std::mem::take(&mut self.fields);
         for field in &mut fields {
             let caustics = field.caustics;
             for entrant in field.looked_at() {
                 self.dress(caustics, entrant.choice);
-                entrant.sight.extend(self.scene, corners);
+                entrant.sight.extend(self.scene, &self.cells, count);
             }
         }
         self.fields = fields;
@@ -172,7 +173,7 @@ impl<'a> Race<'a> {
 
     /// The best that is in the race; of equals the first.
     fn best(&self) -> Judged {
-        let judged = self.fields.iter().flat_map(|field| field.judged(self.brought.as_ref()));
+        let judged = self.fields.iter().flat_map(|field| field.judged(&self.cells, self.brought.as_ref()));
         let better = |a: Judged, b: Judged| if b.product < a.product { b } else { a };
         judged.flatten().reduce(better).expect("the best stays in the race")
     }
@@ -181,7 +182,7 @@ impl<'a> Race<'a> {
     fn drop_those_behind(&mut self) {
         let best = self.best();
         for field in &mut self.fields {
-            let judged: Vec<_> = field.judged(self.brought.as_ref()).collect();
+            let judged: Vec<_> = field.judged(&self.cells, self.brought.as_ref()).collect();
             for (entrant, judged) in field.entrants.iter_mut().zip(judged) {
                 let mut behind = judged.iter().map(|judged| judged.is_far_behind(&best));
                 entrant.samples.retain(|_| behind.next() != Some(true));
@@ -192,8 +193,9 @@ impl<'a> Race<'a> {
     /// Lets in those that need wait no longer, and says whether there were any.
     fn let_in(&mut self) -> bool {
         let limit = FAR * self.best().product;
-        let (brought, samples) = (self.brought.as_ref(), &self.samples);
-        let entered: usize = self.fields.iter_mut().map(|field| field.let_in(limit, brought, samples)).sum();
+        let (cells, brought, samples) = (&self.cells, self.brought.as_ref(), &self.samples);
+        let fields = self.fields.iter_mut();
+        let entered: usize = fields.map(|field| field.let_in(limit, (cells, brought), samples)).sum();
         entered > 0
     }
 }
@@ -229,18 +231,23 @@ impl Field {
     }
 
     /// What is in the race, judged, by entrant.
-    fn judged(&self, brought: Option<&Brought>) -> impl Iterator<Item = Vec<Judged>> {
+    fn judged(&self, cells: &Cells, brought: Option<&Brought>) -> impl Iterator<Item = Vec<Judged>> {
         let (first, brought) = (&self.entrants[0], brought.filter(|_| self.caustics));
         let direct = self.many.as_ref().map(|many| {
-            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look());
+            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look(cells));
             Direct::between(looked(first), looked(many))
         });
-        self.entrants.iter().map(move |entrant| entrant.judged(direct.as_ref(), brought))
+        self.entrants.iter().map(move |entrant| entrant.judged(cells, direct.as_ref(), brought))
     }
 
     /// Lets in those that wait for what is within a limit, and says how many there were.
-    fn let_in(&mut self, limit: f64, brought: Option<&Brought>, samples: &[(u32, f64)]) -> usize {
-        let judged: Vec<_> = self.judged(brought).collect();
+    fn let_in(
+        &mut self,
+        limit: f64,
+        (cells, brought): (&Cells, Option<&Brought>),
+        samples: &[(u32, f64)],
+    ) -> usize {
+        let judged: Vec<_> = self.judged(cells, brought).collect();
         let near = |(entrant, judged): (&Entrant, Vec<Judged>)| {
             judged.iter().any(|judged| judged.product <= limit).then_some(entrant.choice)
         };
@@ -268,11 +275,11 @@ impl Entrant {
     }
 
     /// With each number of emitter samples that is in the race.
-    fn judged(&self, direct: Option<&Direct>, brought: Option<&Brought>) -> Vec<Judged> {
+    fn judged(&self, cells: &Cells, direct: Option<&Direct>, brought: Option<&Brought>) -> Vec<Judged> {
         if self.samples.is_empty() {
             return vec![];
         }
-        let seen = self.sight.look();
+        let seen = self.sight.look(cells);
         let with = |(samples, more): &(u32, f64)| {
             let choice = Candidate { samples: *samples, ..self.choice };
             let foretold = match direct {
@@ -287,11 +294,11 @@ impl Entrant {
 
 #[cfg(test)]
 mod tests {
-    use super::super::look::Cell;
     use super::*;
 
     fn judged(variances: &[f64], cost: f64) -> Judged {
-        let cells = variances.iter().map(|v| Cell { variance: *v, ..Cell::default() }).collect();
+        let weight = 1.0 / variances.len() as f64;
+        let cells = variances.iter().map(|v| Cell { variance: *v, weight, ..Cell::default() }).collect();
         let choice = Candidate { pixels: 1, light_paths: 0, samples: 1 };
         Judged::new(choice, Look { cells, cost }, 1.0, None)
     }
