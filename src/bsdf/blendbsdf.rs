@@ -1,6 +1,6 @@
 //! A mixture of two materials.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Material, Sample, Traits, rescale};
+use super::{AnyMaterial, Bsdf, Evaluation, Lobe, Material, Sample, Traits, rescale};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -92,6 +92,17 @@ impl Mixture<'_> {
 }
 
 impl Bsdf for Mixture<'_> {
+    /// That of the material that reflects more in its lobe.
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        let part = |index: usize, weight: f64| {
+            let lobe = self.nested[index].at(self.point, self.λ).lobe(wo);
+            Lobe { share: weight * lobe.share, ..lobe }
+        };
+        let (a, b) = (part(0, 1.0 - self.weight), part(1, self.weight));
+        if a.share < b.share { b } else { a }
+    }
+
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         let (a, b) = (self.part(0, 1.0 - self.weight, wo, wi), self.part(1, self.weight, wo, wi));

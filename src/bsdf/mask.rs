@@ -1,6 +1,6 @@
 //! Holes: a share of the surface is the nested material, the rest is not there.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Material, Sample, Traits, rescale};
+use super::{AnyMaterial, Bsdf, Evaluation, Lobe, Material, Sample, Traits, rescale};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -63,6 +63,11 @@ impl Material for Mask {
 }
 
 impl Bsdf for Veil<'_> {
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        self.nested.at(self.point, self.λ).lobe(wo)
+    }
+
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if self.opacity == 0.0 {

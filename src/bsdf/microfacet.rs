@@ -40,6 +40,12 @@ impl Distribution {
         Self { shape, alpha_u: alpha_u.max(1e-4), alpha_v: alpha_v.max(1e-4), visible }
     }
 
+    /// Roughness in the rougher direction.
+    #[inline]
+    pub fn alpha(&self) -> f64 {
+        self.alpha_u.max(self.alpha_v)
+    }
+
     /// The distribution to sample for a viewer at `cos`: without visible normals Walter et al. (section 5.3)
     /// widen it towards grazing directions, which bounds the weights.
     #[inline]

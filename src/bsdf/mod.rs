@@ -8,6 +8,7 @@
 mod coat;
 pub mod fresnel;
 mod ior;
+mod lobe;
 mod metal;
 pub mod microfacet;
 mod shading_normal;
@@ -28,6 +29,7 @@ use crate::scene::registry::{Entry, construct};
 use crate::scene::xml::Element;
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
+pub use lobe::Lobe;
 
 /// A model as a scene file declares it.
 pub trait Material: Sized {
@@ -198,6 +200,13 @@ pub trait Bsdf {
     fn albedo(&self) -> Option<Spectrum> {
         None
     }
+
+    /// The directions (local) from which most of what goes to ωo is scattered, by which emitters are chosen.
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        let _ = wo;
+        Lobe::NONE
+    }
 }
 
 macro_rules! materials {
@@ -254,6 +263,11 @@ macro_rules! materials {
             #[inline]
             fn albedo(&self) -> Option<Spectrum> {
                 match self { $(Self::$Model(bsdf) => bsdf.albedo()),* }
+            }
+
+            #[inline]
+            fn lobe(&self, wo: DVec3) -> Lobe {
+                match self { $(Self::$Model(bsdf) => bsdf.lobe(wo)),* }
             }
         }
 

@@ -2,7 +2,7 @@
 
 use super::metal::{Metal, Reflector};
 use super::microfacet::{Distribution, Roughness, reflect};
-use super::{Bsdf, Evaluation, Material, Sample, Traits};
+use super::{Bsdf, Evaluation, Lobe, Material, Sample, Traits};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
@@ -73,6 +73,11 @@ impl Material for RoughConductor {
 }
 
 impl Bsdf for RoughMirror {
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        Lobe::of_facets(wo, self.facets.alpha(), 1.0)
+    }
+
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if wo.z <= 0.0 || wi.z <= 0.0 {

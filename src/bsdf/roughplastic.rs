@@ -3,7 +3,7 @@
 use super::coat::{Coat, Coated};
 use super::microfacet::{Distribution, has_two_roughnesses, parse_shape, reflect};
 use super::transmittance::{Transmittance, internal_reflectance};
-use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
+use super::{Bsdf, Evaluation, Lobe, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, warp};
 use crate::scene::error::SceneError;
@@ -91,6 +91,13 @@ fn roughness(params: &mut Params) -> Result<f64, SceneError> {
 }
 
 impl Bsdf for Satin<'_> {
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        let out_of = self.transmittance.at(wo.z);
+        let (specular, _) = self.coat.lobes(1.0 - out_of, out_of);
+        Lobe::of_facets(wo, self.facets.alpha(), specular)
+    }
+
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if wo.z <= 0.0 || wi.z <= 0.0 {

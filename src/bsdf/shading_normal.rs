@@ -4,7 +4,7 @@
 //! sides, or where neighbouring normals would cut a hard edge into the light, the surface's own frame
 //! decides.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Sample, Traits};
+use super::{AnyMaterial, Bsdf, Evaluation, Lobe, Sample, Traits};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, Frame};
 use crate::scene::error::SceneError;
@@ -93,6 +93,14 @@ impl Perturbed<'_> {
 }
 
 impl Bsdf for Perturbed<'_> {
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        self.with_nested(self.normal_seen_from(wo), |nested, frame| {
+            let lobe = nested.lobe(frame.to_local(wo));
+            Lobe { axis: frame.to_world(lobe.axis), ..lobe }
+        })
+    }
+
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         let normal = self.normal_seen_from(wo);

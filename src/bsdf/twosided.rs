@@ -1,6 +1,6 @@
 //! Gives a one-sided material a back: the same again, or another.
 
-use super::{AnyMaterial, Bsdf, Evaluation, Material, Sample, Traits};
+use super::{AnyMaterial, Bsdf, Evaluation, Lobe, Material, Sample, Traits};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -95,6 +95,12 @@ fn from_side(z: f64, w: DVec3) -> DVec3 {
 }
 
 impl Bsdf for Sides<'_> {
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        let lobe = self.material.facing(wo.z).at(self.point, self.λ).lobe(from_side(wo.z, wo));
+        Lobe { axis: from_side(wo.z, lobe.axis), ..lobe }
+    }
+
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         let side = self.material.facing(wo.z).at(self.point, self.λ);

@@ -5,8 +5,8 @@
 //! far is another. All estimates are of irradiance, in the same unit, so a lamp outshines the sky in a room
 //! and not in the street. Of the sky only that counts which scattering would not find by itself.
 
-use super::tree::{Cluster, LitPoint, SeenTree, Tree};
-use super::{AnyEmitter, MapPlace, View};
+use super::tree::{Cluster, SeenTree, Tree};
+use super::{AnyEmitter, Gathers, MapPlace, Receiver, View};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3};
 use crate::shape::Geometry;
@@ -61,24 +61,23 @@ enum Place {
 
 /// The choice between all emitters at a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Choice {
-    /// The point, and the normal of the hemisphere from which light is gathered, or zero.
-    pub at: LitPoint,
+pub struct Choice<'a> {
+    pub at: Receiver<'a>,
     /// What is expected, if it is remembered.
-    known: Option<Estimates>,
+    known: Option<Estimates<'a>>,
 }
 
 /// What several emitters are expected to bring to a point.
 #[derive(Clone, Copy, Debug)]
-struct Estimates {
+struct Estimates<'a> {
     /// Those within the scene, if light of any can arrive.
-    near: Option<SeenTree>,
+    near: Option<SeenTree<'a>>,
     /// How many choices there are, and the sum of what they are expected to bring.
     count: f64,
     total: f64,
 }
 
-impl Estimates {
+impl Estimates<'_> {
     /// The probability of a choice of which this irradiance is expected.
     #[inline]
     fn probability(&self, irradiance: f64) -> f64 {
@@ -91,15 +90,16 @@ impl Estimates {
 }
 
 impl Distant {
-    /// An estimate of the irradiance of a surface of normal n, or of nothing in particular if n is zero;
-    /// `None` if none arrives.
+    /// An estimate of the irradiance of a surface, as far as it is scattered to the viewer; `None` if none
+    /// arrives.
     #[inline]
-    fn irradiance_about(&self, n: DVec3) -> Option<f64> {
-        if self.towards == DVec3::ZERO || n == DVec3::ZERO {
+    fn irradiance_of(&self, Gathers { n, lobe }: &Gathers) -> Option<f64> {
+        if self.towards == DVec3::ZERO {
             return Some(self.irradiance);
         }
-        let cos = n.dot(self.towards);
-        (cos > 0.0).then_some(self.irradiance * cos)
+        let cos = if *n == DVec3::ZERO { 1.0 } else { n.dot(self.towards) };
+        let gain = if lobe.share > 0.0 { lobe.gain(lobe.axis.dot(self.towards)) } else { 1.0 };
+        (cos > 0.0).then_some(self.irradiance * cos * gain)
     }
 }
 
@@ -153,10 +153,10 @@ impl Emitters {
     }
 
     #[inline]
-    fn estimates(&self, at: LitPoint) -> Estimates {
+    fn estimates<'a>(&self, at: Receiver<'a>) -> Estimates<'a> {
         let near = self.near.as_ref().map(|(tree, _)| tree.seen_from(at)).filter(|seen| seen.total() > 0.0);
         let (mut count, mut total) = (0.0, 0.0);
-        let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_about(at.1));
+        let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_of(&at.gathers));
         for irradiance in far.chain(near.as_ref().map(SeenTree::total)) {
             count += 1.0;
             total += irradiance;
@@ -165,21 +165,21 @@ impl Emitters {
     }
 }
 
-impl Choice {
+impl<'a> Choice<'a> {
     /// The choice by one sample, or its probability.
     #[inline(always)]
-    pub fn at(at: LitPoint) -> Self {
+    pub fn at(at: Receiver<'a>) -> Self {
         Self { at, known: None }
     }
 
     /// The same choice by several samples, for which what is expected is remembered.
     #[inline(never)]
-    pub fn of_several(emitters: &Emitters, at: LitPoint) -> Self {
+    pub fn of_several(emitters: &Emitters, at: Receiver<'a>) -> Self {
         Self { at, known: emitters.chosen_by_place().then(|| emitters.estimates(at)) }
     }
 
     #[inline(always)]
-    fn estimates(&self, emitters: &Emitters) -> Estimates {
+    fn estimates(&self, emitters: &Emitters) -> Estimates<'a> {
         self.known.unwrap_or_else(|| emitters.estimates(self.at))
     }
 
@@ -203,13 +203,12 @@ impl Choice {
 
     #[inline(never)]
     fn sample_several(&self, emitters: &Emitters, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
-        let (_, n) = self.at;
         let estimates = self.estimates(emitters);
         let mut left = with_digits(u.x, digits);
         // Rounding may lead past the last.
         let mut last = None;
         for (emitter, distant) in &emitters.far {
-            let Some(irradiance) = distant.irradiance_about(n) else { continue };
+            let Some(irradiance) = distant.irradiance_of(&self.at.gathers) else { continue };
             let probability = estimates.probability(irradiance);
             let chosen = |rest: f64| Some((*emitter as usize, probability, DVec2::new(rest, u.y)));
             if left < probability {
@@ -226,7 +225,6 @@ impl Choice {
 
     #[inline(never)]
     fn probability_of_several(&self, emitters: &Emitters, index: usize) -> f64 {
-        let (_, n) = self.at;
         let estimates = self.estimates(emitters);
         let chance = match emitters.places[index] {
             Place::Near(leaf) => estimates.near.zip(emitters.near.as_ref()).map(|(seen, (tree, _))| {
@@ -234,7 +232,7 @@ impl Choice {
             }),
             Place::Far(number) => {
                 let (_, distant) = emitters.far[number as usize];
-                distant.irradiance_about(n).map(|irradiance| estimates.probability(irradiance))
+                distant.irradiance_of(&self.at.gathers).map(|irradiance| estimates.probability(irradiance))
             }
         };
         chance.unwrap_or(0.0)
@@ -261,7 +259,8 @@ mod tests {
         assert_eq!(emitters.environment, Some(1));
         for x in [-1.0, 0.5, 3.0] {
             const NUMBERS: usize = 10_000;
-            let at = (DVec3::X * x, DVec3::Z);
+            let gathers = Gathers::about(DVec3::Z);
+            let at = gathers.at(DVec3::X * x);
             let (choice, of_several) = (Choice::at(at), Choice::of_several(&emitters, at));
             let mut shares = [0.0; 5];
             for i in 0..NUMBERS {
@@ -290,8 +289,9 @@ mod tests {
             <emitter type="point"><rgb name="intensity" value="1"/></emitter>
             <emitter type="directional"><vector name="direction" x="0" y="0" z="1"/></emitter></scene>"#;
         let emitters = load_text("scene.xml", text, ColorMode::Rgb).unwrap().emitters;
-        let of_lamp = |z: f64| Choice::at((DVec3::Z * z, -DVec3::Z)).probability(&emitters, 1);
-        let of_sun = |n: DVec3| Choice::at((DVec3::X, n)).probability(&emitters, 2);
+        let chosen = |p, n, emitter| Choice::at(Gathers::about(n).at(p)).probability(&emitters, emitter);
+        let of_lamp = |z: f64| chosen(DVec3::Z * z, -DVec3::Z, 1);
+        let of_sun = |n: DVec3| chosen(DVec3::X, n, 2);
         assert!(
             of_lamp(0.1) > 0.9 && (0.4..0.7).contains(&of_lamp(1.0)),
             "{} {}",

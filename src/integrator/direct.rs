@@ -1,10 +1,10 @@
 //! Direct light only.
 
+use super::arrival::{Arrival, environment};
 use super::light::{self, Vertex, power_heuristic};
-use super::path::{Arrival, environment};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
-use crate::emitter::Choice;
+use crate::emitter::{Choice, Gathers};
 use crate::math::Ray;
 use crate::sampler::FIRST_VERTEX;
 use crate::scene::error::SceneError;
@@ -59,7 +59,7 @@ impl Direct {
                 return if hidden {
                     Spectrum::ZERO
                 } else {
-                    environment(scene, &ray, Arrival::FROM_CAMERA, λ)
+                    environment(scene, &ray, (&Gathers::EVERYWHERE, &Arrival::FROM_CAMERA), λ)
                 };
             };
             let (shape, point) = scene.surface::<F>(&ray, &hit);
@@ -80,7 +80,8 @@ impl Direct {
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
-        let at = (point.p, vertex.gathers_about());
+        let gathers = vertex.gathers();
+        let at = gathers.at(point.p);
         let choice =
             if side.traits.has_density { Choice::of_several(&scene.emitters, at) } else { Choice::at(at) };
         if side.traits.has_density {
@@ -120,10 +121,13 @@ impl Direct {
         counters.rays += 1;
         let (pdf, delta) = (self.bsdf_samples as f64 * sample.pdf, sample.delta);
         let Some(hit) = scene.accel.closest(ray) else {
-            let (_, n) = choice.at;
-            let arrival = Arrival { pdf, delta, n, emitter_samples: self.emitter_samples };
+            let arrival = Arrival { pdf, delta, emitter_samples: self.emitter_samples };
             let seen = F & Features::ENVIRONMENT != 0;
-            return if seen { environment(scene, ray, arrival, λ) } else { Spectrum::ZERO };
+            return if seen {
+                environment(scene, ray, (choice.at.gathers, &arrival), λ)
+            } else {
+                Spectrum::ZERO
+            };
         };
         let (shape, point) = scene.surface::<F>(ray, &hit);
         let Some(index) = shape.emitter else { return Spectrum::ZERO };

@@ -1,7 +1,7 @@
 //! Direct light by sampling the emitters, and the MIS weights between that and sampling the BSDF.
 
-use crate::bsdf::Bsdf;
-use crate::emitter::{Choice, DirectSample, EmitterPoint, MapPlace, Radiance};
+use crate::bsdf::{Bsdf, Lobe};
+use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers, MapPlace, Radiance};
 use crate::math::ray::Ends;
 use crate::math::{DVec2, DVec3, Frame, Origin, Ray};
 use crate::scene::{Scene, Side};
@@ -75,6 +75,17 @@ impl<'a, B> Vertex<'a, B> {
     }
 }
 
+impl<B: Bsdf> Vertex<'_, B> {
+    /// What the choice of an emitter needs to know of it.
+    #[inline]
+    pub fn gathers(&self) -> Gathers {
+        let lobe = self.bsdf.lobe(self.wo);
+        let lobe =
+            if lobe.share > 0.0 { Lobe { axis: self.to_world(lobe.axis), ..lobe } } else { Lobe::NONE };
+        Gathers { n: self.gathers_about(), lobe }
+    }
+}
+
 /// A contribution, and the shadow ray that decides whether it arrives.
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
@@ -124,7 +135,7 @@ pub fn sample_emitter<B: Bsdf>(
     let (index, probability, u) = choice.sample(&scene.emitters, u, digits)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let light = entry.emitter.sample(shape, choice.at, u, λ)?;
+    let light = entry.emitter.sample(shape, (choice.at.p, choice.at.gathers.n), u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
     let (radiance, of) = match light.radiance {
         Radiance::Known(radiance) => (scattered.value * radiance, None),
@@ -151,7 +162,7 @@ pub fn sample_emitter<B: Bsdf>(
 
 /// The density in sr⁻¹ of all emitter samples of a path's vertex together, for a point of an emitter in
 /// direction w (world) and at this distance.
-pub fn density_of_samples<B>(
+pub fn density_of_samples<B: Bsdf>(
     scene: &Scene,
     end: EmitterPoint,
     vertex: &Vertex<B>,
@@ -162,8 +173,10 @@ pub fn density_of_samples<B>(
     let there = SurfacePoint::plain(end.p, end.n, end.n);
     let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
     let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
-    let n = if scene.emitters.chosen_by_place() { vertex.gathers_about() } else { DVec3::ZERO };
-    Choice::at((p, n)).probability(&scene.emitters, end.emitter) * pdf * f64::from(path.emitter_samples)
+    let gathers = if scene.emitters.chosen_by_place() { vertex.gathers() } else { Gathers::EVERYWHERE };
+    Choice::at(gathers.at(p)).probability(&scene.emitters, end.emitter)
+        * pdf
+        * f64::from(path.emitter_samples)
 }
 
 #[cfg(test)]

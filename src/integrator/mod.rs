@@ -4,6 +4,7 @@
 //! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
 
 mod aov;
+mod arrival;
 pub mod caustics;
 mod depth;
 mod direct;

@@ -5,7 +5,7 @@ use super::matte::{Matte, fifth, schlick};
 use crate::bsdf::dielectric::seen;
 use crate::bsdf::microfacet::{Distribution, Shape, reflect};
 use crate::bsdf::roughdielectric::upward;
-use crate::bsdf::{Bsdf, Evaluation, Sample, fresnel, rescale};
+use crate::bsdf::{Bsdf, Evaluation, Lobe, Sample, fresnel, rescale};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, warp};
 use crate::spectrum::Spectrum;
@@ -145,6 +145,13 @@ impl Layers {
 }
 
 impl Bsdf for Layers {
+    #[inline]
+    fn lobe(&self, wo: DVec3) -> Lobe {
+        let reflected = fresnel::dielectric(wo.z.abs(), self.eta).reflectance;
+        let share = self.metallic + (1.0 - self.metallic) * (1.0 - self.clear) * reflected;
+        Lobe::of_facets(wo, self.facets.alpha(), share)
+    }
+
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if !self.shows(wo) || wi.z == 0.0 {
             return Evaluation::ZERO;

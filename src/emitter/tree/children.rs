@@ -1,6 +1,8 @@
 //! The children of a node, side by side.
 
-use super::{Cluster, LitPoint};
+use super::Cluster;
+use crate::bsdf::Lobe;
+use crate::emitter::{Gathers, Receiver};
 use crate::math::DVec3;
 use crate::math::simd::{F64x4, dot};
 
@@ -48,9 +50,10 @@ impl Children {
     ///
     /// Intensity over squared distances, times the largest cosines that can be at either end: as seen from the
     /// point all emitters are within a cone about the centre, and from any of them the point is as far from
-    /// the axis of the normals, less the angle of that cone and of the normals' own.
+    /// the axis of the normals, less the angle of that cone and of the normals' own. What a lobe makes of them
+    /// is no bound, but never zero.
     #[inline(always)]
-    pub fn importance(&self, (p, n): LitPoint) -> Importance {
+    pub fn importance(&self, Receiver { p, gathers: &Gathers { n, lobe } }: Receiver) -> Importance {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
         let p = p.to_array().map(F64x4::splat);
         let way = [0, 1, 2].map(|axis| F64x4::new(self.centre[axis]) - p[axis]);
@@ -68,10 +71,24 @@ impl Children {
         if n != DVec3::ZERO {
             cosines = cosines * less(with_sine(dot(n.to_array().map(F64x4::splat), w)), seen).0.max(zero);
         }
+        if lobe.share > 0.0 {
+            cosines = cosines * gain(&lobe, w, sin_seen);
+        }
         // Within the ball, emitters may be in any direction, and emit in any.
         let all = distance2.at_most(radius * radius).select(near, near * cosines).to_array();
         (all, (all[0] + all[1]) + (all[2] + all[3]))
     }
+}
+
+/// [`Lobe::gain`] on average over a disk whose radius is seen under an angle, in directions w. Over it, the
+/// squared half angle to its middle is an eighth of its squared radius on average, by which the lobe is wider.
+#[inline(always)]
+fn gain(lobe: &Lobe, w: [F64x4; 3], sin_seen: F64x4) -> F64x4 {
+    let [one, half, share] = [1.0, 0.5, lobe.share].map(F64x4::splat);
+    let cos = dot(lobe.axis.to_array().map(F64x4::splat), w);
+    let alpha2 = F64x4::splat(lobe.alpha2) + F64x4::splat(0.125) * (sin_seen * sin_seen);
+    let turned = alpha2 + half * (one - cos);
+    (one - share) + share * (F64x4::splat(0.25) * alpha2 / (turned * turned))
 }
 
 /// 1/d² on average over a ball of half the squared radius, nearly: 3/r² in its midst, 3/2r² on its surface.

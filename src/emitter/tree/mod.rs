@@ -12,13 +12,10 @@ mod build;
 mod children;
 mod cluster;
 
-use crate::math::{BELOW_ONE, DVec3};
+use super::Receiver;
+use crate::math::BELOW_ONE;
 use children::{Children, Importance, WIDTH};
 pub use cluster::Cluster;
-
-/// The point where light is gathered, and the normal of the hemisphere from which it is; zero if it is
-/// gathered from all directions.
-pub type LitPoint = (DVec3, DVec3);
 
 /// A tree of which every leaf is an emitter.
 #[derive(Debug)]
@@ -60,7 +57,7 @@ impl Tree {
 
     /// Estimates of what each child of the root brings to a point.
     #[inline]
-    pub fn seen_from(&self, at: LitPoint) -> SeenTree {
+    pub fn seen_from<'a>(&self, at: Receiver<'a>) -> SeenTree<'a> {
         SeenTree { at, root: self.nodes[0].children.importance(at) }
     }
 
@@ -109,12 +106,12 @@ impl Tree {
 
 /// A tree as seen from a point.
 #[derive(Clone, Copy, Debug)]
-pub struct SeenTree {
-    at: LitPoint,
+pub struct SeenTree<'a> {
+    at: Receiver<'a>,
     root: Importance,
 }
 
-impl SeenTree {
+impl SeenTree<'_> {
     /// An estimate of the irradiance from all emitters; zero only if none lights the point.
     #[inline]
     pub fn total(&self) -> f64 {

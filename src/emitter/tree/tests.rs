@@ -1,6 +1,9 @@
 //! What is chosen, how often, and that nothing that shines is left out.
 
 use super::*;
+use crate::bsdf::Lobe;
+use crate::emitter::Gathers;
+use crate::math::DVec3;
 use crate::math::cone::Cone;
 use crate::math::random::{direction, uniform};
 use rand_pcg::Pcg32;
@@ -25,9 +28,11 @@ fn emitters(count: usize, rng: &mut Pcg32) -> Vec<Cluster> {
     (0..count).map(emitter).collect()
 }
 
-fn lit_point(rng: &mut Pcg32) -> LitPoint {
+fn receiver(rng: &mut Pcg32) -> (DVec3, Gathers) {
     let n = if uniform(rng) < 0.3 { DVec3::ZERO } else { direction(rng) };
-    (direction(rng) * (4.0 * uniform(rng)), n)
+    let glossy = Lobe { axis: direction(rng), alpha2: 0.25 * uniform(rng), share: uniform(rng) };
+    let lobe = if uniform(rng) < 0.5 { Lobe::NONE } else { glossy };
+    (direction(rng) * (4.0 * uniform(rng)), Gathers { n, lobe })
 }
 
 #[test]
@@ -36,7 +41,8 @@ fn emitters_are_chosen_as_often_as_is_said() {
     for count in [1, 2, 3, 17, 200] {
         let tree = Tree::new(&emitters(count, &mut rng));
         for _ in 0..50 {
-            let at = lit_point(&mut rng);
+            let (p, gathers) = receiver(&mut rng);
+            let at = gathers.at(p);
             let probabilities: Vec<f64> =
                 (0..count).map(|i| tree.probability(&tree.seen_from(at), i)).collect();
             let total: f64 = probabilities.iter().sum();
@@ -75,7 +81,8 @@ fn what_shines_at_a_point_has_a_chance() {
     let tree = Tree::new(&clusters);
     let mut lit = 0;
     for _ in 0..200 {
-        let (p, n) = lit_point(&mut rng);
+        let (p, gathers) = receiver(&mut rng);
+        let (at, n) = (gathers.at(p), gathers.n);
         for (i, cluster) in clusters.iter().enumerate() {
             let (lo, hi) = cluster.bounds;
             let from = lo + (hi - lo) * DVec3::from([0; 3].map(|_| uniform(&mut rng)));
@@ -85,7 +92,7 @@ fn what_shines_at_a_point_has_a_chance() {
             let arrives = n == DVec3::ZERO || n.dot(w) < 0.0;
             if leaves && arrives {
                 lit += 1;
-                assert!(tree.probability(&tree.seen_from((p, n)), i) > 0.0, "{cluster:?} at {p} about {n}");
+                assert!(tree.probability(&tree.seen_from(at), i) > 0.0, "{cluster:?} from {at:?}");
             }
         }
     }
@@ -115,9 +122,10 @@ fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
     let tree = Tree::new(&lamps);
     let mut sums = [0.0; 2];
     for _ in 0..200 {
-        let at = (place(0.0), DVec3::Z);
+        let gathers = Gathers::about(DVec3::Z);
+        let at = gathers.at(place(0.0));
         let light: Vec<f64> =
-            lamps.iter().map(|lamp| (lamp.bounds.0 - at.0).length_squared().powi(-2)).collect();
+            lamps.iter().map(|lamp| (lamp.bounds.0 - at.p).length_squared().powi(-2)).collect();
         let scatters = [
             scatter(&light, |i| tree.probability(&tree.seen_from(at), i)),
             scatter(&light, |_| 1.0 / LAMPS as f64),
@@ -135,7 +143,44 @@ fn scaling_by_a_power_of_two_changes_no_choice() {
     let scaled = |c: &Cluster| Cluster { bounds: (c.bounds.0 * factor, c.bounds.1 * factor), ..*c };
     let (a, b) = (Tree::new(&clusters), Tree::new(&clusters.iter().map(scaled).collect::<Vec<_>>()));
     for _ in 0..1000 {
-        let ((p, n), u) = (lit_point(&mut rng), uniform(&mut rng));
-        assert_eq!(a.sample(&a.seen_from((p, n)), u), b.sample(&b.seen_from((p * factor, n)), u));
+        let ((p, gathers), u) = (receiver(&mut rng), uniform(&mut rng));
+        let (at, far) = (gathers.at(p), gathers.at(p * factor));
+        assert_eq!(a.sample(&a.seen_from(at), u), b.sample(&b.seen_from(far), u));
     }
+}
+
+/// Lamps over a glossy floor, most of which a viewer does not see in it.
+#[test]
+fn lamps_that_a_glossy_floor_mirrors_are_chosen() {
+    const LAMPS: usize = 100;
+    let mut rng = Pcg32::new(0, 1);
+    let mut place = |height: f64| DVec3::new(4.0 * uniform(&mut rng), 4.0 * uniform(&mut rng), height);
+    let lamp = |p: DVec3| Cluster {
+        bounds: (p, p),
+        normals: Cone::EVERYWHERE,
+        cos_beyond: 0.0,
+        intensity: 1.0 / LAMPS as f64,
+    };
+    let lamps: Vec<Cluster> = (0..LAMPS).map(|_| lamp(place(1.0))).collect();
+    let tree = Tree::new(&lamps);
+    let mut sums = [0.0; 2];
+    for _ in 0..200 {
+        let (p, wo) = (place(0.0), crate::math::frame::unit(DVec3::new(0.3, 0.2, 1.0)));
+        let lobe = Lobe::of_facets(wo, 0.2, 1.0);
+        let light: Vec<f64> = lamps
+            .iter()
+            .map(|lamp| {
+                let way = lamp.bounds.0 - p;
+                let w = crate::math::frame::unit(way);
+                w.z * lobe.gain(lobe.axis.dot(w)) / way.length_squared()
+            })
+            .collect();
+        let scatters = [lobe, Lobe::NONE].map(|lobe| {
+            let gathers = Gathers { n: DVec3::Z, lobe };
+            let seen = tree.seen_from(gathers.at(p));
+            scatter(&light, |i| tree.probability(&seen, i))
+        });
+        sums = [0, 1].map(|i| sums[i] + scatters[i] / 200.0);
+    }
+    assert!(sums[0] < 1.0 && sums[1] > 4.0 * sums[0], "{sums:?}");
 }

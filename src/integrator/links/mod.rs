@@ -35,7 +35,7 @@ mod passage;
 use super::Counters;
 use super::light::{Proposal, Vertex, power_heuristic_of_three};
 use crate::bsdf::{AnyMaterial, Bsdf};
-use crate::emitter::{AnyEmitter, Choice, EmitterPoint, Radiance};
+use crate::emitter::{AnyEmitter, Choice, EmitterPoint, Gathers, Radiance};
 use crate::math::bounds::union;
 use crate::math::ray::{free_way, position_error};
 use crate::math::{DVec2, DVec3, Origin, Ray, length};
@@ -177,7 +177,8 @@ pub fn density_of(
         |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
     let link = search.links(λ, counters).find(is_it)?;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
-    let chosen = Choice::at((from.p, DVec3::ZERO)).probability(&scene.emitters, emitter) * technique.chance;
+    let chosen =
+        Choice::at(Gathers::EVERYWHERE.at(from.p)).probability(&scene.emitters, emitter) * technique.chance;
     Some(chosen * density(pdf, (straight.direction, distance), &link, point.ng))
 }
 
@@ -200,7 +201,7 @@ pub fn sample_emitter<B: Bsdf>(
     mut found: impl FnMut(Proposal),
 ) -> Option<()> {
     let (index, probability, u) =
-        Choice::at((vertex.point.p, DVec3::ZERO)).sample(&scene.emitters, u, digits)?;
+        Choice::at(Gathers::EVERYWHERE.at(vertex.point.p)).sample(&scene.emitters, u, digits)?;
     let entry = &scene.emitters.list[index];
     if !matches!(entry.emitter, AnyEmitter::Area(_)) {
         return None;

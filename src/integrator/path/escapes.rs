@@ -1,9 +1,9 @@
 //! Rays that have left the scene, collected until what they see there has come from memory.
 
 use super::reuse::Shared;
-use super::vertex::{Arrival, surroundings};
-use crate::emitter::View;
+use crate::emitter::{Gathers, View};
 use crate::integrator::CameraPath;
+use crate::integrator::arrival::{Arrival, surroundings};
 use crate::math::DVec3;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -30,9 +30,15 @@ impl Escapes {
     }
 
     /// Adds the light that they see.
-    pub fn resolve(&mut self, scene: &Scene, paths: &mut [CameraPath], shared: &mut [Shared]) {
+    pub fn resolve(
+        &mut self,
+        scene: &Scene,
+        (paths, gathers): (&mut [CameraPath], &[Gathers]),
+        shared: &mut [Shared],
+    ) {
         for Escape { path, shares, throughput, from, view } in self.0.drain(..) {
-            let light = throughput * surroundings(scene, &view, from, &paths[path].λ);
+            let light =
+                throughput * surroundings(scene, &view, (gathers[path].at(from.0), &from.1), &paths[path].λ);
             let found = if shares { &mut shared[path].radiance } else { &mut paths[path].radiance };
             *found += light;
         }

@@ -5,7 +5,7 @@ use super::reuse::Shared;
 use super::shadows::Shadows;
 use super::stream::State;
 use crate::bsdf::{Bsdf, Sample};
-use crate::emitter::{Choice, DirectSample, EmitterPoint};
+use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers};
 use crate::integrator::guide::{self, Directions};
 use crate::integrator::light::{self, Sampled, Vertex};
 use crate::integrator::links::{self, Link, Links};
@@ -46,9 +46,10 @@ impl Ways<'_> {
 }
 
 impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
-    /// Takes `count` emitter samples; `n` is the normal of [`Vertex::gathers_about`], or zero.
+    /// Takes `count` emitter samples; `gathers` is [`Vertex::gathers`], or everywhere
+    /// where no choice depends on it.
     #[inline(always)]
-    pub fn by_emitters(&self, count: u32, n: DVec3, shared: &Shared, shadows: &mut Shadows) {
+    pub fn by_emitters(&self, count: u32, gathers: &Gathers, shared: &Shared, shadows: &mut Shadows) {
         let Self { scene, vertex, state, λ, .. } = *self;
         let focuses = state.depth > 0 && vertex.side.traits.focuses();
         let ratio = if focuses { state.light_ratio } else { 0.0 };
@@ -61,9 +62,10 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         };
         let casts = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
         let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
+        let receiver = gathers.at(vertex.point.p);
         let choice = match count {
-            1 => Choice::at((vertex.point.p, n)),
-            _ => Choice::of_several(&scene.emitters, (vertex.point.p, n)),
+            1 => Choice::at(receiver),
+            _ => Choice::of_several(&scene.emitters, receiver),
         };
         for which in 0..count {
             let u = match count {

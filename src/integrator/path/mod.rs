@@ -17,7 +17,6 @@ use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;
 pub use roulette::{Roulette, roulette};
-pub use vertex::{Arrival, environment};
 
 pub const NAME: &str = "path";
 pub const ABOUT: &str = "Path tracing: all light that a camera path can find, unbiased.";

@@ -4,9 +4,9 @@ use super::Path;
 use super::gather::Gather;
 use super::shadows::Shadows;
 use super::stream::InFlight;
-use super::vertex::Arrival;
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::integrator::Counters;
+use crate::integrator::arrival::Arrival;
 use crate::integrator::light::Vertex;
 use crate::integrator::links::Way;
 use crate::math::{DVec3, Ray};
@@ -36,7 +36,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
         let Self { settings, scene, flight, wo, primitive, point, side, u, shadows, counters } = self;
-        let InFlight { index, path, state, shared, way } = flight;
+        let InFlight { index, path, state, gathers, shared, way } = flight;
         let frame = side.frame::<F>(point);
         let bsdf = material.at(point, &path.λ);
         let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, wo);
@@ -58,12 +58,13 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         };
         let emitter_samples =
             if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
-        let mut gathers_about = DVec3::ZERO;
         if side.traits.has_density {
-            if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
-                gathers_about = vertex.gathers_about();
+            if scene.emitters.chosen_by_place() {
+                *gathers = vertex.gathers();
+            } else if F & Features::ENVIRONMENT != 0 {
+                gathers.n = vertex.gathers_about();
             }
-            here.by_emitters(emitter_samples, gathers_about, shared, shadows);
+            here.by_emitters(emitter_samples, gathers, shared, shadows);
         }
         let ways = here.ways();
         here.by_ways(ways, shared, &mut path.radiance, shadows, counters);
@@ -91,7 +92,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         state.throughput *= sample.weight;
         state.eta2 *= sample.eta * sample.eta;
-        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n: gathers_about, emitter_samples };
+        state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, emitter_samples };
         state.direct_view &= sample.null;
         state.mirrored &= sample.delta;
         state.vertices += u32::from(!state.mirrored);

@@ -3,8 +3,9 @@
 use super::escapes::Escapes;
 use super::reuse::{Exchange, Shared, Tail};
 use super::shadows::Shadows;
-use super::vertex::Arrival;
 use super::{FEW_EMITTERS, Path};
+use crate::emitter::Gathers;
+use crate::integrator::arrival::Arrival;
 use crate::integrator::links::Way;
 use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
 use crate::integrator::{CameraPath, Counters};
@@ -75,6 +76,8 @@ pub struct InFlight<'a> {
     pub index: usize,
     pub path: &'a mut CameraPath,
     pub state: &'a mut State,
+    /// How the last vertex gathered light; not kept where no choice of an emitter depends on it.
+    pub gathers: &'a mut Gathers,
     pub shared: &'a mut Shared,
     pub way: &'a mut Way,
 }
@@ -83,6 +86,7 @@ pub struct InFlight<'a> {
 #[derive(Default)]
 struct Stream {
     states: Vec<State>,
+    gathers: Vec<Gathers>,
     wavefront: Wavefront,
     numbers: ManyNumbers<STREAM>,
     shadows: Shadows,
@@ -144,11 +148,12 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, wavefront, numbers, shadows, escapes, shared, ways, .. }: &mut Stream,
+        Stream { states, gathers, wavefront, numbers, shadows, escapes, shared, ways, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
         states.extend(paths.iter().map(|path| State { throughput: path.λ.ones(), ..State::START }));
+        gathers.resize(paths.len(), Gathers::EVERYWHERE);
         if F & Features::REUSE != 0 {
             shared.clear();
         }
@@ -176,13 +181,14 @@ impl Path {
                     index,
                     path: &mut paths[index],
                     state: &mut states[index],
+                    gathers: &mut gathers[index],
                     shared: &mut shared[index],
                     way: &mut ways[index],
                 };
                 self.step::<F>(scene, flight, (ray, hit, numbers.of(place)), (shadows, escapes), counters)
             });
             if F & Features::ENVIRONMENT != 0 {
-                escapes.resolve(scene, paths, shared);
+                escapes.resolve(scene, (paths, gathers), shared);
             }
             shadows.resolve(scene, paths, shared, counters);
         }

@@ -6,32 +6,13 @@ use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::InFlight;
 use super::{MAX_VERTICES, Path};
-use crate::emitter::{Choice, EmitterPoint, View};
-use crate::integrator::light::{power_heuristic, power_heuristic_of_three};
+use crate::emitter::EmitterPoint;
+use crate::integrator::light::power_heuristic_of_three;
 use crate::integrator::{Counters, Event};
-use crate::math::{DVec3, Ray};
+use crate::math::Ray;
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Shape};
 use crate::shape::{Hit, SurfacePoint};
-use crate::spectrum::{Spectrum, Wavelengths};
-
-/// How the path's last direction was sampled: what the MIS weight of an emitter at its end depends on.
-#[derive(Clone, Copy)]
-pub struct Arrival {
-    /// The density of the direction, in sr⁻¹.
-    pub pdf: f64,
-    /// The direction could not have been found by sampling an emitter.
-    pub delta: bool,
-    /// The normal of [`gathers_about`](crate::integrator::light::Vertex::gathers_about) at the previous
-    /// vertex; zero where no choice of an emitter depends on it.
-    pub n: DVec3,
-    /// Number of emitter samples taken at the previous vertex.
-    pub emitter_samples: u32,
-}
-
-impl Arrival {
-    pub const FROM_CAMERA: Self = Self { pdf: 1.0, delta: true, n: DVec3::ZERO, emitter_samples: 1 };
-}
 
 impl Path {
     /// Processes the vertex at the end of a ray; returns the next ray, or `None` if the path ends.
@@ -39,7 +20,7 @@ impl Path {
     pub fn step<const F: u32>(
         &self,
         scene: &Scene,
-        InFlight { index, path, state, shared, way }: InFlight,
+        InFlight { index, path, state, gathers, shared, way }: InFlight,
         (ray, hit, u): (&Ray, Option<Hit>, &Numbers),
         (shadows, escapes): (&mut Shadows, &mut Escapes),
         counters: &mut Counters,
@@ -66,7 +47,7 @@ impl Path {
                 return Some(Ray::leaving(point.p, ray.direction, f64::INFINITY, hit.primitive));
             }
             let met = Met { ray, t: hit.t, shape, point: &point, emitter: emitter as usize };
-            let flight = InFlight { index, path, state, shared, way };
+            let flight = InFlight { index, path, state, gathers, shared, way };
             self.meet::<F>(scene, flight, met, shadows, counters);
         }
         if let Some(log) = &mut counters.log {
@@ -80,7 +61,7 @@ impl Path {
         let onward = scene.materials[side.material as usize].visit(Scatter::<F> {
             settings: self,
             scene,
-            flight: InFlight { index, path, state, shared, way },
+            flight: InFlight { index, path, state, gathers, shared, way },
             wo: -ray.direction,
             primitive: hit.primitive,
             point: &point,
@@ -101,7 +82,7 @@ impl Path {
     fn meet<const F: u32>(
         &self,
         scene: &Scene,
-        InFlight { index, path, state, shared, way }: InFlight,
+        InFlight { index, path, state, gathers, shared, way }: InFlight,
         Met { ray, t, shape, point, emitter }: Met,
         shadows: &mut Shadows,
         counters: &mut Counters,
@@ -121,8 +102,7 @@ impl Path {
             }
         } else {
             let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, t, point);
-            let chosen = Choice::at((ray.origin, state.arrival.n)).probability(&scene.emitters, emitter);
-            chosen * pdf * f64::from(state.arrival.emitter_samples) / state.arrival.pdf
+            state.arrival.density_of_samples(scene, gathers.at(ray.origin), emitter, pdf) / state.arrival.pdf
         };
         let end = EmitterPoint { emitter, p: point.p, n: point.ng };
         let by_light_path = match &scene.caustics {
@@ -159,30 +139,4 @@ struct Met<'a> {
     point: &'a SurfacePoint,
     /// Its number.
     emitter: usize,
-}
-
-/// Light from the environment along a ray that met nothing.
-#[inline]
-pub fn environment(scene: &Scene, ray: &Ray, arrival: Arrival, λ: &Wavelengths) -> Spectrum {
-    let seen = |view| surroundings(scene, &view, (ray.origin, arrival), λ);
-    scene.emitters.view(ray.direction).map_or(Spectrum::ZERO, seen)
-}
-
-/// Light that a ray from this origin (world) sees out of the scene.
-#[inline]
-pub fn surroundings(
-    scene: &Scene,
-    view: &View,
-    (origin, arrival): (DVec3, Arrival),
-    λ: &Wavelengths,
-) -> Spectrum {
-    let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
-    let emitter = &scene.emitters.list[index].emitter;
-    let Some(radiance) = emitter.distant_radiance(view, λ) else { return Spectrum::ZERO };
-    if arrival.delta {
-        return radiance;
-    }
-    let chosen = Choice::at((origin, arrival.n)).probability(&scene.emitters, index);
-    let rival = chosen * emitter.distant_pdf(view, arrival.n) * f64::from(arrival.emitter_samples);
-    radiance * power_heuristic(arrival.pdf, rival) as f32
 }

@@ -2,10 +2,11 @@
 
 use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
-use crate::emitter::Choice;
+use crate::emitter::{Choice, Gathers};
+use crate::integrator::arrival::{Arrival, environment};
 use crate::integrator::lengths::Lengths;
 use crate::integrator::light::{self, Vertex, power_heuristic};
-use crate::integrator::path::{Arrival, environment, roulette};
+use crate::integrator::path::roulette;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
 use crate::medium::{Flight, FlightNumbers, Medium};
@@ -28,9 +29,11 @@ pub struct Walk<'a> {
     medium: Option<&'a Medium>,
     /// How often the path was scattered; passing straight through a surface does not count.
     depth: u32,
-    /// Where it was last scattered, for the densities of emitters, how, and how far it has come since.
+    /// Where it was last scattered, for the densities of emitters, how, what light would have been gathered
+    /// there, and how far it has come since.
     from: DVec3,
     arrival: Arrival,
+    gathers: Gathers,
     travelled: f64,
 }
 
@@ -54,6 +57,7 @@ impl<'a> Walk<'a> {
             depth: 0,
             from: ray.origin,
             arrival: Arrival::FROM_CAMERA,
+            gathers: Gathers::EVERYWHERE,
             travelled: 0.0,
             path,
         }
@@ -93,7 +97,8 @@ impl<'a> Walk<'a> {
         let hidden = self.lengths.hide_emitters && self.depth == 0;
         if F & Features::ENVIRONMENT != 0 && !hidden {
             let ray = Ray { origin: self.from, ..self.ray };
-            self.radiance += self.throughput * environment(self.scene, &ray, self.arrival, &self.path.λ);
+            self.radiance +=
+                self.throughput * environment(self.scene, &ray, (&self.gathers, &self.arrival), &self.path.λ);
         }
     }
 
@@ -111,12 +116,12 @@ impl<'a> Walk<'a> {
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
         let side = Side { material: 0, turned: false, traits };
         let vertex = Vertex::new((&point, Ray::FREE), &frame, &medium.phase, &side, wo);
+        self.gathers = Gathers::EVERYWHERE;
         if medium.samples_emitters {
-            self.gather::<F, _>(&vertex, DVec3::ZERO, None, numbers);
+            self.gather::<F, _>(&vertex, None, numbers);
         }
         let sample = medium.phase.sample(vertex.wo, numbers.0.one(5), numbers.0.pair(1))?;
-        let arrival =
-            Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, n: DVec3::ZERO, emitter_samples: 1 };
+        let arrival = Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
         self.scatter::<F>(&sample, (arrival, onward), &numbers.0)
     }
@@ -143,9 +148,9 @@ impl<'a> Walk<'a> {
         let λ = self.path.λ;
         let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
-        let n = vertex.gathers_about();
+        let before = std::mem::replace(&mut self.gathers, vertex.gathers());
         if side.traits.has_density && !last {
-            self.gather::<F, _>(&vertex, n, shape.interface.as_deref(), numbers);
+            self.gather::<F, _>(&vertex, shape.interface.as_deref(), numbers);
         }
         let u = numbers.0;
         let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
@@ -153,6 +158,7 @@ impl<'a> Walk<'a> {
         self.path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
         if sample.null {
+            self.gathers = before;
             self.throughput *= sample.weight;
             self.pass(shape, &point, &hit);
             return (!self.throughput.is_zero()).then_some(());
@@ -160,7 +166,7 @@ impl<'a> Walk<'a> {
         if last {
             return None;
         }
-        let arrival = Arrival { pdf: sample.pdf, delta: sample.delta, n, emitter_samples: 1 };
+        let arrival = Arrival { pdf: sample.pdf, delta: sample.delta, emitter_samples: 1 };
         let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(onward.direction.dot(point.ng));
@@ -189,8 +195,8 @@ impl<'a> Walk<'a> {
         } else {
             let ray = Ray { origin: self.from, ..self.ray };
             let pdf = emitter.surface_pdf(&shape.geometry, &ray, self.travelled, point);
-            let chosen = Choice::at((self.from, self.arrival.n)).probability(&self.scene.emitters, index);
-            power_heuristic(self.arrival.pdf, chosen * pdf)
+            let rival = self.arrival.density_of_samples(self.scene, self.gathers.at(self.from), index, pdf);
+            power_heuristic(self.arrival.pdf, rival)
         };
         self.radiance += self.throughput * emitted * weight as f32;
     }
@@ -199,11 +205,10 @@ impl<'a> Walk<'a> {
     fn gather<const F: u32, B: Bsdf>(
         &mut self,
         vertex: &Vertex<B>,
-        n: DVec3,
         interface: Option<&Interface>,
         (u, edge): (Numbers, u32),
     ) {
-        let choice = Choice::at((vertex.point.p, n));
+        let choice = Choice::at(self.gathers.at(vertex.point.p));
         let (place, λ) = ((u.pair(0), u.one(4)), &self.path.λ);
         let found = light::sample_emitter(self.scene, vertex, &choice, place, (1.0, 1.0), λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };

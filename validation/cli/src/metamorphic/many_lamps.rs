@@ -46,6 +46,20 @@ fn lights() -> [String; 5] {
     ]
 }
 
+/// Things that mirror one lamp here and another there: of each model that has such a lobe, and of some that
+/// pass on another's.
+fn glossy_things() -> String {
+    let metal = bsdf("roughconductor", &float("alpha", 0.1));
+    let varnished = bsdf("roughplastic", &float("alpha", 0.1));
+    let brushed = bsdf("principled", &(float("metallic", 0.8) + &float("roughness", 0.3)));
+    let veiled = bsdf("mask", &(float("opacity", 0.7) + &metal));
+    let both = bsdf("twosided", &(metal.clone() + &varnished));
+    let mixed = bsdf("blendbsdf", &(float("weight", 0.3) + &both + &diffuse(0.5)));
+    let things = [metal, varnished, brushed, veiled, mixed];
+    let ball = |(i, wears): (usize, String)| sphere([-1.2 + 0.5 * i as f64, -0.9, 0.25], 0.22, &wears);
+    things.into_iter().enumerate().map(ball).collect()
+}
+
 const LAMPS: usize = 5;
 
 /// The relation that the integrator's image of a room with all lamps and these lights is the sum of the
@@ -87,6 +101,10 @@ pub fn relations() -> Vec<Relation> {
         all_kinds("by_emitters_alone", by_emitters).longer(2).at_length(),
         together("light_paths_and_links", &found_by_all, (&things, &[]), None)
             .within(0.02)
+            .samples(1024)
+            .at_length(),
+        together("glossy", &path(4), (&glossy_things(), &lights()), None).longer(2),
+        together("glossy_by_volpath", &path(4).replace("path", "volpath"), (&glossy_things(), &[]), None)
             .samples(1024)
             .at_length(),
         together("shared_paths", &shared, ("", &[]), Some(one_of::<4>)).within(0.05).samples(1024),

@@ -1,0 +1,62 @@
+//! How a ray was sampled that may meet an emitter, and the weight of the light that it finds there, for
+//! emitter samples could have found it as well.
+
+use super::light::power_heuristic;
+use crate::emitter::{Choice, Gathers, Receiver, View};
+use crate::math::Ray;
+use crate::scene::Scene;
+use crate::spectrum::{Spectrum, Wavelengths};
+
+/// How a path's last direction was sampled: what the MIS weight of an emitter at its end depends on.
+#[derive(Clone, Copy)]
+pub struct Arrival {
+    /// The density of the direction, in sr⁻¹.
+    pub pdf: f64,
+    /// The direction could not have been found by sampling an emitter.
+    pub delta: bool,
+    /// Number of emitter samples taken at the previous vertex.
+    pub emitter_samples: u32,
+}
+
+impl Arrival {
+    pub const FROM_CAMERA: Self = Self { pdf: 1.0, delta: true, emitter_samples: 1 };
+
+    /// The density in sr⁻¹ of all emitter samples at the previous vertex together, if that of one that has
+    /// chosen this emitter is `pdf`.
+    #[inline]
+    pub fn density_of_samples(&self, scene: &Scene, from: Receiver, emitter: usize, pdf: f64) -> f64 {
+        let chosen = Choice::at(from).probability(&scene.emitters, emitter);
+        chosen * pdf * f64::from(self.emitter_samples)
+    }
+}
+
+/// Light from the environment along a ray that met nothing.
+#[inline]
+pub fn environment(
+    scene: &Scene,
+    ray: &Ray,
+    (gathers, arrival): (&Gathers, &Arrival),
+    λ: &Wavelengths,
+) -> Spectrum {
+    let seen = |view| surroundings(scene, &view, (gathers.at(ray.origin), arrival), λ);
+    scene.emitters.view(ray.direction).map_or(Spectrum::ZERO, seen)
+}
+
+/// Light that a ray from this vertex sees out of the scene.
+#[inline]
+pub fn surroundings(
+    scene: &Scene,
+    view: &View,
+    (from, arrival): (Receiver, &Arrival),
+    λ: &Wavelengths,
+) -> Spectrum {
+    let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };
+    let emitter = &scene.emitters.list[index].emitter;
+    let Some(radiance) = emitter.distant_radiance(view, λ) else { return Spectrum::ZERO };
+    if arrival.delta {
+        return radiance;
+    }
+    let pdf = emitter.distant_pdf(view, from.gathers.n);
+    let rival = arrival.density_of_samples(scene, from, index, pdf);
+    radiance * power_heuristic(arrival.pdf, rival) as f32
+}
