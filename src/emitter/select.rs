@@ -156,7 +156,7 @@ impl Emitters {
     fn estimates<'a>(&self, at: Receiver<'a>) -> Estimates<'a> {
         let near = self.near.as_ref().map(|(tree, _)| tree.seen_from(at)).filter(|seen| seen.total() > 0.0);
         let (mut count, mut total) = (0.0, 0.0);
-        let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_of(&at.gathers));
+        let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_of(at.gathers));
         for irradiance in far.chain(near.as_ref().map(SeenTree::total)) {
             count += 1.0;
             total += irradiance;
@@ -208,7 +208,7 @@ impl<'a> Choice<'a> {
         // Rounding may lead past the last.
         let mut last = None;
         for (emitter, distant) in &emitters.far {
-            let Some(irradiance) = distant.irradiance_of(&self.at.gathers) else { continue };
+            let Some(irradiance) = distant.irradiance_of(self.at.gathers) else { continue };
             let probability = estimates.probability(irradiance);
             let chosen = |rest: f64| Some((*emitter as usize, probability, DVec2::new(rest, u.y)));
             if left < probability {
@@ -232,7 +232,7 @@ impl<'a> Choice<'a> {
             }),
             Place::Far(number) => {
                 let (_, distant) = emitters.far[number as usize];
-                distant.irradiance_of(&self.at.gathers).map(|irradiance| estimates.probability(irradiance))
+                distant.irradiance_of(self.at.gathers).map(|irradiance| estimates.probability(irradiance))
             }
         };
         chance.unwrap_or(0.0)

@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
     seeds: u32,
     /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     reference_spp: Option<u32>,
     /// Number of threads; all unless given
     #[arg(long, default_value_t = 0)]
@@ -66,6 +66,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     check_writable(&[&arguments.scene, &file], &[&arguments.json, &arguments.html])?;
     let mut samples = arguments.spp;
     samples.sort_unstable();
+    if let Some(pair) = samples.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(format!("--spp has {} twice", pair[0]).into());
+    }
     let longest = samples.last().copied().unwrap_or(1);
     let settings = Settings {
         reference: arguments.reference_spp.map_or(8.0, |spp| f64::from(spp) / f64::from(longest)),
@@ -94,9 +97,11 @@ fn tell(
     write(json, || Ok(to_json(&study)?))?;
     write(html, || Ok(study.html(bench)?))?;
     print!("{}", study.text());
-    match study.lines.is_empty() {
-        true => Err("no renderer rendered the scene".into()),
-        false => Ok(Verdict::Equivalent),
+    match (study.lines.is_empty(), study.missing.is_empty()) {
+        (true, _) => Err("no renderer rendered the scene".into()),
+        (false, true) => Ok(Verdict::Equivalent),
+        // What was asked for has not been compared.
+        (false, false) => Ok(Verdict::Inconclusive),
     }
 }
 
@@ -105,23 +110,26 @@ fn tell(
 struct Study {
     scene: PathBuf,
     settings: Settings,
+    /// The renderer that all others are compared with.
+    first: String,
     /// Results of the renderers that rendered, with the ratio of the first one's efficiency to each.
     lines: Vec<Line>,
-    /// Renderers that could not render, with the reason.
+    /// Renderers that could not render, or failed later, with the reason.
     missing: Vec<(String, String)>,
     /// Error and time of every picture.
     runs: Vec<Run>,
 }
 
-/// Runs the study. Error: a renderer fails after it has once succeeded.
+/// Runs the study.
 fn study(bench: &Bench, names: &[&str]) -> Result<Study, String> {
-    bench.measure(names, &|step| eprintln!("{step}"))?;
+    let failed = bench.measure(names, &|step| eprintln!("{step}"))?;
     let runs = bench.runs()?;
     Ok(Study {
         scene: bench.scene.clone(),
         settings: bench.settings.clone(),
         lines: lines(bench, names, &runs),
-        missing: missing(bench, names)?,
+        missing: missing(bench, names)?.into_iter().chain(failed).collect(),
+        first: names.first().map_or_else(String::new, ToString::to_string),
         runs,
     })
 }
@@ -139,8 +147,11 @@ impl Study {
                 l.renderer, b.value, b.low, b.high, l.mean_of
             )
         });
-        let first = self.lines.first().map_or("", |l| &l.renderer);
-        let ratios = self.lines.iter().skip(1).flat_map(|l| {
+        let first = &self.first;
+        let rendered = self.lines.first().is_some_and(|line| line.renderer == *first);
+        let alone =
+            (!rendered).then(|| format!("no ratios: {first}, which all are compared with, is missing"));
+        let ratios = self.lines.iter().skip(if rendered { 1 } else { self.lines.len() }).flat_map(|l| {
             [("trimmed", &l.ratio_trimmed), ("whole", &l.ratio_whole)].map(|(what, found)| match found {
                 None => format!("{first} over {}, {what}: no answer", l.renderer),
                 Some(Ratio { ratio: r, p_value, .. }) => format!(
@@ -150,7 +161,7 @@ impl Study {
             })
         });
         let missing = self.missing.iter().map(|(name, why)| format!("{name}: missing: {why}"));
-        slopes.chain(brightness).chain(ratios).chain(missing).map(|line| line + "\n").collect()
+        slopes.chain(brightness).chain(ratios).chain(alone).chain(missing).map(|line| line + "\n").collect()
     }
 
     /// The page with plots, tables and pictures.

@@ -83,13 +83,33 @@ pub fn load(path: &Path) -> Result<Renderers, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let all: Renderers = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
     let stranger = |renderer: &Renderer| renderer.mean_of.clone().filter(|name| !all.contains_key(name));
-    match all.iter().find_map(|(name, renderer)| Some((name, stranger(renderer)?))) {
-        Some((name, stranger)) => {
-            Err(format!("{}: {name}: there is no renderer {stranger:?}", path.display()))
-        }
+    let fault = |renderer: &Renderer| match stranger(renderer) {
+        Some(stranger) => Some(format!("there is no renderer {stranger:?}")),
+        None => fault_of(&renderer.command),
+    };
+    match all.iter().find_map(|(name, renderer)| Some((name, fault(renderer)?))) {
+        Some((name, fault)) => Err(format!("{}: {name}: {fault}", path.display())),
         None => Ok(all),
     }
 }
+
+/// What is wrong with the placeholders of a command: one that has no meaning would be handed on as it
+/// stands, and a misspelt seed would be the same for every picture.
+fn fault_of(command: &str) -> Option<String> {
+    let names = command.split('{').skip(1).filter_map(|rest| Some(rest.split_once('}')?.0));
+    let is_name = |name: &&str| name.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+    let stranger = names.filter(is_name).find(|name| !PLACEHOLDERS.contains(name));
+    if let Some(stranger) = stranger {
+        return Some(format!(
+            "{{{stranger}}} is no placeholder, expected one of {{{}}}",
+            PLACEHOLDERS.join("}, {")
+        ));
+    }
+    (!command.contains("{out}")).then(|| "its command has no {out}, the file to write".into())
+}
+
+/// What may stand in braces in a command, besides `env:NAME:default`.
+const PLACEHOLDERS: [&str; 6] = ["scene", "out", "spp", "seed", "threads", "peers"];
 
 /// The renderer whose converged mean is the reference of `name`.
 pub fn mean_of<'a>(all: &'a Renderers, name: &'a str) -> &'a str {
@@ -127,7 +147,10 @@ impl Renderer {
             let last = text.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("it said nothing");
             return Err(format!("{program:?} failed ({}): {}", output.status, last.trim()));
         }
-        let said = Said::of(&String::from_utf8_lossy(&output.stdout));
+        if !out.exists() {
+            return Err(format!("{program:?} ended well, but wrote no {}", out.display()));
+        }
+        let said = Said::of(&String::from_utf8_lossy(&output.stdout))?;
         let seconds = said.seconds.unwrap_or(wall);
         let planning = said.planning.unwrap_or(0.0);
         let cpu_seconds = said.cpu_seconds.unwrap_or(cpu.max(1e-3));
@@ -198,18 +221,26 @@ struct Said {
 }
 
 impl Said {
-    fn of(text: &str) -> Said {
+    /// Error: a time that is none.
+    fn of(text: &str) -> Result<Said, String> {
         let read =
             |text: &str| serde_json::from_str::<serde_json::Value>(text).ok().filter(|v| v.is_object());
         let Some(document) = text.lines().rev().find_map(read).or_else(|| read(text)) else {
-            return Said::default();
+            return Ok(Said::default());
         };
-        let number = |name: &str| document.get(name)?.as_f64().filter(|s| *s > 0.0);
-        Said {
-            seconds: number("seconds"),
-            planning: number("plan_seconds"),
-            cpu_seconds: number("cpu_seconds"),
-        }
+        let number = |name: &str, is_time: fn(f64) -> bool| match document.get(name) {
+            None => Ok(None),
+            Some(value) => match value.as_f64().filter(|s| is_time(*s)) {
+                Some(seconds) => Ok(Some(seconds)),
+                None => Err(format!("it says {name:?}: {value}, which is no time")),
+            },
+        };
+        Ok(Said {
+            seconds: number("seconds", |s| s > 0.0)?,
+            planning: number("plan_seconds", |s| s >= 0.0)?,
+            // A clock of hundredths may say that nothing passed.
+            cpu_seconds: number("cpu_seconds", |s| s >= 0.0)?.filter(|s| *s > 0.0),
+        })
     }
 }
 
@@ -232,10 +263,17 @@ mod tests {
         let file = std::env::temp_dir().join(format!("etalon-renderers-{}.toml", std::process::id()));
         let read =
             |text: &str| std::fs::write(&file, text).map_err(|e| e.to_string()).and_then(|()| load(&file));
-        let all = read("[a]\ncommand = \"x\"\nmean_of = \"b\"\n[b]\ncommand = \"y\"").unwrap();
+        let all = read("[a]\ncommand = \"x {out}\"\nmean_of = \"b\"\n[b]\ncommand = \"y {out}\"").unwrap();
         assert_eq!(["a", "b", "c"].map(|name| mean_of(&all, name)), ["b", "b", "c"]);
         let refused = read("[a]\ncommand = \"x\"\nmean_of = \"b\"").unwrap_err();
         assert!(refused.ends_with("a: there is no renderer \"b\""), "{refused}");
+        for (command, fault) in [
+            ("x {out} {sed}", "{sed} is no placeholder, expected one of {scene}, {out}"),
+            ("x {seed} > {env:OUT:y}", "no {out}"),
+        ] {
+            let refused = read(&format!("[a]\ncommand = \"{command}\"")).unwrap_err();
+            assert!(refused.contains(fault), "{refused}");
+        }
         std::fs::remove_file(&file).unwrap();
     }
 
@@ -253,12 +291,16 @@ mod tests {
 
     #[test]
     fn seconds_are_found_at_the_end() {
-        let said = |text: &str| Said::of(text).seconds;
+        let said = |text: &str| Said::of(text).unwrap().seconds;
         assert_eq!(said("noise\n{\"seconds\": 1.5, \"startup\": 9}\n"), Some(1.5));
         assert_eq!(said("{\"seconds\": 1.5}\nlast words\n"), Some(1.5));
         assert_eq!(said("{\n\"seconds\": 2\n}\n"), Some(2.0));
-        assert_eq!(Said::of("{\"seconds\": 1.5, \"plan_seconds\": 0.25}").planning, Some(0.25));
+        assert_eq!(Said::of("{\"seconds\": 1.5, \"plan_seconds\": 0.25}").unwrap().planning, Some(0.25));
         assert_eq!(said("done"), None);
+        for wrong in ["-1", "0", "\"fast\"", "null"] {
+            let error = Said::of(&format!("{{\"seconds\": {wrong}}}")).unwrap_err();
+            assert_eq!(error, format!("it says \"seconds\": {wrong}, which is no time"));
+        }
     }
 
     #[test]

@@ -9,6 +9,10 @@ use super::{Channel, Image, ImageError};
 /// The attributes that Etalon writes to files whose pixels share paths, or whose samples count for several.
 const CORRELATED: [&str; 2] = ["etalon.reuse", "etalon.spread"];
 
+/// The parts of files of Etalon's that can be merged: the picture, and the sums that it is made of.
+const PICTURE: &str = "image";
+const SUMS: &str = "accumulators";
+
 /// The prefix of the names of variance channels.
 const VARIANCE: &str = "variance.";
 
@@ -17,11 +21,15 @@ pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
     let path = path.as_ref();
     let fail = |reason: String| ImageError(format!("{}: {reason}", path.display()));
     let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+    if bytes.is_empty() {
+        return Err(fail("the file is empty".into()));
+    }
     from_exr(&bytes).map_err(|error| fail(error.0))
 }
 
 /// Reads an EXR file's bytes: every channel of every part, half and integer values converted to f64. Channels
-/// of a named part are called `part.channel`. A channel `variance.X` becomes the variance of channel `X`,
+/// of a named part are called `part.channel`, but for those of the picture in a file of Etalon's that can be
+/// merged with others, whose sums are left out. A channel `variance.X` becomes the variance of channel `X`,
 /// unless the file declares that its pixels are correlated: then variances of pixels do not suffice for a
 /// comparison, and are left out.
 ///
@@ -45,6 +53,12 @@ pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
         .map_err(|error| ImageError(error.to_string()))?;
+    let named = |name: &str| {
+        let of =
+            |layer: &exr::prelude::Layer<_>| layer.attributes.layer_name.as_ref().is_some_and(|n| n == name);
+        file.layer_data.iter().any(of)
+    };
+    let mergeable = named(PICTURE) && named(SUMS);
     let mut size = None;
     let mut channels = Vec::new();
     for layer in &file.layer_data {
@@ -54,6 +68,11 @@ pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
         }
         let part =
             layer.attributes.layer_name.as_ref().map(ToString::to_string).filter(|name| !name.is_empty());
+        let part = match part.as_deref() {
+            Some(SUMS) if mergeable => continue,
+            Some(PICTURE) if mergeable => None,
+            _ => part,
+        };
         for channel in &layer.channel_data.list {
             let name = channel.name.to_string();
             let name = part.as_ref().map_or(name.clone(), |part| format!("{part}.{name}"));
@@ -131,6 +150,26 @@ mod tests {
         assert!(image.channels[1].mean[1].is_nan());
         assert_eq!(image.channels[1].variance, Some(vec![0.25, f64::INFINITY]));
         assert_eq!(image.channels[2].variance, Some(vec![0.5, 0.5]));
+    }
+
+    #[test]
+    fn a_file_that_can_be_merged_is_the_picture_in_it() {
+        let part = |name: &str, channel: &str| {
+            let list =
+                AnyChannels::sort(vec![AnyChannel::new(channel, FlatSamples::F32(vec![1.0, 2.0]))].into());
+            let attributes = LayerAttributes::named(exr::meta::attribute::Text::from(name));
+            Layer::new(Vec2(2, 1), attributes, Encoding::UNCOMPRESSED, list)
+        };
+        let names = |parts: [(&str, &str); 2]| {
+            let layers: Vec<_> = parts.iter().map(|(name, channel)| part(name, channel)).collect();
+            let image = ExrImage::from_layers(exr::prelude::ImageAttributes::with_size(Vec2(2, 1)), layers);
+            let mut buffer = Cursor::new(Vec::new());
+            image.write().to_buffered(&mut buffer).unwrap();
+            let image = from_exr(&buffer.into_inner()).unwrap();
+            image.channels.into_iter().map(|channel| channel.name).collect::<Vec<_>>()
+        };
+        assert_eq!(names([("image", "R"), ("accumulators", "R.00")]), ["R"]);
+        assert_eq!(names([("image", "R"), ("mask", "A")]), ["image.R", "mask.A"]);
     }
 
     #[test]

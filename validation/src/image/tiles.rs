@@ -40,7 +40,7 @@ impl std::fmt::Display for Tile {
     fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(
             formatter,
-            "tile ({}, {}) channel {} (pixels {}..{} × {}..{}): {:+.3} % ± {:.3} %, z = {:.1}",
+            "tile ({}, {}) channel {} (pixels {}..{} × {}..{}): {:+.3} % ± {:.3} % of the mean of both, z = {:.1}",
             self.column,
             self.row,
             self.channel,

@@ -16,10 +16,11 @@ use super::{Lines, PeerError};
 /// Largest length of a line in bytes; a longer one is an error.
 const LONGEST_LINE: u64 = 1 << 26;
 
-/// A running program. It is killed when this is dropped.
+/// A running program. When this is dropped its input ends, and it is killed if it does not end by itself.
 pub struct Process {
     child: Child,
-    requests: Sender<String>,
+    /// What it is asked; `None` once there is nothing more.
+    requests: Option<Sender<String>>,
     replies: Receiver<Result<String, String>>,
     limit: Duration,
 }
@@ -47,7 +48,7 @@ impl Process {
         let (answers, replies) = sync_channel(1);
         spawn(move || write_lines(stdin, &pending));
         spawn(move || read_lines(stdout, &answers));
-        Ok(Self { child, requests, replies, limit })
+        Ok(Self { child, requests: Some(requests), replies, limit })
     }
 
     /// How the program ended, if it has.
@@ -69,7 +70,7 @@ impl Lines for Process {
             return Err(PeerError(message));
         }
         // Sending fails only if the program has ended, which the reader then reports.
-        let _gone = self.requests.send(request);
+        let _gone = self.requests.as_ref().map(|requests| requests.send(request));
         match self.replies.recv_timeout(self.limit) {
             Ok(Ok(line)) => Ok(line),
             Ok(Err(message)) => Err(PeerError(format!("the peer's answer cannot be read: {message}"))),
@@ -86,7 +87,15 @@ impl Lines for Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // Either fails only if the program has ended by itself.
+        // Its input ends, at which it has a second to end by itself.
+        self.requests = None;
+        for _ in 0..100 {
+            if !matches!(self.child.try_wait(), Ok(None)) {
+                return;
+            }
+            sleep(Duration::from_millis(10));
+        }
+        // Either fails only if the program has ended meanwhile.
         let _ended = self.child.kill();
         let _ended = self.child.wait();
     }

@@ -31,9 +31,10 @@ pub struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Measures what is missing. A renderer that cannot render the scene is noted in the schedule. Errors: an
-    /// unusable folder, or a renderer that fails after it has once succeeded.
-    pub fn measure(&self, names: &[&str], progress: &dyn Fn(&str)) -> Result<(), String> {
+    /// Measures what is missing, and says which renderers failed after they had once succeeded, with the
+    /// reason; what is measured of them and of others is kept. A renderer that cannot render the scene is
+    /// noted in the schedule. Error: an unusable folder.
+    pub fn measure(&self, names: &[&str], progress: &dyn Fn(&str)) -> Result<Vec<(String, String)>, String> {
         for folder in ["references", "pictures"] {
             std::fs::create_dir_all(self.folder.join(folder)).map_err(|e| e.to_string())?;
         }
@@ -71,7 +72,8 @@ impl Bench<'_> {
         schedule: &Schedule,
         references: &BTreeMap<&str, Reference>,
         progress: &dyn Fn(&str),
-    ) -> Result<(), String> {
+    ) -> Result<Vec<(String, String)>, String> {
+        let mut failed: Vec<(String, String)> = vec![];
         let done = self.runs()?;
         let last = self.settings.ladder.count() - 1;
         for k in 0..self.settings.seeds {
@@ -84,11 +86,20 @@ impl Bench<'_> {
                     if done.iter().any(|r| (r.renderer.as_str(), r.seed, r.rung) == (name, k, rung)) {
                         continue;
                     }
-                    progress(&format!("{name}: seed {k}, rung {rung}"));
-                    let found = self.render(name, counts[rung], seed("picture", k))?;
-                    if found.picture.len() != reference.mean.len() {
-                        return Err(format!("{name}: its pictures differ in size"));
+                    if failed.iter().any(|(of, _)| of == name) {
+                        continue;
                     }
+                    progress(&format!("{name}: seed {k}, rung {rung}"));
+                    let found = match self.render(name, counts[rung], seed("picture", k)) {
+                        Ok(found) if found.picture.len() == reference.mean.len() => found,
+                        other => {
+                            let why = other.err().unwrap_or_else(|| "its pictures differ in size".into());
+                            let why = format!("seed {k}, {} samples: {why}", counts[rung]);
+                            progress(&format!("{name}: {why}"));
+                            failed.push((name.to_string(), why));
+                            continue;
+                        }
+                    };
                     if k == 0 && rung == last {
                         let kept = self.folder.join("pictures").join(format!("{name}.exr"));
                         std::fs::rename(self.out(), kept).map_err(|e| e.to_string())?;
@@ -105,7 +116,7 @@ impl Bench<'_> {
                 }
             }
         }
-        Ok(())
+        Ok(failed)
     }
 
     /// All finished runs.
@@ -129,9 +140,12 @@ impl Bench<'_> {
 
     /// The mean of the renderer's stored reference pictures; `None` with fewer than two.
     pub fn stored_reference(&self, name: &str) -> Result<Option<Reference>, String> {
+        Ok(reference(&self.stored_pictures(name)?))
+    }
+
+    fn stored_pictures(&self, name: &str) -> Result<Vec<Picture>, String> {
         let files = (0..REFERENCES).map(|k| self.reference_file(name, k)).filter(|file| file.is_file());
-        let pictures: Result<Vec<Picture>, String> = files.map(|file| Ok(read(&file)?.0)).collect();
-        Ok(reference(&pictures?))
+        files.map(|file| Ok(read(&file)?.0)).collect()
     }
 
     /// The sample count of each rung. Error: the renderer cannot render the scene.
@@ -179,7 +193,15 @@ impl Bench<'_> {
                 std::fs::rename(self.out(), kept).map_err(|e| e.to_string())?;
             }
         }
-        self.stored_reference(name)?.ok_or_else(|| "its pictures differ in size".into())
+        let pictures = self.stored_pictures(name)?;
+        if pictures.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err(
+                "its pictures of different seeds are the same: the seed has no effect, or there is no \
+                        noise whose error could be measured"
+                    .into(),
+            );
+        }
+        reference(&pictures).ok_or_else(|| "its pictures differ in size".into())
     }
 
     fn reference_file(&self, name: &str, k: u32) -> PathBuf {
@@ -222,7 +244,74 @@ fn append(file: &Path, line: &str) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::append;
+    use super::*;
+    use crate::renderers::Renderer;
+    use crate::stage;
+    use etalon::spectrum::ColorMode;
+
+    const SEEDS: u32 = 3;
+
+    /// A folder with a picture of each seed that a study asks for.
+    fn pictures() -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("etalon-bench-pictures-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let ball = stage::sphere([0.0; 3], 1.0, &stage::diffuse(0.5));
+        let lamp = stage::sphere([0.0, -3.0, 3.0], 0.5, &stage::area(4.0));
+        let camera = stage::pinhole(
+            &stage::look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]),
+            40.0,
+            &stage::film(8, 8),
+        );
+        let scene = stage::load(&stage::scene(&[&stage::path(3), &camera, &ball, &lamp]), ColorMode::Rgb);
+        let scene = scene.unwrap();
+        let asked = [("trial", 1), ("reference", REFERENCES), ("picture", SEEDS)];
+        for seed in asked.into_iter().flat_map(|(what, count)| (0..count).map(move |k| seed(what, k))) {
+            let settings = etalon::render::Settings { seed, ..etalon::render::Settings::of(&scene, 0..8) };
+            let image = stage::expose(&scene, &settings).unwrap();
+            etalon::image::write_exr(&folder.join(format!("{seed}.exr")), &image).unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn renderers_that_fail_late_or_have_no_seed_are_named_and_nothing_is_lost() {
+        let pictures = pictures();
+        let shows = |file: &str| format!("cp {}/{file}.exr {{out}}", pictures.display());
+        let failing = format!(
+            "sh -c 'test {{seed}} != {} && cp {}/{{seed}}.exr {{out}}'",
+            seed("picture", 1),
+            pictures.display()
+        );
+        let commands = [
+            ("steady", shows("{seed}")),
+            ("late", failing),
+            ("same", shows(&seed("trial", 0).to_string())),
+            ("idle", "true {out}".to_owned()),
+        ];
+        let entry = |(name, command): (&str, String)| (name.to_owned(), Renderer { command, mean_of: None });
+        let renderers: Renderers = commands.into_iter().map(entry).collect();
+        let ladder = Ladder::Samples(vec![8]);
+        let settings = Settings { ladder, seeds: SEEDS, reference: 1.0, threads: 1, processor_time: false };
+        let bench = Bench {
+            scene: PathBuf::from("any.xml"),
+            folder: pictures.join("study"),
+            renderers: &renderers,
+            settings: &settings,
+        };
+        let failed = bench.measure(&["steady", "late", "same", "idle"], &|_| ()).unwrap();
+        let (runs, schedule) = (bench.runs().unwrap(), bench.schedule().unwrap());
+        std::fs::remove_dir_all(&pictures).unwrap();
+        let of = |name: &str| runs.iter().filter(|run| run.renderer == name).count();
+        assert_eq!(["steady", "late", "same", "idle"].map(of), [3, 1, 0, 0]);
+        assert_eq!(failed.len(), 1);
+        assert!(
+            failed[0].0 == "late" && failed[0].1.starts_with("seed 1, 8 samples: \"sh\" failed"),
+            "{failed:?}"
+        );
+        let why = |name: &str| schedule[name].clone().unwrap_err();
+        assert!(why("same").contains("the seed has no effect"), "{}", why("same"));
+        assert!(why("idle").starts_with("\"true\" ended well, but wrote no "), "{}", why("idle"));
+    }
 
     #[test]
     fn a_torn_line_takes_no_other_with_it() {

@@ -103,7 +103,13 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         } else {
             let progress = |step: &str| eprintln!("{}: {step}", entry.name);
             let prepared = prepare(entry, arguments.shared.as_deref(), &bench);
-            prepared.and_then(|()| bench.measure(&names, &progress)).err()
+            match prepared.and_then(|()| bench.measure(&names, &progress)) {
+                Ok(failed) => {
+                    let words: Vec<_> = failed.iter().map(|(name, why)| format!("{name}: {why}")).collect();
+                    (!words.is_empty()).then(|| words.join("; "))
+                }
+                Err(why) => Some(why),
+            }
         };
         let scene = summary::scene(entry, &plan, &bench, failed)?;
         pages.push(sheet::section(&scene, &bench)?);
