@@ -122,7 +122,8 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
         settings: settings.clone(),
     };
     (comparison.verdict, comparison.message) = comparison.incomplete(comparison.conclude());
-    if comparison.verdict == Verdict::Inconclusive && comparison.faults.unknown_variance.is_empty() {
+    let could_be_told = comparison.faults.unknown_variance.is_empty() && comparison.uncompared.is_empty();
+    if comparison.verdict == Verdict::Inconclusive && could_be_told {
         let means = comparison.channels.iter().filter_map(|channel| channel.mean.more_samples);
         comparison.more_samples = means.chain(comparison.tiles.more_samples).reduce(f64::max);
         if let Some(factor) = comparison.more_samples {

@@ -16,15 +16,29 @@ const SUMS: &str = "accumulators";
 /// The prefix of the names of variance channels.
 const VARIANCE: &str = "variance.";
 
+/// An image as a file has it.
+pub struct Loaded {
+    pub image: Image,
+    /// The first pixel of its data window: column and row of the film.
+    pub begins: (i32, i32),
+    /// Why not all variances are known.
+    pub unknown: Option<&'static str>,
+}
+
 /// Reads the EXR file at `path`. Errors name the file.
 pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
+    load_whole(path).map(|loaded| loaded.image)
+}
+
+/// The same with what is not in its pixels.
+pub fn load_whole(path: impl AsRef<Path>) -> Result<Loaded, ImageError> {
     let path = path.as_ref();
     let fail = |reason: String| ImageError(format!("{}: {reason}", path.display()));
     let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
     if bytes.is_empty() {
         return Err(fail("the file is empty".into()));
     }
-    from_exr(&bytes).map_err(|error| fail(error.0))
+    parse(&bytes).map_err(|error| fail(error.0))
 }
 
 /// Reads an EXR file's bytes: every channel of every part, half and integer values converted to f64. Channels
@@ -36,6 +50,10 @@ pub fn load(path: impl AsRef<Path>) -> Result<Image, ImageError> {
 /// A file that declares more samples than one of its length can hold is refused before memory is allocated
 /// for them.
 pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
+    parse(bytes).map(|loaded| loaded.image)
+}
+
+fn parse(bytes: &[u8]) -> Result<Loaded, ImageError> {
     let head = exr::block::read(Cursor::new(bytes), false).map_err(|error| ImageError(error.to_string()))?;
     let claims = |header: &exr::meta::header::Header| {
         let size = header.layer_size;
@@ -85,10 +103,27 @@ pub fn from_exr(bytes: &[u8]) -> Result<Image, ImageError> {
     }
     let mut channels = pair_variances(channels);
     let correlated = |name: &exr::meta::attribute::Text| CORRELATED.iter().any(|of| name == *of);
-    if file.layer_data.iter().any(|layer| layer.attributes.other.keys().any(correlated)) {
+    let shared = file.layer_data.iter().any(|layer| layer.attributes.other.keys().any(correlated));
+    if shared {
         channels.iter_mut().for_each(|channel| channel.variance = None);
     }
-    Ok(Image { width, height, channels })
+    let known =
+        |channel: &Channel| channel.variance.as_ref().is_some_and(|of| of.iter().all(|v| v.is_finite()));
+    let unknown = match channels.iter().all(|channel| channel.variance.is_none()) {
+        _ if shared => {
+            Some("its pixels share paths or samples, and variances of pixels do not tell their noise")
+        }
+        true => Some("it has no channels `variance.X` with the variances of the means of channels `X`"),
+        false if !channels.iter().all(known) => {
+            Some("not all its variances are known; Etalon's are from eight samples a pixel on")
+        }
+        false => None,
+    };
+    let begins = file.layer_data.first().map_or((0, 0), |layer| {
+        let at = layer.attributes.layer_position;
+        (at.x(), at.y())
+    });
+    Ok(Loaded { image: Image { width, height, channels }, begins, unknown })
 }
 
 fn widen(samples: &FlatSamples) -> Vec<f64> {
@@ -170,6 +205,33 @@ mod tests {
         };
         assert_eq!(names([("image", "R"), ("accumulators", "R.00")]), ["R"]);
         assert_eq!(names([("image", "R"), ("mask", "A")]), ["image.R", "mask.A"]);
+    }
+
+    #[test]
+    fn why_variances_are_unknown_and_where_a_window_begins_is_told() {
+        let single = |name: &str, values: [f32; 2]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
+        let loaded = |attributes: LayerAttributes, channels: Vec<AnyChannel<FlatSamples>>| {
+            let layer = Layer::new(
+                Vec2(2, 1),
+                attributes,
+                Encoding::UNCOMPRESSED,
+                AnyChannels::sort(channels.into()),
+            );
+            let mut buffer = Cursor::new(Vec::new());
+            ExrImage::from_layer(layer).write().to_buffered(&mut buffer).unwrap();
+            parse(&buffer.into_inner()).unwrap()
+        };
+        let plain = LayerAttributes::default;
+        let of = |variance: [f32; 2]| vec![single("R", [1.0, 2.0]), single("variance.R", variance)];
+        let why = |loaded: Loaded| loaded.unknown.unwrap_or("known");
+        assert_eq!(why(loaded(plain(), of([0.1, 0.2]))), "known");
+        assert!(why(loaded(plain(), of([0.1, f32::INFINITY]))).starts_with("not all"));
+        assert!(why(loaded(plain(), vec![single("R", [1.0, 2.0])])).starts_with("it has no channels"));
+        let mut shared = plain();
+        shared.other.insert(CORRELATED[0].into(), exr::prelude::AttributeValue::I32(16));
+        assert!(why(loaded(shared, of([0.1, 0.2]))).starts_with("its pixels share"));
+        let moved = LayerAttributes { layer_position: Vec2(10, -3), ..plain() };
+        assert_eq!(loaded(moved, of([0.1, 0.2])).begins, (10, -3));
     }
 
     #[test]

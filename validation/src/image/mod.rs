@@ -34,7 +34,7 @@ mod tiles;
 
 pub use compare::{ChannelComparison, Comparison, Settings, compare};
 pub use errors::Errors;
-pub use load::{from_exr, load};
+pub use load::{Loaded, from_exr, load, load_whole};
 pub use maps::{difference_map, tile_map};
 pub use mean::MeanComparison;
 pub use pair::{Faults, Place};
