@@ -38,6 +38,9 @@ pub struct BsdfArguments {
     /// Judge another program's BSDFs, over the protocol of docs/peer-protocol.md
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["thorough", "ledger"])]
     peer: Option<String>,
+    /// Of a peer, only this check
+    #[arg(long, requires = "peer")]
+    check: Option<String>,
     /// Seconds a peer may take for one answer
     #[arg(long, default_value_t = 60, requires = "peer")]
     timeout: u64,
@@ -75,7 +78,7 @@ pub struct FurnaceArguments {
 
 /// Runs all checks on materials, or on those of another program.
 pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
-    let BsdfArguments { name, peer, timeout, settings } = arguments;
+    let BsdfArguments { name, peer, check, timeout, settings } = arguments;
     let name = name.as_deref();
     if let Some(command) = peer {
         let limit = Duration::from_secs(timeout);
@@ -83,7 +86,7 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
         documents.check_writable(&[], &[])?;
         return documents.finish(peers::run(
             &command,
-            &peers::Settings { name, samples, number, limit },
+            &peers::Settings { name, check: check.as_deref(), samples, number, limit },
             print,
         )?);
     }

@@ -13,6 +13,8 @@ use crate::trial::{ANGLES, from};
 pub struct Settings<'a> {
     /// Only configurations whose name contains this.
     pub name: Option<&'a str>,
+    /// Only this check.
+    pub check: Option<&'a str>,
     /// Samples per check.
     pub samples: usize,
     /// Number that determines the seeds.
@@ -28,6 +30,14 @@ const STEP_BY_STEP: [&str; 2] = ["jacobian", "moments"];
 /// Starts `command` and runs every check that applies on each of its configurations, for each direction of
 /// [`ANGLES`]. `progress` gets each outcome as it becomes known.
 pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> Result<Report, PeerError> {
+    let asked: Vec<_> = CHECKS.iter().filter(|check| !STEP_BY_STEP.contains(&check.name)).collect();
+    if let Some(stranger) = settings.check.filter(|name| asked.iter().all(|check| check.name != *name)) {
+        let names: Vec<_> = asked.iter().map(|check| check.name).collect();
+        return Err(PeerError(format!(
+            "no check {stranger:?} of peers, expected one of {}",
+            names.join(", ")
+        )));
+    }
     let mut peer = Peer::meet(Process::start(command, settings.limit)?)?;
     let configurations: Vec<_> = peer
         .hello
@@ -51,12 +61,14 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
             smallest: configuration.smallest,
             ..Effort::default()
         };
-        for check in CHECKS.iter().filter(|check| !STEP_BY_STEP.contains(&check.name)) {
+        for check in asked.iter().filter(|check| settings.check.is_none_or(|name| name == check.name)) {
             for angle in ANGLES {
                 let name = format!("{}::{}::{angle}", configuration.name, check.name);
                 let (wo, seed) = (from(angle), seed_for(&name, settings.number));
                 let run = |s: &dyn Scatterer| (check.applies)(s).then(|| check.run(s, wo, seed, &effort));
-                let Some(outcome) = judge(&mut peer, *index, run)? else { continue };
+                let outcome =
+                    judge(&mut peer, *index, run).map_err(|e| PeerError(format!("{name}: {}", e.0)))?;
+                let Some(outcome) = outcome else { continue };
                 let outcome = outcome.of(name);
                 progress(&outcome);
                 outcomes.push(outcome);

@@ -42,8 +42,16 @@ type Draw = (DVec3, [f64; 3]);
 /// The bits of a query: two directions, or a direction and three numbers.
 type Key = [u64; 6];
 
+/// Number of the first questions that are asked twice.
+const TWICE: usize = 16;
+
+fn changed(request: &str, question: &str) -> PeerError {
+    PeerError(format!("the peer gives two answers to the same question: `{request}` with {question}"))
+}
+
 #[derive(Default)]
 struct Answers {
+    asked_twice: bool,
     pairs: HashMap<Key, Option<[f64; 2]>>,
     draws: HashMap<Key, Option<Sample>>,
     unknown_pairs: Vec<[DVec3; 2]>,
@@ -73,6 +81,25 @@ impl Memory {
         let evaluated = peer.evaluate(configuration, pairs)?;
         let sampled = peer.sample(configuration, draws)?;
         let mut answers = self.answers.borrow_mut();
+        if !std::mem::replace(&mut answers.asked_twice, true) {
+            let (pairs, draws) = (&pairs[..pairs.len().min(TWICE)], &draws[..draws.len().min(TWICE)]);
+            let same = |a: &[f64; 2], b: &[f64; 2]| a.map(f64::to_bits) == b.map(f64::to_bits);
+            let again = peer.evaluate(configuration, pairs)?;
+            let other = again.iter().zip(&evaluated).position(|(a, b)| !same(a, b));
+            if let Some([wo, wi]) = other.map(|i| pairs[i]) {
+                return Err(changed("evaluate", &format!("wo = {wo:?} and wi = {wi:?}")));
+            }
+            let bits = |sample: &Option<Sample>| {
+                sample.map(|s| {
+                    (s.wi.to_array().map(f64::to_bits), s.weight.to_bits(), s.pdf.to_bits(), s.delta)
+                })
+            };
+            let again = peer.sample(configuration, draws)?;
+            let other = again.iter().zip(&sampled).position(|(a, b)| bits(a) != bits(b));
+            if let Some((wo, u)) = other.map(|i| draws[i]) {
+                return Err(changed("sample", &format!("wo = {wo:?} and u = {u:?}")));
+            }
+        }
         for (&[wo, wi], answer) in pairs.iter().zip(evaluated) {
             answers.pairs.insert(key(wo, wi.to_array()), Some(answer));
         }

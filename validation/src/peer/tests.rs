@@ -1,5 +1,6 @@
 //! Tests with peers without a process (a function from line to line), and with processes that misbehave.
 
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -8,7 +9,7 @@ use super::{Lines, Peer, PeerError, Process, judge};
 use crate::{
     checks::{CHECKS, Effort, find},
     report::Outcome,
-    scatterer::{DVec3, Scatterer, direction},
+    scatterer::{DVec3, Laws, Sample, Scatterer, direction},
     statistics::{Verdict, seed_for, sidak},
     subjects::{Conductor, Fault, Sabotaged},
 };
@@ -69,6 +70,36 @@ fn a_saboteur_is_found_through_the_protocol() {
     let honest = Conductor { alpha: 0.7, r0: 0.9 };
     let subject = Sabotaged { honest: &honest, fault: Fault::PdfScaled };
     assert_eq!(through_lines(&subject, "normalisation").verdict, Verdict::Different);
+}
+
+/// A conductor whose values change from one question to the next.
+struct Moody(Conductor, AtomicU32);
+
+impl Scatterer for Moody {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.0.value(wo, wi) * (1.0 + 1e-3 * f64::from(self.1.fetch_add(1, Ordering::Relaxed)))
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.0.pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        self.0.sample(wo, u)
+    }
+
+    fn laws(&self) -> Laws {
+        self.0.laws()
+    }
+}
+
+#[test]
+fn a_peer_that_gives_two_answers_to_one_question_is_told_so() {
+    let moody = Moody(Conductor { alpha: 0.7, r0: 0.9 }, AtomicU32::new(0));
+    let check = find("reciprocity").unwrap();
+    let mut peer = Peer::meet(Local(&moody)).unwrap();
+    let error = judge(&mut peer, 0, |s| check.run(s, direction(0.6, 0.7), 0, &effort())).unwrap_err().0;
+    assert!(error.contains("two answers to the same question: `evaluate` with wo = "), "{error}");
 }
 
 /// A peer that greets and then always gives the same answer.
