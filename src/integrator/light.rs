@@ -76,9 +76,12 @@ impl<'a, B> Vertex<'a, B> {
 }
 
 impl<B: Bsdf> Vertex<'_, B> {
-    /// What the choice of an emitter needs to know of it.
+    /// What sampling emitters needs to know of it: its lobe, too, where one of several is chosen.
     #[inline]
-    pub fn gathers(&self) -> Gathers {
+    pub fn gathers(&self, scene: &Scene) -> Gathers {
+        if !scene.emitters.chosen_by_place() {
+            return Gathers::about(self.gathers_about());
+        }
         let lobe = self.bsdf.lobe(self.wo);
         let lobe =
             if lobe.share > 0.0 { Lobe { axis: self.to_world(lobe.axis), ..lobe } } else { Lobe::NONE };
@@ -173,8 +176,7 @@ pub fn density_of_samples<B: Bsdf>(
     let there = SurfacePoint::plain(end.p, end.n, end.n);
     let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
     let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
-    let gathers = if scene.emitters.chosen_by_place() { vertex.gathers() } else { Gathers::EVERYWHERE };
-    Choice::at(gathers.at(p)).probability(&scene.emitters, end.emitter)
+    Choice::at(vertex.gathers(scene).at(p)).probability(&scene.emitters, end.emitter)
         * pdf
         * f64::from(path.emitter_samples)
 }

@@ -5,6 +5,7 @@ use crate::bsdf::Lobe;
 use crate::emitter::Gathers;
 use crate::math::DVec3;
 use crate::math::cone::Cone;
+use crate::math::frame::unit;
 use crate::math::random::{direction, uniform};
 use rand_pcg::Pcg32;
 
@@ -86,7 +87,7 @@ fn what_shines_at_a_point_has_a_chance() {
         for (i, cluster) in clusters.iter().enumerate() {
             let (lo, hi) = cluster.bounds;
             let from = lo + (hi - lo) * DVec3::from([0; 3].map(|_| uniform(&mut rng)));
-            let w = crate::math::frame::unit(p - from);
+            let w = unit(p - from);
             let leaves =
                 cluster.normals == Cone::EVERYWHERE || cluster.normals.axis.dot(w) > cluster.cos_beyond;
             let arrives = n == DVec3::ZERO || n.dot(w) < 0.0;
@@ -107,18 +108,23 @@ fn scatter(light: &[f64], probability: impl Fn(usize) -> f64) -> f64 {
     squares.sum::<f64>() / (total * total) - 1.0
 }
 
+/// Places on a square with sides of this length, at a height that is asked for.
+fn places(side: f64) -> impl FnMut(f64) -> DVec3 {
+    let mut rng = Pcg32::new(0, 1);
+    move |height| DVec3::new(side * uniform(&mut rng), side * uniform(&mut rng), height)
+}
+
+/// So many points that shine alike, at a height of one.
+fn ceiling(count: usize, normals: Cone, place: &mut impl FnMut(f64) -> DVec3) -> Vec<Cluster> {
+    let lamp = |p: DVec3| Cluster { bounds: (p, p), normals, cos_beyond: 0.0, intensity: 1.0 / count as f64 };
+    (0..count).map(|_| lamp(place(1.0))).collect()
+}
+
 #[test]
 fn emitters_are_chosen_nearly_in_proportion_to_their_light() {
     const LAMPS: usize = 400;
-    let mut rng = Pcg32::new(0, 1);
-    let mut place = |height: f64| DVec3::new(20.0 * uniform(&mut rng), 20.0 * uniform(&mut rng), height);
-    let lamp = |p: DVec3| Cluster {
-        bounds: (p, p),
-        normals: Cone::along(-DVec3::Z),
-        cos_beyond: 0.0,
-        intensity: 1.0 / LAMPS as f64,
-    };
-    let lamps: Vec<Cluster> = (0..LAMPS).map(|_| lamp(place(1.0))).collect();
+    let mut place = places(20.0);
+    let lamps = ceiling(LAMPS, Cone::along(-DVec3::Z), &mut place);
     let tree = Tree::new(&lamps);
     let mut sums = [0.0; 2];
     for _ in 0..200 {
@@ -152,29 +158,19 @@ fn scaling_by_a_power_of_two_changes_no_choice() {
 /// Lamps over a glossy floor, most of which a viewer does not see in it.
 #[test]
 fn lamps_that_a_glossy_floor_mirrors_are_chosen() {
-    const LAMPS: usize = 100;
-    let mut rng = Pcg32::new(0, 1);
-    let mut place = |height: f64| DVec3::new(4.0 * uniform(&mut rng), 4.0 * uniform(&mut rng), height);
-    let lamp = |p: DVec3| Cluster {
-        bounds: (p, p),
-        normals: Cone::EVERYWHERE,
-        cos_beyond: 0.0,
-        intensity: 1.0 / LAMPS as f64,
-    };
-    let lamps: Vec<Cluster> = (0..LAMPS).map(|_| lamp(place(1.0))).collect();
+    let mut place = places(4.0);
+    let lamps = ceiling(100, Cone::EVERYWHERE, &mut place);
     let tree = Tree::new(&lamps);
     let mut sums = [0.0; 2];
     for _ in 0..200 {
-        let (p, wo) = (place(0.0), crate::math::frame::unit(DVec3::new(0.3, 0.2, 1.0)));
+        let (p, wo) = (place(0.0), unit(DVec3::new(0.3, 0.2, 1.0)));
         let lobe = Lobe::of_facets(wo, 0.2, 1.0);
-        let light: Vec<f64> = lamps
-            .iter()
-            .map(|lamp| {
-                let way = lamp.bounds.0 - p;
-                let w = crate::math::frame::unit(way);
-                w.z * lobe.gain(lobe.axis.dot(w)) / way.length_squared()
-            })
-            .collect();
+        let shines = |lamp: &Cluster| {
+            let way = lamp.bounds.0 - p;
+            let w = unit(way);
+            w.z * lobe.gain(lobe.axis.dot(w)) / way.length_squared()
+        };
+        let light: Vec<f64> = lamps.iter().map(shines).collect();
         let scatters = [lobe, Lobe::NONE].map(|lobe| {
             let gathers = Gathers { n: DVec3::Z, lobe };
             let seen = tree.seen_from(gathers.at(p));

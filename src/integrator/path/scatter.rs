@@ -59,10 +59,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let emitter_samples =
             if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
         if side.traits.has_density {
-            if scene.emitters.chosen_by_place() {
-                *gathers = vertex.gathers();
-            } else if F & Features::ENVIRONMENT != 0 {
-                gathers.n = vertex.gathers_about();
+            if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
+                *gathers = vertex.gathers(scene);
             }
             here.by_emitters(emitter_samples, gathers, shared, shadows);
         }

@@ -29,8 +29,8 @@ pub struct Walk<'a> {
     medium: Option<&'a Medium>,
     /// How often the path was scattered; passing straight through a surface does not count.
     depth: u32,
-    /// Where it was last scattered, for the densities of emitters, how, what light would have been gathered
-    /// there, and how far it has come since.
+    /// Where it was last scattered, for the densities of emitters, how, how light was gathered there,
+    /// and how far it has come since.
     from: DVec3,
     arrival: Arrival,
     gathers: Gathers,
@@ -116,14 +116,14 @@ impl<'a> Walk<'a> {
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
         let side = Side { material: 0, turned: false, traits };
         let vertex = Vertex::new((&point, Ray::FREE), &frame, &medium.phase, &side, wo);
-        self.gathers = Gathers::EVERYWHERE;
+        let gathers = Gathers::EVERYWHERE;
         if medium.samples_emitters {
-            self.gather::<F, _>(&vertex, None, numbers);
+            self.gather::<F, _>(&vertex, &gathers, None, numbers);
         }
         let sample = medium.phase.sample(vertex.wo, numbers.0.one(5), numbers.0.pair(1))?;
         let arrival = Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
-        self.scatter::<F>(&sample, (arrival, onward), &numbers.0)
+        self.scatter::<F>(&sample, (arrival, gathers, onward), &numbers.0)
     }
 
     /// A vertex on a surface.
@@ -148,9 +148,9 @@ impl<'a> Walk<'a> {
         let λ = self.path.λ;
         let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
-        let before = std::mem::replace(&mut self.gathers, vertex.gathers());
+        let gathers = vertex.gathers(self.scene);
         if side.traits.has_density && !last {
-            self.gather::<F, _>(&vertex, shape.interface.as_deref(), numbers);
+            self.gather::<F, _>(&vertex, &gathers, shape.interface.as_deref(), numbers);
         }
         let u = numbers.0;
         let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
@@ -158,7 +158,6 @@ impl<'a> Walk<'a> {
         self.path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
         if sample.null {
-            self.gathers = before;
             self.throughput *= sample.weight;
             self.pass(shape, &point, &hit);
             return (!self.throughput.is_zero()).then_some(());
@@ -171,7 +170,7 @@ impl<'a> Walk<'a> {
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(onward.direction.dot(point.ng));
         }
-        self.scatter::<F>(&sample, (arrival, onward), &u)
+        self.scatter::<F>(&sample, (arrival, gathers, onward), &u)
     }
 
     /// Goes straight on through a surface, as in Mitsuba beyond the camera's `far_clip` too.
@@ -205,10 +204,11 @@ impl<'a> Walk<'a> {
     fn gather<const F: u32, B: Bsdf>(
         &mut self,
         vertex: &Vertex<B>,
+        gathers: &Gathers,
         interface: Option<&Interface>,
         (u, edge): (Numbers, u32),
     ) {
-        let choice = Choice::at(self.gathers.at(vertex.point.p));
+        let choice = Choice::at(gathers.at(vertex.point.p));
         let (place, λ) = ((u.pair(0), u.one(4)), &self.path.λ);
         let found = light::sample_emitter(self.scene, vertex, &choice, place, (1.0, 1.0), λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };
@@ -229,7 +229,7 @@ impl<'a> Walk<'a> {
     fn scatter<const F: u32>(
         &mut self,
         sample: &Sample,
-        (arrival, onward): (Arrival, Ray),
+        (arrival, gathers, onward): (Arrival, Gathers, Ray),
         u: &Numbers,
     ) -> Option<()> {
         self.throughput *= sample.weight;
@@ -245,7 +245,8 @@ impl<'a> Walk<'a> {
             let carried = f64::from(self.path.λ.peak(self.throughput)) * self.eta2;
             self.throughput *= roulette(carried, self.depth, sample.delta, u.one(6))?;
         }
-        (self.ray, self.from, self.arrival, self.travelled) = (onward, onward.origin, arrival, 0.0);
+        (self.ray, self.from, self.travelled) = (onward, onward.origin, 0.0);
+        (self.arrival, self.gathers) = (arrival, gathers);
         Some(())
     }
 

@@ -102,13 +102,31 @@ impl Brought {
         Some(Self { film, tiles, cost: RAY * rays, ratios })
     }
 
+    fn tile(&self, pixel: (u32, u32)) -> Tile {
+        self.tiles[tile(self.film, FINE_TILES, pixel)]
+    }
+
+    /// The cells that the scene is looked at in: noisy are those in the tiles where light paths make half of
+    /// their deviations, the fewest that do.
+    pub fn cells(&self) -> Cells {
+        let mut deviations: Vec<f64> = self.tiles.iter().map(|tile| tile.squares.sqrt()).collect();
+        deviations.sort_by(|a, b| b.total_cmp(a));
+        let half = 0.5 * deviations.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let reaches_half = |deviation: &f64| {
+            sum += deviation;
+            sum >= half
+        };
+        let least = deviations.into_iter().find(reaches_half).filter(|least| *least > 0.0);
+        Cells::of(self.film, |pixel| least.is_some_and(|least| self.tile(pixel).squares.sqrt() >= least))
+    }
+
     /// A look with as many light paths to each camera path as are best beside it, and that number.
     pub fn best_with(&self, look: &Look) -> (Look, f64) {
         // Variances of a cell relative to its light squared: that which camera paths leave, and that which
         // one light path per camera path leaves. Black cells have neither.
         let of_cell = |cell: &Cell| {
-            let Tile { light, squares } =
-                self.tiles[tile(self.film, FINE_TILES, first_of(cell.corner, self.film))];
+            let Tile { light, squares } = self.tile(first_of(cell.corner, self.film));
             let all = cell.light + light;
             let parts =
                 [cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all)];
@@ -130,30 +148,8 @@ impl Brought {
 /// Settles the number of light paths by the noise and the cost of camera paths, once all else is settled.
 pub fn balance(scene: &mut Scene) {
     if let Some(brought) = Brought::of(scene) {
-        let cells = cells(scene, Some(&brought));
-        set(scene, brought.best_with(&Look::at(scene, &cells)).1);
+        set(scene, brought.best_with(&Look::at(scene, &brought.cells())).1);
     }
-}
-
-/// The cells that a scene is looked at in: noisy are those in the tiles where light paths make half of their
-/// deviations, the fewest that do.
-pub fn cells(scene: &Scene, brought: Option<&Brought>) -> Cells {
-    let film = scene.sensor.film.crop;
-    let deviations: Vec<f64> =
-        brought.map_or(vec![], |brought| brought.tiles.iter().map(|tile| tile.squares.sqrt()).collect());
-    let mut ordered = deviations.clone();
-    ordered.sort_by(|a, b| b.total_cmp(a));
-    let half = 0.5 * ordered.iter().sum::<f64>();
-    let mut sum = 0.0;
-    let least = ordered.into_iter().find(|deviation| {
-        sum += deviation;
-        sum >= half
-    });
-    let is_noisy = |pixel| {
-        let of_tile = deviations.get(tile(film, FINE_TILES, pixel)).copied().unwrap_or(0.0);
-        of_tile > 0.0 && least.is_some_and(|least| of_tile >= least)
-    };
-    Cells::of(film, is_noisy)
 }
 
 /// Gives a scene so many light paths per camera path, within reason.

@@ -68,6 +68,8 @@ pub struct Cell {
 #[derive(Default)]
 pub struct Sight {
     seen: Vec<Seen>,
+    /// The weight of each in means over the film.
+    weights: Vec<f64>,
 }
 
 /// What was seen of a cell.
@@ -87,14 +89,14 @@ impl Sight {
         let corners: Vec<_> = cells.corners(count).skip(self.seen.len()).collect();
         let more = corners.par_iter().map(|corner| Seen::at(scene, &camera, *corner));
         self.seen.par_extend(more);
+        self.weights = cells.weights(count).collect();
     }
 
-    /// What has been seen of these cells.
-    pub fn look(&self, cells: &Cells) -> Look {
-        let seen = || self.seen.iter().zip(cells.weights(self.seen.len()));
+    pub fn look(&self) -> Look {
+        let seen = || self.seen.iter().zip(&self.weights);
         let light: f64 = seen().map(|(seen, weight)| weight * seen.light()).sum();
         Look {
-            cells: seen().map(|(seen, weight)| seen.cell(DARK * light, weight)).collect(),
+            cells: seen().map(|(seen, weight)| seen.cell(DARK * light, *weight)).collect(),
             cost: seen().map(|(seen, weight)| weight * seen.cost).sum(),
         }
     }
@@ -108,7 +110,7 @@ impl Look {
             scene.sensor.film.crop.pixels() as u64 / (u64::from(CELL * CELL) * CAMERA_SAMPLES);
         let mut sight = Sight::default();
         sight.extend(scene, cells, one_of_each_pixel.clamp(fewest, most) as usize);
-        sight.look(cells)
+        sight.look()
     }
 
     /// The mean deviation of a pixel with one sample.
@@ -293,7 +295,7 @@ mod tests {
         let looked = |stages: &[usize]| {
             let mut sight = Sight::default();
             stages.iter().for_each(|count| sight.extend(&scene, &cells, *count));
-            let look = sight.look(&cells);
+            let look = sight.look();
             (look.product(), look.cost, look.cells.len())
         };
         assert_eq!(looked(&[3, 3, 9]), looked(&[9]));

@@ -118,7 +118,8 @@ impl<'a> Race<'a> {
         let samples =
             if free.first_emitter_samples { SAMPLES.map(times).into() } else { vec![(given.samples, 1.0)] };
         let brought = Brought::of(scene);
-        let cells = light_paths::cells(scene, brought.as_ref());
+        let evenly = || Cells::of(scene.sensor.film.crop, |_| false);
+        let cells = brought.as_ref().map_or_else(evenly, Brought::cells);
         let relieved =
             scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
         let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
@@ -173,7 +174,7 @@ impl<'a> Race<'a> {
 
     /// The best that is in the race; of equals the first.
     fn best(&self) -> Judged {
-        let judged = self.fields.iter().flat_map(|field| field.judged(&self.cells, self.brought.as_ref()));
+        let judged = self.fields.iter().flat_map(|field| field.judged(self.brought.as_ref()));
         let better = |a: Judged, b: Judged| if b.product < a.product { b } else { a };
         judged.flatten().reduce(better).expect("the best stays in the race")
     }
@@ -182,7 +183,7 @@ impl<'a> Race<'a> {
     fn drop_those_behind(&mut self) {
         let best = self.best();
         for field in &mut self.fields {
-            let judged: Vec<_> = field.judged(&self.cells, self.brought.as_ref()).collect();
+            let judged: Vec<_> = field.judged(self.brought.as_ref()).collect();
             for (entrant, judged) in field.entrants.iter_mut().zip(judged) {
                 let mut behind = judged.iter().map(|judged| judged.is_far_behind(&best));
                 entrant.samples.retain(|_| behind.next() != Some(true));
@@ -193,9 +194,8 @@ impl<'a> Race<'a> {
     /// Lets in those that need wait no longer, and says whether there were any.
     fn let_in(&mut self) -> bool {
         let limit = FAR * self.best().product;
-        let (cells, brought, samples) = (&self.cells, self.brought.as_ref(), &self.samples);
-        let fields = self.fields.iter_mut();
-        let entered: usize = fields.map(|field| field.let_in(limit, (cells, brought), samples)).sum();
+        let (brought, samples) = (self.brought.as_ref(), &self.samples);
+        let entered: usize = self.fields.iter_mut().map(|field| field.let_in(limit, brought, samples)).sum();
         entered > 0
     }
 }
@@ -231,23 +231,18 @@ impl Field {
     }
 
     /// What is in the race, judged, by entrant.
-    fn judged(&self, cells: &Cells, brought: Option<&Brought>) -> impl Iterator<Item = Vec<Judged>> {
+    fn judged(&self, brought: Option<&Brought>) -> impl Iterator<Item = Vec<Judged>> {
         let (first, brought) = (&self.entrants[0], brought.filter(|_| self.caustics));
         let direct = self.many.as_ref().map(|many| {
-            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look(cells));
+            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look());
             Direct::between(looked(first), looked(many))
         });
-        self.entrants.iter().map(move |entrant| entrant.judged(cells, direct.as_ref(), brought))
+        self.entrants.iter().map(move |entrant| entrant.judged(direct.as_ref(), brought))
     }
 
     /// Lets in those that wait for what is within a limit, and says how many there were.
-    fn let_in(
-        &mut self,
-        limit: f64,
-        (cells, brought): (&Cells, Option<&Brought>),
-        samples: &[(u32, f64)],
-    ) -> usize {
-        let judged: Vec<_> = self.judged(cells, brought).collect();
+    fn let_in(&mut self, limit: f64, brought: Option<&Brought>, samples: &[(u32, f64)]) -> usize {
+        let judged: Vec<_> = self.judged(brought).collect();
         let near = |(entrant, judged): (&Entrant, Vec<Judged>)| {
             judged.iter().any(|judged| judged.product <= limit).then_some(entrant.choice)
         };
@@ -275,11 +270,11 @@ impl Entrant {
     }
 
     /// With each number of emitter samples that is in the race.
-    fn judged(&self, cells: &Cells, direct: Option<&Direct>, brought: Option<&Brought>) -> Vec<Judged> {
+    fn judged(&self, direct: Option<&Direct>, brought: Option<&Brought>) -> Vec<Judged> {
         if self.samples.is_empty() {
             return vec![];
         }
-        let seen = self.sight.look(cells);
+        let seen = self.sight.look();
         let with = |(samples, more): &(u32, f64)| {
             let choice = Candidate { samples: *samples, ..self.choice };
             let foretold = match direct {

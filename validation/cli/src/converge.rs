@@ -151,7 +151,7 @@ impl Study {
         let rendered = self.lines.first().is_some_and(|line| line.renderer == *first);
         let alone =
             (!rendered).then(|| format!("no ratios: {first}, which all are compared with, is missing"));
-        let ratios = self.lines.iter().skip(if rendered { 1 } else { self.lines.len() }).flat_map(|l| {
+        let ratios = self.lines.iter().filter(|l| rendered && l.renderer != *first).flat_map(|l| {
             [("trimmed", &l.ratio_trimmed), ("whole", &l.ratio_whole)].map(|(what, found)| match found {
                 None => format!("{first} over {}, {what}: no answer", l.renderer),
                 Some(Ratio { ratio: r, p_value, .. }) => format!(

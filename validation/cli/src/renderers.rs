@@ -108,7 +108,7 @@ fn fault_of(command: &str) -> Option<String> {
     (!command.contains("{out}")).then(|| "its command has no {out}, the file to write".into())
 }
 
-/// What may stand in braces in a command, besides `env:NAME:default`.
+/// What may stand in braces in a command, besides `env:NAME:default`; [`fill`] has the values.
 const PLACEHOLDERS: [&str; 6] = ["scene", "out", "spp", "seed", "threads", "peers"];
 
 /// The renderer whose converged mean is the reference of `name`.
@@ -197,12 +197,11 @@ fn children_seconds() -> f64 {
 
 fn fill(word: &str, job: &Job, out: &Path) -> String {
     let peers = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers");
-    word.replace("{scene}", &job.scene.to_string_lossy())
-        .replace("{out}", &out.to_string_lossy())
-        .replace("{spp}", &job.samples.to_string())
-        .replace("{seed}", &job.seed.to_string())
-        .replace("{threads}", &job.threads.to_string())
-        .replace("{peers}", &peers.to_string_lossy())
+    let path = |path: &Path| path.to_string_lossy().into_owned();
+    let [samples, seed] = [job.samples, job.seed].map(|n| n.to_string());
+    let values = [path(job.scene), path(out), samples, seed, job.threads.to_string(), path(&peers)];
+    let put = |word: String, (name, value): (&&str, String)| word.replace(&format!("{{{name}}}"), &value);
+    PLACEHOLDERS.iter().zip(values).fold(word.to_owned(), put)
 }
 
 /// The program of this name in the folder of this one, if it exists there; otherwise it is searched on the

@@ -109,15 +109,14 @@ fn parse(bytes: &[u8]) -> Result<Loaded, ImageError> {
     }
     let known =
         |channel: &Channel| channel.variance.as_ref().is_some_and(|of| of.iter().all(|v| v.is_finite()));
-    let unknown = match channels.iter().all(|channel| channel.variance.is_none()) {
-        _ if shared => {
-            Some("its pixels share paths or samples, and variances of pixels do not tell their noise")
-        }
-        true => Some("it has no channels `variance.X` with the variances of the means of channels `X`"),
-        false if !channels.iter().all(known) => {
-            Some("not all its variances are known; Etalon's are from eight samples a pixel on")
-        }
-        false => None,
+    let unknown = if shared {
+        Some("its pixels share paths or samples, and variances of pixels do not tell their noise")
+    } else if channels.iter().all(|channel| channel.variance.is_none()) {
+        Some("it has no channels `variance.X` with the variances of the means of channels `X`")
+    } else if !channels.iter().all(known) {
+        Some("not all its variances are known; Etalon's are from eight samples a pixel on")
+    } else {
+        None
     };
     let begins = file.layer_data.first().map_or((0, 0), |layer| {
         let at = layer.attributes.layer_position;

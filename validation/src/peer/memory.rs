@@ -25,13 +25,17 @@ pub fn judge<L: Lines, T>(
     let claims = peer.hello.configurations[configuration].laws;
     let memory =
         Memory { laws: claims.laws(), phase_function: claims.phase_function, answers: RefCell::default() };
-    for _ in 0..MOST_PASSES {
+    for pass in 0..MOST_PASSES {
         let outcome = check(&memory);
         let (pairs, draws) = memory.unknown();
         if pairs.is_empty() && draws.is_empty() {
             return Ok(outcome);
         }
         memory.learn(peer, configuration, &pairs, &draws)?;
+        if pass == 0 {
+            let begin = (&pairs[..pairs.len().min(TWICE)], &draws[..draws.len().min(TWICE)]);
+            memory.confirm(peer, configuration, begin)?;
+        }
     }
     Err(PeerError(format!("a check was not through after {MOST_PASSES} rounds of questions")))
 }
@@ -51,7 +55,6 @@ fn changed(request: &str, question: &str) -> PeerError {
 
 #[derive(Default)]
 struct Answers {
-    asked_twice: bool,
     pairs: HashMap<Key, Option<[f64; 2]>>,
     draws: HashMap<Key, Option<Sample>>,
     unknown_pairs: Vec<[DVec3; 2]>,
@@ -81,30 +84,34 @@ impl Memory {
         let evaluated = peer.evaluate(configuration, pairs)?;
         let sampled = peer.sample(configuration, draws)?;
         let mut answers = self.answers.borrow_mut();
-        if !std::mem::replace(&mut answers.asked_twice, true) {
-            let (pairs, draws) = (&pairs[..pairs.len().min(TWICE)], &draws[..draws.len().min(TWICE)]);
-            let same = |a: &[f64; 2], b: &[f64; 2]| a.map(f64::to_bits) == b.map(f64::to_bits);
-            let again = peer.evaluate(configuration, pairs)?;
-            let other = again.iter().zip(&evaluated).position(|(a, b)| !same(a, b));
-            if let Some([wo, wi]) = other.map(|i| pairs[i]) {
-                return Err(changed("evaluate", &format!("wo = {wo:?} and wi = {wi:?}")));
-            }
-            let bits = |sample: &Option<Sample>| {
-                sample.map(|s| {
-                    (s.wi.to_array().map(f64::to_bits), s.weight.to_bits(), s.pdf.to_bits(), s.delta)
-                })
-            };
-            let again = peer.sample(configuration, draws)?;
-            let other = again.iter().zip(&sampled).position(|(a, b)| bits(a) != bits(b));
-            if let Some((wo, u)) = other.map(|i| draws[i]) {
-                return Err(changed("sample", &format!("wo = {wo:?} and u = {u:?}")));
-            }
-        }
         for (&[wo, wi], answer) in pairs.iter().zip(evaluated) {
             answers.pairs.insert(key(wo, wi.to_array()), Some(answer));
         }
         for (&(wo, u), answer) in draws.iter().zip(sampled) {
             answers.draws.insert(key(wo, u), answer);
+        }
+        Ok(())
+    }
+
+    /// Asks again what has been answered. Error: another answer.
+    fn confirm<L: Lines>(
+        &self,
+        peer: &mut Peer<L>,
+        configuration: usize,
+        (pairs, draws): (&[[DVec3; 2]], &[Draw]),
+    ) -> Result<(), PeerError> {
+        for (&[wo, wi], again) in pairs.iter().zip(peer.evaluate(configuration, pairs)?) {
+            if self.evaluate(wo, wi).map(f64::to_bits) != again.map(f64::to_bits) {
+                return Err(changed("evaluate", &format!("wo = {wo:?} and wi = {wi:?}")));
+            }
+        }
+        let bits = |sample: Option<Sample>| {
+            sample.map(|s| (s.wi.to_array().map(f64::to_bits), s.weight.to_bits(), s.pdf.to_bits(), s.delta))
+        };
+        for (&(wo, u), again) in draws.iter().zip(peer.sample(configuration, draws)?) {
+            if bits(self.sample(wo, u)) != bits(again) {
+                return Err(changed("sample", &format!("wo = {wo:?} and u = {u:?}")));
+            }
         }
         Ok(())
     }

@@ -5,10 +5,10 @@
 
 use std::{
     io::{BufRead, BufReader, Read, Write},
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+    process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio},
     sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel},
     thread::{sleep, spawn},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use super::{Lines, PeerError};
@@ -53,13 +53,21 @@ impl Process {
 
     /// How the program ended, if it has.
     fn ending(&mut self) -> String {
-        for _ in 0..50 {
-            if let Ok(Some(status)) = self.child.try_wait() {
-                return format!("ended ({status})");
-            }
-            sleep(Duration::from_millis(10));
+        match self.ends_within(Duration::from_millis(500)) {
+            Some(status) => format!("ended ({status})"),
+            None => "closed its output".into(),
         }
-        "closed its output".into()
+    }
+
+    /// How the program ended, if it does within this time.
+    fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {
+        let start = Instant::now();
+        loop {
+            match self.child.try_wait() {
+                Ok(None) if start.elapsed() < limit => sleep(Duration::from_millis(10)),
+                ended => return ended.ok().flatten(),
+            }
+        }
     }
 }
 
@@ -89,15 +97,11 @@ impl Drop for Process {
     fn drop(&mut self) {
         // Its input ends, at which it has a second to end by itself.
         self.requests = None;
-        for _ in 0..100 {
-            if !matches!(self.child.try_wait(), Ok(None)) {
-                return;
-            }
-            sleep(Duration::from_millis(10));
+        if self.ends_within(Duration::from_secs(1)).is_none() {
+            // Either fails only if the program has ended meanwhile.
+            let _ended = self.child.kill();
+            let _ended = self.child.wait();
         }
-        // Either fails only if the program has ended meanwhile.
-        let _ended = self.child.kill();
-        let _ended = self.child.wait();
     }
 }
 

@@ -42,26 +42,25 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     match (a, b) {
         (Some(a), Some(b)) if !calibrate => {
             let settings = Settings::with_margin(margin);
-            let files = [image::load_whole(&a)?, image::load_whole(&b)?];
-            let [begins_a, begins_b] = [0, 1].map(|i: usize| files[i].begins);
-            if begins_a != begins_b {
+            let (first, second) = (image::load_whole(&a)?, image::load_whole(&b)?);
+            if first.begins != second.begins {
                 return Err(format!(
-                    "the images show different parts of the film: one begins at pixel {begins_a:?}, the other at {begins_b:?}"
+                    "the images show different parts of the film: one begins at pixel {:?}, the other at {:?}",
+                    first.begins, second.begins
                 )
                 .into());
             }
-            let [first, second] = [0, 1].map(|i: usize| &files[i].image);
-            let comparison = image::compare(first, second, &settings)?;
+            let comparison = image::compare(&first.image, &second.image, &settings)?;
             if let Some(path) = map {
-                write_file(&path, &image::difference_map(first, second, &settings)?)?;
+                write_file(&path, &image::difference_map(&first.image, &second.image, &settings)?)?;
             }
             if let Some(path) = tile_map {
-                write_file(&path, &image::tile_map(first, second, &settings)?)?;
+                write_file(&path, &image::tile_map(&first.image, &second.image, &settings)?)?;
             }
             write(json.as_deref(), || Ok(to_json(&comparison)?))?;
             say(format_args!("{}: {}", comparison.verdict, comparison.message));
             if !comparison.faults.unknown_variance.is_empty() {
-                for (path, file) in [&a, &b].into_iter().zip(&files) {
+                for (path, file) in [(&a, &first), (&b, &second)] {
                     file.unknown.iter().for_each(|why| say(format_args!("  {}: {why}", path.display())));
                 }
             }

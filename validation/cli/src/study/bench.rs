@@ -90,10 +90,9 @@ impl Bench<'_> {
                         continue;
                     }
                     progress(&format!("{name}: seed {k}, rung {rung}"));
-                    let found = match self.render(name, counts[rung], seed("picture", k)) {
-                        Ok(found) if found.picture.len() == reference.mean.len() => found,
-                        other => {
-                            let why = other.err().unwrap_or_else(|| "its pictures differ in size".into());
+                    let found = match self.picture(name, (counts[rung], k), reference) {
+                        Ok(found) => found,
+                        Err(why) => {
                             let why = format!("seed {k}, {} samples: {why}", counts[rung]);
                             progress(&format!("{name}: {why}"));
                             failed.push((name.to_string(), why));
@@ -117,6 +116,16 @@ impl Bench<'_> {
             }
         }
         Ok(failed)
+    }
+
+    /// A picture of so many samples, by number. Error: it cannot be rendered, or is not of the reference's size.
+    fn picture(&self, name: &str, (samples, k): (u32, u32), of: &Reference) -> Result<Rendered, String> {
+        let found = self.render(name, samples, seed("picture", k))?;
+        if found.picture.len() == of.mean.len() {
+            Ok(found)
+        } else {
+            Err("its pictures differ in size".into())
+        }
     }
 
     /// All finished runs.
