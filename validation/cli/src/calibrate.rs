@@ -92,9 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
     let out = std::env::temp_dir().join(format!("etalon-calibrate-{}.exr", std::process::id()));
-    let render = |samples: u32, seed: u32| {
-        renderer.render(&Job { scene: &arguments.scene, samples, seed, threads: 0 }, &out)
-    };
+    let render = |samples: u32, seed: u32| renderer.render(&Job::new(&arguments.scene, samples, seed), &out);
     let longest = arguments.spp.iter().max().copied().unwrap_or(1);
     let pictures: Result<Vec<_>, String> = (0..REFERENCES)
         .map(|k| Ok(render(longest.saturating_mul(8), seed("reference", k))?.picture))

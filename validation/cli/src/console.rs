@@ -5,6 +5,7 @@ use std::error::Error;
 use std::fmt::Arguments;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use validation::Outcome;
 
 /// Prints a line on standard output. A closed pipe, as behind `head`, is no reason to stop: documents are
@@ -59,6 +60,13 @@ pub fn percentage(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected such as 0.25%".into())
 }
 
+/// Parses a time limit in seconds. Error: one that is not positive, or too long to be told.
+pub fn positive_seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok().filter(|s| *s > 0.0);
+    let limit = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    limit.ok_or_else(|| "expected a positive number of seconds".into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,6 +76,13 @@ mod tests {
         assert_eq!([" 0.25% ", "50 %"].map(percentage), [Ok(0.0025), Ok(0.5)]);
         let refused = ["0.005", "1%%", "%", "-1%", "NaN%", "inf%", ""];
         assert!(refused.into_iter().all(|text| percentage(text).is_err()));
+    }
+
+    #[test]
+    fn a_time_limit_is_a_positive_number() {
+        assert_eq!(positive_seconds("0.5"), Ok(Duration::from_millis(500)));
+        let refused = ["0", "-1", "NaN", "inf", "1e300", "a minute", ""];
+        assert!(refused.into_iter().all(|text| positive_seconds(text).is_err()));
     }
 
     #[test]

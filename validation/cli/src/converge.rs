@@ -1,18 +1,20 @@
 //! `validate converge`: error against run time of any renderers on one scene.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 use serde::Serialize;
 use validation::Verdict;
-use validation::converge::{Ratio, page};
+use validation::converge::page::show;
+use validation::converge::{Interval, Ratio, page};
 use validation::html::escape;
 use validation::report::to_json;
 
-use crate::console::{check_writable, write};
+use crate::console::{check_writable, positive_seconds, write};
 use crate::renderers;
 use crate::study::bench::Bench;
-use crate::study::line::{Line, curves, lines, missing};
+use crate::study::line::{Line, curves, lines, misses, missing};
 use crate::study::pictures::pictures;
 use crate::study::{Ladder, Run, Settings};
 
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Count the processor's seconds, on a machine that does other things meanwhile
     #[arg(long)]
     processor_time: bool,
+    /// Seconds that one picture may take; a renderer that takes longer is missing
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    timeout: Option<Duration>,
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -79,7 +84,13 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     };
     let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
-    let bench = Bench { scene: arguments.scene, folder, renderers: &known, settings: &settings };
+    let bench = Bench {
+        scene: arguments.scene,
+        folder,
+        renderers: &known,
+        settings: &settings,
+        limit: arguments.timeout,
+    };
     let names: Vec<&str> = arguments.renderers.iter().map(String::as_str).collect();
     let verdict = tell(&bench, &names, arguments.json.as_deref(), arguments.html.as_deref());
     std::fs::remove_dir_all(&bench.folder)?;
@@ -127,7 +138,7 @@ fn study(bench: &Bench, names: &[&str]) -> Result<Study, String> {
     Ok(Study {
         scene: bench.scene.clone(),
         settings: bench.settings.clone(),
-        lines: lines(bench, names, &runs),
+        lines: lines(bench, names, &runs)?,
         missing: missing(bench, names)?.into_iter().chain(failed).collect(),
         first: names.first().map_or_else(String::new, ToString::to_string),
         runs,
@@ -135,18 +146,10 @@ fn study(bench: &Bench, names: &[&str]) -> Result<Study, String> {
 }
 
 impl Study {
-    /// A few lines for a terminal: slopes, and the first renderer's efficiency over the others'.
+    /// Lines for a terminal: errors and times of each rung, slopes, brightness, and the first renderer's
+    /// efficiency over the others'.
     fn text(&self) -> String {
-        let slopes = self.lines.iter().filter_map(|l| Some((l, l.trimmed.as_ref()?.slope?)));
-        let slopes = slopes
-            .map(|(l, s)| format!("{}: slope {:.3} [{:.3}, {:.3}]", l.renderer, s.value, s.low, s.high));
-        let brightness = self.lines.iter().filter_map(|l| Some((l, l.brightness?)));
-        let brightness = brightness.map(|(l, b)| {
-            format!(
-                "{}: {:.4} [{:.4}, {:.4}] times as bright as {}'s mean",
-                l.renderer, b.value, b.low, b.high, l.mean_of
-            )
-        });
+        let told = self.lines.iter().flat_map(|line| rungs(line).into_iter().chain(about(line)));
         let first = &self.first;
         let rendered = self.lines.first().is_some_and(|line| line.renderer == *first);
         let alone =
@@ -154,14 +157,23 @@ impl Study {
         let ratios = self.lines.iter().filter(|l| rendered && l.renderer != *first).flat_map(|l| {
             [("trimmed", &l.ratio_trimmed), ("whole", &l.ratio_whole)].map(|(what, found)| match found {
                 None => format!("{first} over {}, {what}: no answer", l.renderer),
-                Some(Ratio { ratio: r, p_value, .. }) => format!(
-                    "{first} over {}, {what}: {:.3} [{:.3}, {:.3}] times as efficient, p = {p_value:.1e}",
-                    l.renderer, r.value, r.low, r.high
+                Some(Ratio { ratio, p_value, .. }) => format!(
+                    "{first} over {}, {what}: {} times as efficient, p = {p_value:.1e}",
+                    l.renderer,
+                    show(*ratio)
                 ),
             })
         });
+        let strangers = self.lines.iter().filter(|l| l.mean_over_first.is_some_and(misses));
+        let strangers = strangers.map(|l| {
+            format!(
+                "{} does not render what {first} renders, or finds other light: errors of each are those \
+                 against its own mean",
+                l.renderer
+            )
+        });
         let missing = self.missing.iter().map(|(name, why)| format!("{name}: missing: {why}"));
-        slopes.chain(brightness).chain(ratios).chain(alone).chain(missing).map(|line| line + "\n").collect()
+        told.chain(ratios).chain(strangers).chain(alone).chain(missing).map(|line| line + "\n").collect()
     }
 
     /// The page with plots, tables and pictures.
@@ -179,6 +191,35 @@ impl Study {
         ];
         Ok(page::frame("Error against run time", &body.concat()))
     }
+}
+
+/// The error and the seconds of each rung.
+fn rungs(line: &Line) -> Vec<String> {
+    let (Some(trimmed), Some(whole)) = (&line.trimmed, &line.whole) else { return vec![] };
+    let rung = |(i, samples): (usize, &u32)| {
+        format!(
+            "{}: {samples} samples: relMSE {} trimmed, {} whole, in {} s",
+            line.renderer,
+            show(trimmed.errors[i]),
+            show(whole.errors[i]),
+            show(trimmed.seconds[i])
+        )
+    };
+    line.samples.iter().enumerate().map(rung).collect()
+}
+
+/// How a renderer's error falls, and how bright its pictures and its reference are.
+fn about(line: &Line) -> Vec<String> {
+    let Line { renderer, mean_of, .. } = line;
+    let slope = line.trimmed.as_ref().and_then(|curve| curve.slope);
+    let slope = slope.map(|s| format!("{renderer}: slope {:.3} [{:.3}, {:.3}]", s.value, s.low, s.high));
+    let times = |what: &str, than: &str, found: Option<Interval>| {
+        let Interval { value, low, high } = found?;
+        Some(format!("{what}: {value:.4} [{low:.4}, {high:.4}] times as bright as {than}"))
+    };
+    let pictures = times(renderer, &format!("{mean_of}'s mean"), line.brightness);
+    let mean = times(&format!("{mean_of}'s mean"), "the first renderer's", line.mean_over_first);
+    [slope, pictures, mean].into_iter().flatten().collect()
 }
 
 #[cfg(test)]

@@ -42,8 +42,8 @@ pub struct BsdfArguments {
     #[arg(long, requires = "peer")]
     check: Option<String>,
     /// Seconds a peer may take for one answer
-    #[arg(long, default_value_t = 60, requires = "peer")]
-    timeout: u64,
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = console::positive_seconds, requires = "peer")]
+    timeout: Duration,
     #[command(flatten)]
     settings: Settings,
 }
@@ -81,12 +81,11 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
     let BsdfArguments { name, peer, check, timeout, settings } = arguments;
     let name = name.as_deref();
     if let Some(command) = peer {
-        let limit = Duration::from_secs(timeout);
         let Settings { samples, number, documents, .. } = settings;
         documents.check_writable(&[], &[])?;
         return documents.finish(peers::run(
             &command,
-            &peers::Settings { name, check: check.as_deref(), samples, number, limit },
+            &peers::Settings { name, check: check.as_deref(), samples, number, limit: timeout },
             print,
         )?);
     }

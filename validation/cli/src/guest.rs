@@ -135,7 +135,7 @@ impl Guest<'_> {
             let number = self.number * u64::from(count) + u64::from(index);
             // Many programs accept no more than 31 bits.
             let seed = seed_for(name, number) as u32 >> 1;
-            self.renderer.run(&Job { scene, samples, seed, threads: 0 }, &out)?;
+            self.renderer.run(&Job::new(scene, samples, seed), &out)?;
             load(&out).map_err(|e| e.to_string())
         };
         (0..count).map(picture).collect()

@@ -8,8 +8,8 @@
 use serde::Serialize;
 
 use super::curve::{Interval, Rung};
-use crate::statistics::Estimate;
 use crate::statistics::distributions::{student_quantile, student_two_sided};
+use crate::statistics::{Estimate, Welch};
 
 /// Efficiency of A over that of B.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -56,6 +56,19 @@ pub fn ratio(a: &[Rung], b: &[Rung]) -> Option<Ratio> {
 /// The mean of independent values with Student's interval; `None` for fewer than two.
 pub fn mean(values: &[f64]) -> Option<Interval> {
     (values.len() > 1).then(|| student(&Estimate::of(values.iter().copied())))
+}
+
+/// The ratio of the means of two groups of independent positive values, with Welch's interval of their
+/// logarithms; `None` for fewer than two values of either, or one that is not positive.
+pub fn ratio_of_means(a: &[f64], b: &[f64]) -> Option<Interval> {
+    if a.len() < 2 || b.len() < 2 || !a.iter().chain(b).all(|v| *v > 0.0) {
+        return None;
+    }
+    let [over, under] = [a, b].map(|values| Estimate::of(values.iter().map(|v| libm::log(*v))));
+    let welch = Welch::new(under, over);
+    let half = welch.half_width(0.05);
+    let [value, low, high] = [0.0, -half, half].map(|by| libm::exp(welch.difference + by));
+    Some(Interval { value, low, high })
 }
 
 fn student(estimate: &Estimate) -> Interval {
@@ -113,6 +126,22 @@ mod tests {
         });
         let share = covered.count() as f64 / 2000.0;
         assert!((share - 0.95).abs() < 0.015, "{share}");
+    }
+
+    #[test]
+    fn ratios_of_means_cover_the_truth() {
+        let mut stream = Stream::named("ratios of means", 0);
+        let covered = (0..2000).filter(|_| {
+            let mut four = |mean: f64, scatter: f64| {
+                (0..4).map(|_| mean * (1.0 + scatter * stream.normal())).collect::<Vec<_>>()
+            };
+            let found = ratio_of_means(&four(3.0, 0.02), &four(2.0, 0.01)).unwrap();
+            found.low <= 1.5 && 1.5 <= found.high
+        });
+        let share = covered.count() as f64 / 2000.0;
+        assert!((share - 0.95).abs() < 0.015, "{share}");
+        assert!(ratio_of_means(&[1.0], &[1.0, 2.0]).is_none());
+        assert!(ratio_of_means(&[1.0, 0.0], &[1.0, 2.0]).is_none());
     }
 
     #[test]

@@ -16,6 +16,6 @@ pub mod forest;
 pub mod page;
 pub mod plot;
 
-pub use compare::{Ratio, mean, ratio};
+pub use compare::{Ratio, mean, ratio, ratio_of_means};
 pub use curve::{Curve, Interval, Rung, curve};
 pub use error::{Errors, Picture, Reference, errors, reference, relative_squares};

@@ -18,6 +18,8 @@ pub struct Line<'a> {
     pub mean_of: &'a str,
     /// Mean of the pictures over that of the reference.
     pub brightness: Option<Interval>,
+    /// The converged mean over that of the first renderer.
+    pub mean_over_first: Option<Interval>,
     /// Mean start-up in seconds.
     pub startup: Option<f64>,
 }
@@ -70,6 +72,7 @@ pub fn curves(lines: &[Line]) -> String {
             to(line.trimmed, 0),
             to(line.trimmed, 1),
             optional(line.brightness) + &whose,
+            optional(line.mean_over_first),
             line.startup.map_or("–".into(), figures),
         ];
         rows += &row(&cells);
@@ -77,7 +80,7 @@ pub fn curves(lines: &[Line]) -> String {
     let first = escape(lines.first().map_or("", |l| l.name));
     format!(
         "<div class=\"plots\">{}{}</div>{}<div class=\"wide\"><table><tr><th>renderer<th>{first} is better, trimmed<th>whole\
-         <th>slope<th>s to 1 %<th>s to 0.1 %<th>brightness<th>s start-up</tr>{rows}</table></div>",
+         <th>slope<th>s to 1 %<th>s to 0.1 %<th>brightness<th>mean over that of {first}<th>s start-up</tr>{rows}</table></div>",
         drawing("without the 0.1 % largest values", |l| l.trimmed),
         drawing("whole", |l| l.whole),
         legend(&names)
@@ -138,6 +141,7 @@ mod tests {
             ratio_whole: None,
             mean_of: "<i>",
             brightness: None,
+            mean_over_first: None,
             startup: None,
         };
         let html = frame("a & b", &(curves(&[line]) + &missing(&[("x".into(), "not & here".into())])));

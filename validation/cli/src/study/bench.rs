@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use validation::converge::{Picture, Reference, errors, reference};
 
@@ -28,6 +29,8 @@ pub struct Bench<'a> {
     pub folder: PathBuf,
     pub renderers: &'a Renderers,
     pub settings: &'a Settings,
+    /// How long one picture may take.
+    pub limit: Option<Duration>,
 }
 
 impl Bench<'_> {
@@ -152,6 +155,12 @@ impl Bench<'_> {
         Ok(reference(&self.stored_pictures(name)?))
     }
 
+    /// The mean of all values of each of a renderer's reference pictures.
+    pub fn reference_means(&self, name: &str) -> Result<Vec<f64>, String> {
+        let mean = |picture: &Picture| picture.iter().sum::<f64>() / picture.len() as f64;
+        Ok(self.stored_pictures(name)?.iter().map(mean).collect())
+    }
+
     fn stored_pictures(&self, name: &str) -> Result<Vec<Picture>, String> {
         let files = (0..REFERENCES).map(|k| self.reference_file(name, k)).filter(|file| file.is_file());
         files.map(|file| Ok(read(&file)?.0)).collect()
@@ -219,7 +228,8 @@ impl Bench<'_> {
 
     fn render(&self, name: &str, samples: u32, seed: u32) -> Result<Rendered, String> {
         let renderer = self.renderers.get(name).ok_or_else(|| format!("there is no renderer {name:?}"))?;
-        let job = Job { scene: &self.scene, samples, seed, threads: self.settings.threads };
+        let Settings { threads, .. } = *self.settings;
+        let job = Job { threads, limit: self.limit, ..Job::new(&self.scene, samples, seed) };
         renderer.render(&job, &self.out())
     }
 
@@ -256,28 +266,33 @@ mod tests {
     use super::*;
     use crate::renderers::Renderer;
     use crate::stage;
+    use crate::study::line::{lines, misses};
     use etalon::spectrum::ColorMode;
 
     const SEEDS: u32 = 3;
 
-    /// A folder with a picture of each seed that a study asks for.
+    /// A folder with a picture of each seed that a study asks for, and one under half the light.
     fn pictures() -> PathBuf {
         let folder = std::env::temp_dir().join(format!("etalon-bench-pictures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let ball = stage::sphere([0.0; 3], 1.0, &stage::diffuse(0.5));
-        let lamp = stage::sphere([0.0, -3.0, 3.0], 0.5, &stage::area(4.0));
         let camera = stage::pinhole(
             &stage::look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]),
             40.0,
             &stage::film(8, 8),
         );
-        let scene = stage::load(&stage::scene(&[&stage::path(3), &camera, &ball, &lamp]), ColorMode::Rgb);
-        let scene = scene.unwrap();
+        let under = |radiance: f64| {
+            let lamp = stage::sphere([0.0, -3.0, 3.0], 0.5, &stage::area(radiance));
+            stage::load(&stage::scene(&[&stage::path(3), &camera, &ball, &lamp]), ColorMode::Rgb).unwrap()
+        };
+        let scenes = [("", under(4.0)), ("dark-", under(2.0))];
         let asked = [("trial", 1), ("reference", REFERENCES), ("picture", SEEDS)];
         for seed in asked.into_iter().flat_map(|(what, count)| (0..count).map(move |k| seed(what, k))) {
-            let settings = etalon::render::Settings { seed, ..etalon::render::Settings::of(&scene, 0..8) };
-            let image = stage::expose(&scene, &settings).unwrap();
-            etalon::image::write_exr(&folder.join(format!("{seed}.exr")), &image).unwrap();
+            for (name, scene) in &scenes {
+                let settings = etalon::render::Settings { seed, ..etalon::render::Settings::of(scene, 0..8) };
+                let image = stage::expose(scene, &settings).unwrap();
+                etalon::image::write_exr(&folder.join(format!("{name}{seed}.exr")), &image).unwrap();
+            }
         }
         folder
     }
@@ -296,6 +311,7 @@ mod tests {
             ("late", failing),
             ("same", shows(&seed("trial", 0).to_string())),
             ("idle", "true {out}".to_owned()),
+            ("dark", shows("dark-{seed}")),
         ];
         let entry = |(name, command): (&str, String)| (name.to_owned(), Renderer { command, mean_of: None });
         let renderers: Renderers = commands.into_iter().map(entry).collect();
@@ -306,18 +322,26 @@ mod tests {
             folder: pictures.join("study"),
             renderers: &renderers,
             settings: &settings,
+            limit: None,
         };
-        let failed = bench.measure(&["steady", "late", "same", "idle"], &|_| ()).unwrap();
+        let names = ["steady", "late", "same", "idle", "dark"];
+        let failed = bench.measure(&names, &|_| ()).unwrap();
         let (runs, schedule) = (bench.runs().unwrap(), bench.schedule().unwrap());
+        let lines = lines(&bench, &names, &runs).unwrap();
         std::fs::remove_dir_all(&pictures).unwrap();
         let of = |name: &str| runs.iter().filter(|run| run.renderer == name).count();
-        assert_eq!(["steady", "late", "same", "idle"].map(of), [3, 1, 0, 0]);
+        assert_eq!(names.map(of), [3, 1, 0, 0, 3]);
         assert_eq!(failed.len(), 1);
         assert!(
             failed[0].0 == "late" && failed[0].1.starts_with("seed 1, 8 samples: \"sh\" failed"),
             "{failed:?}"
         );
         let why = |name: &str| schedule[name].clone().unwrap_err();
+        // The same relative errors, in pictures that are half as bright.
+        let dark = lines.iter().find(|line| line.renderer == "dark").unwrap();
+        let over = dark.mean_over_first.unwrap();
+        assert!((over.value - 0.5).abs() < 1e-6 && misses(over), "{over:?}");
+        assert!(lines[0].mean_over_first.is_none());
         assert!(why("same").contains("the seed has no effect"), "{}", why("same"));
         assert!(why("idle").starts_with("\"true\" ended well, but wrote no "), "{}", why("idle"));
     }

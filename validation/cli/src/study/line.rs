@@ -1,7 +1,9 @@
 //! The results of one renderer, from its pictures.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
-use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio};
+use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio, ratio_of_means};
 use validation::statistics::seed_for;
 
 use super::bench::Bench;
@@ -20,6 +22,9 @@ pub struct Line {
     pub mean_of: String,
     /// The mean of its longest pictures over that of the reference.
     pub brightness: Option<Interval>,
+    /// The reference's brightness over that of the first renderer's reference, where they are different
+    /// pictures: far from 1 if the two do not render the same scene.
+    pub mean_over_first: Option<Interval>,
     /// Mean start-up time in seconds.
     pub startup: f64,
     pub trimmed: Option<Curve>,
@@ -51,10 +56,21 @@ fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<R
 }
 
 /// The results of each of the named renderers that has rendered; the others are compared with the first.
-pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
+/// Error: a reference picture that cannot be read.
+pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, String> {
     let of = |name: &str, error: Measure| rungs(runs, name, bench.settings, error);
     let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
     let ours = names.first().map_or([vec![], vec![]], |name| [of(name, trimmed), of(name, whole)]);
+    let reference_of = |name: &str| mean_of(bench.renderers, name).to_string();
+    let mut means = BTreeMap::new();
+    for name in names.iter().map(|name| reference_of(name)) {
+        means.insert(name.clone(), bench.reference_means(&name)?);
+    }
+    let first_of_all = names.first().map(|name| reference_of(name)).unwrap_or_default();
+    let over_first = |of: &str| {
+        let [own, first] = [means.get(of)?, means.get(&first_of_all)?];
+        if of == first_of_all { None } else { ratio_of_means(own, first) }
+    };
     let line = |(place, name): (usize, &&str)| {
         let [by_trimmed, by_whole] = [of(name, trimmed), of(name, whole)];
         let first = by_trimmed.first()?;
@@ -65,7 +81,8 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
             renderer: name.to_string(),
             samples: by_trimmed.iter().map(|r| r.samples).collect(),
             seeds: first.errors.len(),
-            mean_of: mean_of(bench.renderers, name).to_string(),
+            mean_over_first: over_first(&reference_of(name)),
+            mean_of: reference_of(name),
             brightness: of(name, |e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
             startup: startups.iter().sum::<f64>() / startups.len() as f64,
             ratio_trimmed: if place > 0 { ratio(&ours[0], &by_trimmed) } else { None },
@@ -75,7 +92,7 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Vec<Line> {
             median: curve(&of(name, |e| e.median), seed),
         })
     };
-    names.iter().enumerate().filter_map(line).collect()
+    Ok(names.iter().enumerate().filter_map(line).collect())
 }
 
 /// The named renderers that cannot render the scene, or have no reference, with the reason.
@@ -84,6 +101,14 @@ pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, S
     let failed = |name: &str| schedule.get(name)?.clone().err();
     let why = |name: &str| failed(name).or_else(|| failed(mean_of(bench.renderers, name)));
     Ok(names.iter().filter_map(|name| Some((name.to_string(), why(name)?))).collect())
+}
+
+/// Relative difference of brightness that matters.
+const BRIGHTNESS: f64 = 0.01;
+
+/// Whether a brightness differs significantly by more than [`BRIGHTNESS`].
+pub fn misses(brightness: Interval) -> bool {
+    brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
 }
 
 /// The plots and the table of these results, as HTML.
@@ -97,6 +122,7 @@ pub fn curves(lines: &[Line]) -> String {
             ratio_whole: line.ratio_whole.as_ref(),
             mean_of: &line.mean_of,
             brightness: line.brightness,
+            mean_over_first: line.mean_over_first,
             startup: Some(line.startup),
         }
     }

@@ -9,11 +9,13 @@ pub mod summary;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 use clap::Args;
 use validation::Verdict;
 use validation::report::to_json;
 
+use crate::console::positive_seconds;
 use crate::report::machine;
 use crate::study::bench::Bench;
 use crate::study::{Ladder, Settings};
@@ -46,6 +48,9 @@ pub struct Arguments {
     /// Count the processor's seconds, on a machine that does other things meanwhile
     #[arg(long)]
     processor_time: bool,
+    /// Seconds that one picture may take; a renderer that takes longer is missing
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    timeout: Option<Duration>,
     /// The folder of the scenes that are no part of the repository, which are missing without it
     #[arg(long, value_name = "FOLDER")]
     shared: Option<PathBuf>,
@@ -96,7 +101,8 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     for entry in &plan.scene {
         let folder = std::path::absolute(arguments.folder.join(&entry.name))?;
         let scene = folder.join("scene.xml");
-        let bench = Bench { scene, folder, renderers: &known, settings: &settings };
+        let limit = arguments.timeout;
+        let bench = Bench { scene, folder, renderers: &known, settings: &settings, limit };
         let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
         let failed = if arguments.report_only {
             None
@@ -158,6 +164,9 @@ fn kept_settings(
             _ => Err(format!("{} holds pictures of other settings", folder.display()).into()),
         };
     }
+    if report_only {
+        return Err(format!("{} holds no pictures to report on", folder.display()).into());
+    }
     std::fs::create_dir_all(folder)?;
     console::write(Some(&file), || Ok(to_json(&given)?))?;
     Ok(given)
@@ -185,6 +194,8 @@ mod tests {
             processor_time: false,
         };
         let ask = |seeds, seconds, only| kept_settings(&folder, settings(seeds, seconds), only);
+        // Nothing is settled by a report on nothing.
+        assert!(ask(4, 2.0, true).is_err() && !folder.exists());
         assert!(ask(4, 1.0, false).is_ok());
         assert!(ask(8, 1.0, false).is_ok_and(|s| s.seeds == 8));
         assert!(ask(4, 1.0, false).is_err() && ask(8, 2.0, false).is_err());

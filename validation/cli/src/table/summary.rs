@@ -10,7 +10,7 @@ use validation::converge::{Interval, Ratio};
 use super::plan::{Entry, Plan};
 use crate::study::Settings;
 use crate::study::bench::Bench;
-use crate::study::line::{Line, lines, missing};
+use crate::study::line::{Line, lines, misses, missing};
 
 /// The whole table.
 #[derive(Serialize)]
@@ -58,7 +58,7 @@ pub struct Against {
 pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) -> Result<Scene, String> {
     let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
     let runs = bench.runs()?;
-    let lines = lines(bench, &names, &runs);
+    let lines = lines(bench, &names, &runs)?;
     let with = runs.into_iter().map(|run| run.with).collect();
     let class = plan.class.get(&entry.class);
     let group = |group: &str, names: &[String], aim: f64| {
@@ -81,14 +81,6 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     let missing = all.into_iter().chain(missing(bench, &names)?).collect();
     let title = class.map_or_else(|| entry.class.clone(), |c| c.title.clone());
     Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, with, against })
-}
-
-/// Relative difference of brightness from which a renderer counts as biased.
-const BRIGHTNESS: f64 = 0.01;
-
-/// Whether a brightness differs significantly by more than [`BRIGHTNESS`].
-fn misses(brightness: Interval) -> bool {
-    brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
 }
 
 fn verdict(found: Option<&Ratio>, aim: f64, doubtful: bool) -> &'static str {
