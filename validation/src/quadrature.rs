@@ -68,7 +68,12 @@ pub fn integrate(
     };
     // Rules can agree by chance, as they do on staircases; they do not agree again on other cells.
     let value: f64 = parts.iter().flat_map(cut).sum();
-    Integral { value, error: estimate.max((value - first).abs()) }
+    let doubt = (value - first).abs();
+    // The second cells may miss the one place where a value is not finite.
+    if !doubt.is_finite() || !estimate.is_finite() {
+        return Integral { value: f64::NAN, error: f64::NAN };
+    }
+    Integral { value, error: estimate.max(doubt) }
 }
 
 /// Integrates `N` functions at once; the second value bounds the error of each.
@@ -154,10 +159,12 @@ impl<const N: usize> Part<N> {
                 + 245.0 / 486.0 * near_sum
                 + 65.0 / 1458.0 * far_sum
                 + 25.0 / 729.0 * all(&wide);
-            value[i] = area * seventh;
             // Two corners share a strip of (1 − outer)/2 of the area.
             let strips = 0.25 * (1.0 - outer) * jump;
-            error = error.max(area * ((seventh - fifth).abs() + strips));
+            let doubt = area * ((seventh - fifth).abs() + strips);
+            // The corners have no part in the value, which must not be finite if theirs is not.
+            value[i] = if doubt.is_finite() { area * seventh } else { f64::NAN };
+            error = if doubt.is_nan() { doubt } else { error.max(doubt) };
             for (axis, fourth) in fourth.iter_mut().enumerate() {
                 let bend = near[axis][i] - 2.0 * middle[i] - (far[axis][i] - 2.0 * middle[i]) / 7.0;
                 *fourth = fourth.max(bend.abs());
@@ -237,5 +244,14 @@ mod tests {
     fn not_a_number_comes_through() {
         let found = integrate(&[UNIT], 1e-6, 10_000, |[x, _]| if x > 0.5 { f64::NAN } else { 1.0 });
         assert!(found.value.is_nan());
+        // At one place that the rule looks at, and the second cells do not.
+        for place in [[0.5, 0.5], [1.0, 1.0]] {
+            for wrong in [f64::NAN, f64::INFINITY] {
+                let function = |point: [f64; 2]| if point == place { wrong } else { 1.0 };
+                assert!(integrate(&[UNIT], 1e-6, 10_000, function).value.is_nan(), "{place:?} {wrong}");
+                let (values, _) = integrate_all(&[UNIT], 1e-6, 10_000, |point| [1.0, function(point)]);
+                assert!(values[0] == 1.0 && values[1].is_nan(), "{place:?} {wrong}");
+            }
+        }
     }
 }

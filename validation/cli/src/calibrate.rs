@@ -12,7 +12,7 @@ use validation::report::to_json;
 use validation::statistics::Stream;
 use validation::statistics::distributions::normal_quantile;
 
-use crate::console::{check_writable, write};
+use crate::console::{check_writable, say, write};
 use crate::renderers::{self, Job};
 use crate::report::machine;
 use crate::study::{REFERENCES, seed};
@@ -24,13 +24,13 @@ pub struct Arguments {
     #[arg(long, default_value = "etalon")]
     renderer: String,
     /// Sample counts
-    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"])]
+    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"], value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
     /// Pairs of pictures
-    #[arg(long, default_value_t = 64)]
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     pairs: u32,
     /// Draws from the pool
-    #[arg(long, default_value_t = 20_000)]
+    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
     trials: u32,
     /// Count the processor's seconds, on a machine that does other things meanwhile
     #[arg(long)]
@@ -88,7 +88,7 @@ fn seeds_needed(scatter: f64) -> u32 {
 /// The calibration holds if for some number of seeds equal sides are called different in at most 1 % of
 /// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs is inconclusive.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
-    check_writable(&[], &[&arguments.json])?;
+    check_writable(&[&arguments.scene], &[&arguments.json])?;
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
     let out = std::env::temp_dir().join(format!("etalon-calibrate-{}.exr", std::process::id()));
@@ -106,7 +106,8 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
             for (side, rungs) in sides.iter_mut().enumerate() {
                 let found = render(*samples, seed("picture", 2 * k + side as u32))?;
                 let seconds = found.took.counted(arguments.processor_time);
-                rungs.push([errors(&found.picture, &reference).trimmed, seconds]);
+                let errors = errors(&found.picture, &reference).ok_or("the pictures differ in size")?;
+                rungs.push([errors.trimmed, seconds]);
             }
         }
         pool.push(Pair(sides));
@@ -118,11 +119,11 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         for factor in [1.0, 1.05] {
             let share = share_called_different(&pool, seeds, factor, arguments.trials, &mut stream);
             let share = share.ok_or("an error is below the noise of the reference")?;
-            println!(
+            say(format_args!(
                 "{seeds} seeds, {:.0} % slower: called different in {:.2} %",
                 100.0 * (factor - 1.0),
                 100.0 * share
-            );
+            ));
             found.push(Share { seeds, factor, share });
         }
     }
@@ -130,11 +131,11 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     let asked_nothing = found.is_empty();
     let scatter = [scatter(&pool, |[e, _]| e), scatter(&pool, |[_, s]| s), scatter(&pool, |[e, s]| e * s)];
     let seeds_needed = seeds_needed(scatter[2]);
-    println!(
+    say(format_args!(
         "within a pair errors scatter by {:.1} %, seconds by {:.1} %: 5 % wants {seeds_needed} seeds",
         100.0 * scatter[0],
         100.0 * scatter[1]
-    );
+    ));
     let calibration = Calibration {
         scene: arguments.scene.display().to_string(),
         renderer: arguments.renderer.clone(),

@@ -44,6 +44,19 @@ pub fn check_writable(read: &[&Path], written: &[&Option<PathBuf>]) -> Result<()
     Ok(())
 }
 
+/// Tests that everything asked for by name exists: a misspelt name would otherwise be left out in silence.
+pub fn all_known<'a>(
+    what: &str,
+    asked: &[String],
+    known: impl Iterator<Item = &'a str>,
+) -> Result<(), String> {
+    let known: Vec<&str> = known.collect();
+    match asked.iter().find(|name| !known.contains(&name.as_str())) {
+        Some(name) => Err(format!("there is no {what} {name:?}, expected one of {}", known.join(", "))),
+        None => Ok(()),
+    }
+}
+
 /// Parses a number of samples. Error: so few that neither a mean nor its error means anything.
 pub fn samples(text: &str) -> Result<usize, String> {
     const FEWEST: usize = 64;
@@ -83,6 +96,17 @@ mod tests {
         assert_eq!(positive_seconds("0.5"), Ok(Duration::from_millis(500)));
         let refused = ["0", "-1", "NaN", "inf", "1e300", "a minute", ""];
         assert!(refused.into_iter().all(|text| positive_seconds(text).is_err()));
+    }
+
+    #[test]
+    fn a_misspelt_name_is_refused() {
+        let asked = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
+            all_known("scene", &names, ["pane", "bulb"].into_iter())
+        };
+        assert_eq!(asked(&["bulb"]), Ok(()));
+        let error = asked(&["bulb", "pnae"]).unwrap_err();
+        assert_eq!(error, "there is no scene \"pnae\", expected one of pane, bulb");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use validation::converge::{Interval, Ratio, page};
 use validation::html::escape;
 use validation::report::to_json;
 
-use crate::console::{check_writable, positive_seconds, write};
+use crate::console::{check_writable, positive_seconds, say, write};
 use crate::renderers;
 use crate::study::bench::Bench;
 use crate::study::line::{Line, curves, lines, misses, missing};
@@ -107,7 +107,7 @@ fn tell(
     let study = study(bench, names)?;
     write(json, || Ok(to_json(&study)?))?;
     write(html, || Ok(study.html(bench)?))?;
-    print!("{}", study.text());
+    say(format_args!("{}", study.text().trim_end()));
     match (study.lines.is_empty(), study.missing.is_empty()) {
         (true, _) => Err("no renderer rendered the scene".into()),
         (false, true) => Ok(Verdict::Equivalent),

@@ -5,7 +5,7 @@ use crate::console::print;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
-use validation::Outcome;
+use validation::{Outcome, Verdict};
 
 /// Evaluates `ask` on all questions and passes the answers to `tell` in the order of the questions, each as
 /// soon as those before it are known. The first error of `tell` ends the evaluation; a question that panicked
@@ -61,14 +61,23 @@ pub fn ask_all<T: Sync, A: Send>(questions: &[T], ask: impl Fn(&T) -> A + Sync) 
     Ok(answers)
 }
 
-/// The outcomes of all questions, printed as they become known.
+/// The outcome of a question that could not be evaluated.
+pub fn unanswered(subject: &str, error: String) -> Outcome {
+    Outcome::new("question", Verdict::Inconclusive, error).of(subject)
+}
+
+/// The outcomes of all questions, printed as they become known. One that could not be evaluated is
+/// inconclusive, with the error as its message, so that it takes no other with it.
 pub fn ask_and_print<T: Sync>(
     questions: &[T],
+    name: impl Fn(&T) -> &str + Sync,
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
     let mut outcomes = vec![];
-    ask_in_turn(questions, ask, |outcome| {
-        outcomes.extend(outcome?.inspect(print));
+    let settled =
+        |question: &T| ask(question).unwrap_or_else(|error| Some(unanswered(name(question), error)));
+    ask_in_turn(questions, settled, |outcome| {
+        outcomes.extend(outcome.inspect(print));
         Ok(())
     })?;
     Ok(outcomes)

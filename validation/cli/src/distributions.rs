@@ -121,7 +121,7 @@ pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     }
     documents.check_writable(&[], &[])?;
     let effort = Effort { albedo: 1e-3, ..effort(samples, cells.len(), thorough) };
-    let outcomes = ask_and_print(&cells, |cell| cell.run(&effort, number).map(Some))?;
+    let outcomes = ask_and_print(&cells, |cell| &cell.name, |cell| cell.run(&effort, number).map(Some))?;
     documents.finish(Report::new("furnace", outcomes))
 }
 
@@ -134,7 +134,7 @@ fn judge(
     // What is appended to must be none of the documents either.
     let appended: Vec<&Path> = ledger.iter().map(PathBuf::as_path).collect();
     documents.check_writable(&appended, &[])?;
-    let outcomes = ask_and_print(&trials, |trial| trial.run(effort, number))?;
+    let outcomes = ask_and_print(&trials, |trial| &trial.name, |trial| trial.run(effort, number))?;
     if let Some(path) = ledger {
         ledger::append(&path, &outcomes, number)?;
     }

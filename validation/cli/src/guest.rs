@@ -99,13 +99,12 @@ impl Guest<'_> {
     fn meets(&self, reference: &Reference, samples: u32, seeds: u32, margin: f64) -> Outcome {
         let judged = || {
             let pictures = self.pictures(&reference.name, &reference.scene, samples, seeds)?;
-            let theirs = load(&reference.image).map_err(|e| e.to_string())?;
+            let theirs = reference.image()?;
             // Size and channels of the pictures must agree before anything else.
             let mut ours = Image::from_replicates(&pictures).map_err(|e| e.to_string())?;
             let shared = Image::shared_noise(&pictures);
             ours.channels.retain(|own| theirs.channels.iter().any(|other| other.name == own.name));
-            // The reference's pixels share samples as well, if those of these pictures do.
-            let [theirs, ours] = [theirs, ours].map(|image| image.with_variances_times(&shared));
+            let ours = ours.with_variances_times(&shared);
             let settings = Settings { level: self.level, ..references::settings(margin) };
             let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
             match comparison.uncompared.first() {

@@ -65,5 +65,9 @@ impl Provenance {
 fn told(program: &str, arguments: &[&str]) -> Result<String, String> {
     let output = Command::new(program).args(arguments).current_dir(crate::museum::root()).output();
     let output = output.map_err(|e| format!("{program}: {e}"))?;
+    if !output.status.success() {
+        let words = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("{program} {} failed: {}", arguments.join(" "), words.trim()));
+    }
     Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }

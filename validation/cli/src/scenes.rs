@@ -1,7 +1,7 @@
 //! The command that tests whole renders: `validate scenes`.
 
 use crate::console::{percentage, print, write};
-use crate::crew::ask_and_print;
+use crate::crew::{ask_and_print, unanswered};
 use crate::documents::Documents;
 use crate::provenance::Provenance;
 use crate::stage::asked_again;
@@ -40,7 +40,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let mut outcomes = vec![];
     for reference in references::references(&references::folder())? {
         if name.as_ref().is_none_or(|n| reference.name.contains(n)) {
-            let outcome = asked_again(number, |number| reference.check(spp, margin, number))?;
+            let outcome = asked_again(number, |number| reference.check(spp, margin, number))
+                .unwrap_or_else(|error| unanswered(&reference.name, error));
             print(&outcome);
             outcomes.push(outcome);
         }
@@ -48,16 +49,21 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let chosen = |other: &str| name.as_ref().is_none_or(|n| other.contains(n));
     let effort = if thorough { 64 } else { 1 };
     let cases: Vec<_> = closed_forms::cases().into_iter().filter(|case| chosen(&case.name)).collect();
-    let known =
-        ask_and_print(&cases, |case| asked_again(number, |number| case.check(effort, number)).map(Some))?;
+    let known = ask_and_print(
+        &cases,
+        |case| &case.name,
+        |case| asked_again(number, |number| case.check(effort, number)).map(Some),
+    )?;
     let relations: Vec<_> = metamorphic::relations()
         .into_iter()
         .filter(|relation| chosen(&relation.name))
         .map(|relation| if thorough { relation.thorough() } else { relation })
         .collect();
-    let related = ask_and_print(&relations, |relation| {
-        asked_again(number, |number| relation.check(1, number)).map(Some)
-    })?;
+    let related = ask_and_print(
+        &relations,
+        |relation| &relation.name,
+        |relation| asked_again(number, |number| relation.check(1, number)).map(Some),
+    )?;
     outcomes.extend(known.iter().chain(&related).cloned());
     if outcomes.is_empty() {
         return Err("there is no such scene".into());

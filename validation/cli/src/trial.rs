@@ -1,5 +1,6 @@
 //! Trials: a subject, a check and a direction under a name.
 
+use crate::console::say;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -110,7 +111,7 @@ impl Tally {
     pub fn exit_if_undecided(&self, most: f64) {
         let [asked, undecided] = [&self.asked, &self.undecided].map(|count| count.load(Ordering::Relaxed));
         if asked > 0 {
-            println!("{undecided} of {asked} answers are undecided");
+            say(format_args!("{undecided} of {asked} answers are undecided"));
         }
         if asked >= 100 && undecided as f64 > most * asked as f64 {
             eprintln!("error: more than {:.1} % are", 100.0 * most);

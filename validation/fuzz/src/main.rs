@@ -1,4 +1,4 @@
-//! The command line: `fuzz scenes`, `fuzz input`.
+//! The command line: `fuzz scenes`, `fuzz paths`, `fuzz input`.
 
 use clap::Parser;
 use etalon::image::write_file;
@@ -7,7 +7,7 @@ use fuzz::inputs::seeds::{Seeds, folders};
 use fuzz::inputs::watch::{Effort, save, watch};
 use fuzz::inputs::worker::{Meter, work};
 use fuzz::inputs::{FORMATS, Format};
-use fuzz::scenes::judge::{Answer, Judgement, judge};
+use fuzz::scenes::judge::{Answer, Failure, Judgement, judge};
 use fuzz::scenes::mitsuba::Mitsuba;
 use fuzz::scenes::{grammar, models::Models};
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ enum Command {
         #[arg(long, default_value = "0..500", value_delimiter = ',', value_parser = range)]
         numbers: Vec<std::ops::Range<u64>>,
         /// Samples of a pixel, at most
-        #[arg(long, default_value_t = 1 << 14)]
+        #[arg(long, default_value_t = 1 << 14, value_parser = clap::value_parser!(u32).range(64..=1 << 24))]
         samples: u32,
         /// Where scenes that differ are left, and the record
         #[arg(long, default_value = "target/fuzzed-scenes")]
@@ -142,7 +142,7 @@ fn inputs(
         let record = watch(format, &seeds, effort, start)?;
         std::fs::remove_dir_all(&scratch).map_err(|e| e.to_string())?;
         save(format, &seeds, &record, folder)?;
-        println!(
+        say(format_args!(
             "{}: {} inputs of {} seeds in {:.0} s, {} findings; at most {:.1} % of the memory allowed and {:.2} s an input",
             record.format,
             record.inputs,
@@ -151,12 +151,17 @@ fn inputs(
             record.findings.len(),
             100.0 * record.most_memory,
             record.slowest_seconds
-        );
-        record.findings.iter().for_each(|f| println!("  input {}: {}", f.input, f.what));
+        ));
+        record.findings.iter().for_each(|f| say(format_args!("  input {}: {}", f.input, f.what)));
         records.push(record);
     }
     write(json, &records)?;
     Ok(records.iter().all(|r| r.findings.is_empty()))
+}
+
+/// Prints a line. A closed pipe, as behind `head`, is no reason to stop: documents are still written.
+fn say(line: std::fmt::Arguments) {
+    writeln!(std::io::stdout(), "{line}").ok();
 }
 
 /// Writes a document if a path is given: completely, or not at all.
@@ -174,7 +179,7 @@ fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);
     let record = record.ok_or("a render stopped")?;
     written?;
-    println!("{record:?}");
+    say(format_args!("{record:?}"));
     Ok(record.first.is_empty())
 }
 
@@ -186,27 +191,28 @@ fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Re
     let models = Models::read()?;
     let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
     let mut mitsuba = Mitsuba::start()?;
-    let mut counts: BTreeMap<String, u32> = BTreeMap::new();
+    let mut counts: BTreeMap<Answer, u32> = BTreeMap::new();
     for number in numbers.into_iter().flatten() {
         let scene =
             grammar::scene(&models, &files.to_string_lossy(), number).ok_or("the grammar has a dead end")?;
         let found: Judgement = match judge(&scene, number, folder, &mut mitsuba, samples) {
             Ok(found) => found,
-            Err(words) => {
+            Err(Failure::Mitsuba(words)) => {
                 mitsuba = Mitsuba::start()?;
                 Judgement::died(&scene, number, words)
             }
+            Err(Failure::Own(words)) => return Err(words),
         };
         if found.answer != Answer::RefusedByBoth {
-            println!("{number}: {:?} with {} samples: {}", found.answer, found.samples, found.message);
+            let Judgement { answer, samples, message, .. } = &found;
+            say(format_args!("{number}: {answer:?} with {samples} samples: {message}"));
         }
-        *counts.entry(format!("{:?}", found.answer)).or_default() += 1;
+        *counts.entry(found.answer).or_default() += 1;
         let line = serde_json::to_string(&found).map_err(|e| e.to_string())?;
         writeln!(record, "{line}").map_err(|e| format!("{}: {e}", path.display()))?;
     }
-    println!("{counts:?}");
-    let clean = ["Equivalent", "RefusedByBoth", "Inconclusive"];
-    Ok(counts.keys().all(|answer| clean.contains(&answer.as_str())))
+    say(format_args!("{counts:?}"));
+    Ok(counts.keys().all(|answer| answer.is_clean()))
 }
 
 fn range(text: &str) -> Result<std::ops::Range<u64>, String> {

@@ -53,8 +53,11 @@ pub fn reference(pictures: &[Picture]) -> Option<Reference> {
     Some(Reference { variance: variance.collect(), mean })
 }
 
-/// The errors of a picture that is independent of the reference.
-pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
+/// The errors of a picture that is independent of the reference; `None` unless it is of the same size.
+pub fn errors(picture: &Picture, reference: &Reference) -> Option<Errors> {
+    if picture.is_empty() || picture.len() != reference.mean.len() {
+        return None;
+    }
     let count = picture.len() as f64;
     let dark = reference.dark();
     let values = || picture.iter().zip(&reference.mean).zip(&reference.variance);
@@ -65,13 +68,13 @@ pub fn errors(picture: &Picture, reference: &Reference) -> Errors {
     let mut plain = relative_squares(picture, reference);
     plain.sort_by(f64::total_cmp);
     let kept = relative.len() - (TRIM * count).ceil() as usize;
-    Errors {
+    Some(Errors {
         relative_mse: relative.iter().sum::<f64>() / count,
         trimmed: relative[..kept].iter().sum::<f64>() / kept.max(1) as f64,
         median: plain[plain.len() / 2],
         mse: values().map(|((x, m), variance)| square(x, m) - variance).sum::<f64>() / count,
         brightness: picture.iter().sum::<f64>() / reference.mean.iter().sum::<f64>(),
-    }
+    })
 }
 
 /// Relative squared differences from the reference, value by value; the reference's variance is not
@@ -102,7 +105,7 @@ mod tests {
         // The reference is as noisy as the picture: without the subtraction the error would be twice as
         // large.
         let pictures: Vec<Picture> = (0..4).map(|_| noisy(0.2)).collect();
-        let found = errors(&noisy(0.1), &reference(&pictures).unwrap());
+        let found = errors(&noisy(0.1), &reference(&pictures).unwrap()).unwrap();
         // The squared error is 0.01; its standard error is 0.01 · 2 · √(2/40000) = 1.4e-4.
         assert!((found.mse - 0.01).abs() < 5e-4, "{found:?}");
         assert!((found.relative_mse - 0.01 / 4.0004).abs() < 2e-4, "{found:?}");
@@ -114,7 +117,7 @@ mod tests {
         let pictures = vec![flat.clone(), flat.clone()];
         let mut spoiled = flat;
         spoiled[7] = 1001.0;
-        let found = errors(&spoiled, &reference(&pictures).unwrap());
+        let found = errors(&spoiled, &reference(&pictures).unwrap()).unwrap();
         assert_eq!((found.trimmed, found.median), (0.0, 0.0));
         assert!((found.mse - 500.0).abs() < 1e-9);
     }
@@ -122,8 +125,10 @@ mod tests {
     #[test]
     fn a_picture_that_misses_light_is_darker_and_wrong() {
         let flat = vec![2.0; 2000];
-        let found = errors(&vec![1.5; 2000], &reference(&[flat.clone(), flat]).unwrap());
+        let reference = reference(&[flat.clone(), flat]).unwrap();
+        let found = errors(&vec![1.5; 2000], &reference).unwrap();
         assert_eq!((found.brightness, found.mse), (0.75, 0.25));
+        assert!(errors(&vec![1.5; 1999], &reference).is_none());
     }
 
     #[test]

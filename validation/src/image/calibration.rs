@@ -122,9 +122,15 @@ fn a_value_that_is_not_finite_fails_and_is_named() {
     b.channels[0].mean[WIDTH * 5 + 3] = f64::NAN;
     let found = judge(&a, &b);
     assert_eq!(found.verdict, Verdict::Different);
-    assert!(found.message.contains("pixel (3, 5) channel Y"), "{}", found.message);
+    let place = "image's value is not finite at pixel (3, 5) channel Y";
+    assert_eq!(found.message, format!("the second {place}"));
     // A faulty value is a fault even if both images have the same.
-    assert_eq!(judge(&b, &b).verdict, Verdict::Different);
+    let found = judge(&b, &b);
+    assert_eq!((found.verdict, found.message), (Verdict::Different, format!("the first {place}")));
+    b = a.clone();
+    b.channels[0].variance.as_mut().unwrap()[0] = -1.0;
+    let message = judge(&b, &a).message;
+    assert_eq!(message, "the first image's variance is negative or not a number at pixel (0, 0) channel Y");
 }
 
 #[test]

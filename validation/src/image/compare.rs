@@ -5,10 +5,7 @@ use serde::Serialize;
 
 use super::{
     Errors, Faults, Image, ImageError, MeanComparison, PixelFigures, TileComparison, errors,
-    maps::comparable,
-    mean,
-    pair::{Pair, Place},
-    pixels, tiles,
+    maps::comparable, mean, pair::Pair, pixels, tiles,
 };
 use crate::{
     report::Outcome,
@@ -135,13 +132,18 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
 
 impl Comparison {
     fn conclude(&self) -> (Verdict, String) {
-        let first = |places: &[Place], what: &str| {
-            let more =
-                if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
-            places.first().map(|place| (Verdict::Different, format!("{what} at {place}{more}")))
+        let more = |count: usize| if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
+        let Faults { not_finite, exact_but_different: exact, .. } = &self.faults;
+        let flaw = not_finite
+            .first()
+            .map(|flaw| format!("{} at {}{}", flaw.what, flaw.place, more(not_finite.len())));
+        let exact = || {
+            exact
+                .first()
+                .map(|place| format!("both are noiseless and differ at {place}{}", more(exact.len())))
         };
-        first(&self.faults.not_finite, "a value or variance is not finite")
-            .or_else(|| first(&self.faults.exact_but_different, "both are noiseless and differ"))
+        flaw.or_else(exact)
+            .map(|message| (Verdict::Different, message))
             .or_else(|| self.identical.then(|| (Verdict::Equivalent, "identical bit for bit".to_string())))
             .or_else(|| self.different())
             .unwrap_or_else(|| self.undecided())

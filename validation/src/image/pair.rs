@@ -55,7 +55,17 @@ impl Pixel {
 
     /// Both values are finite, and both variances are numbers ≥ 0 (or infinite: unknown).
     fn is_sound(&self) -> bool {
-        self.a.is_finite() && self.b.is_finite() && self.variance_a >= 0.0 && self.variance_b >= 0.0
+        self.flaw().is_none()
+    }
+
+    /// What is wrong with the pixel, in the first image that it is wrong in.
+    fn flaw(&self) -> Option<String> {
+        let images = [("first", self.a, self.variance_a), ("second", self.b, self.variance_b)];
+        images.into_iter().find_map(|(image, value, variance)| match (value.is_finite(), variance >= 0.0) {
+            (true, true) => None,
+            (true, false) => Some(format!("the {image} image's variance is negative or not a number")),
+            (false, _) => Some(format!("the {image} image's value is not finite")),
+        })
     }
 
     /// Both values are sound and both variances known.
@@ -109,13 +119,21 @@ impl<'a> Pair<'a> {
     }
 }
 
+/// A pixel with a value that is not finite, or a variance that is negative or not a number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Flaw {
+    #[serde(flatten)]
+    pub place: Place,
+    /// What is wrong, and in which image.
+    pub what: String,
+}
+
 /// Faults that need no statistics. Each list is in row-major order and holds the places of all pixels with
 /// the fault.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Faults {
-    /// Pixels with a value that is not finite, or a variance that is negative or not a number. Always a
-    /// failure.
-    pub not_finite: Vec<Place>,
+    /// Always a failure.
+    pub not_finite: Vec<Flaw>,
     /// Pixels whose values differ by more than rounding although all variances of the channel are zero in
     /// both images. Always a failure: there is no noise to explain the difference.
     pub exact_but_different: Vec<Place>,
@@ -132,8 +150,8 @@ impl Faults {
             let exact = pair.pixels().all(|(_, _, pixel)| pixel.variance() == 0.0);
             for (x, y, pixel) in pair.pixels() {
                 let differs = pixel.difference().abs() > rounding * pixel.a.abs().max(pixel.b.abs());
-                if !pixel.is_sound() {
-                    faults.not_finite.push(pair.place(x, y));
+                if let Some(what) = pixel.flaw() {
+                    faults.not_finite.push(Flaw { place: pair.place(x, y), what });
                 } else if differs && exact {
                     faults.exact_but_different.push(pair.place(x, y));
                 } else if differs && (pixel.variance() == 0.0 || pixel.variance().is_infinite()) {
@@ -160,7 +178,8 @@ mod tests {
         let faults = Faults::find(&pairs, 2e-7);
         let columns = |places: &[Place]| places.iter().map(|place| place.x).collect::<Vec<_>>();
         assert!(alone.is_empty());
-        assert_eq!(columns(&faults.not_finite), [1, 2, 6]);
+        let places: Vec<Place> = faults.not_finite.iter().map(|flaw| flaw.place.clone()).collect();
+        assert_eq!(columns(&places), [1, 2, 6]);
         assert!(faults.exact_but_different.is_empty());
         assert_eq!(columns(&faults.unknown_variance), [4, 5]);
         let [a, b] = [[1.0, 1.0], [1.0, 1.1]].map(|values| grey(2, &values, 0.0));

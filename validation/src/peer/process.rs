@@ -73,9 +73,9 @@ impl Process {
 
 impl Lines for Process {
     fn exchange(&mut self, request: String) -> Result<String, PeerError> {
-        if let Ok(Ok(line)) = self.replies.try_recv() {
-            let message = format!("the peer wrote a line that nobody asked for: {}", beginning(&line));
-            return Err(PeerError(message));
+        if let Ok(line) = self.replies.try_recv() {
+            let line = line.map_or_else(|message| message, |line| beginning(&line));
+            return Err(PeerError(format!("the peer wrote a line that nobody asked for: {line}")));
         }
         // Sending fails only if the program has ended, which the reader then reports.
         let _gone = self.requests.as_ref().map(|requests| requests.send(request));

@@ -1,9 +1,10 @@
 //! The command line of `validate ledger`.
 
 use super::{judge, next, rerun};
-use crate::console::{check_writable, print, say, write};
+use crate::console::{all_known, check_writable, print, say, write};
 use crate::trial::{Trial, effort, effort_of_sampling};
 use crate::{limits, materials, sampling};
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
@@ -36,10 +37,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     let Arguments { file, reseed, batch, samples, checks, json } = arguments;
     check_writable(&[&file], &[&json])?;
     let mut suite = suite(samples);
+    let known: BTreeSet<&str> = suite.iter().map(|(trial, _)| trial.check()).collect();
+    all_known("check", &checks, known.into_iter())?;
     suite.retain(|(trial, _)| checks.is_empty() || checks.iter().any(|check| check == trial.check()));
-    if suite.is_empty() {
-        return Err(format!("there is no such check: {}", checks.join(", ")).into());
-    }
     let first = if reseed == 0 { 0 } else { next(&file)? };
     let mut done = 0;
     while done < reseed {

@@ -331,6 +331,15 @@ mod tests {
         assert!(names.len() == count && count >= 20, "{count}");
     }
 
+    /// A text that was to be replaced, and has become another, would leave a scene to be compared with itself.
+    #[test]
+    fn sides_differ() {
+        let told = |terms: &[Term]| terms.iter().map(|term| format!("{term:?}")).collect::<Vec<_>>();
+        for Relation { name, left, right, .. } in relations() {
+            assert_ne!(told(&left), told(&right), "{name}");
+        }
+    }
+
     #[test]
     fn a_brighter_light_is_noticed() {
         let [scene, brighter] =

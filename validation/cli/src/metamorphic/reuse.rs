@@ -72,7 +72,11 @@ impl Case {
                 .concat()
                 + &float("light_paths", self.light_paths);
             let integrator = self.integrator.replace("</integrator>", &(more + "</integrator>"));
-            let one = if correlated_edge(self.pixels) == 2 { one_of::<2> } else { one_of::<4> };
+            let one = match correlated_edge(self.pixels) {
+                0..=2 => one_of::<2>,
+                3..=4 => one_of::<4>,
+                _ => one_of::<8>,
+            };
             vec![Term {
                 view: self.view.or(Some(one)),
                 ..Term::new(scene(&[&integrator, &self.camera, &self.world]))

@@ -158,17 +158,18 @@ fn read(folder: &Path) -> Result<Vec<Report>, String> {
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         let text = std::fs::read_to_string(&path).map_err(|e| fail(&e))?;
         let mut document: Value = serde_json::from_str(&text).map_err(|e| fail(&e))?;
-        // JSON has no NaN, so figures that are not finite are null.
-        for outcome in document["outcomes"].as_array_mut().into_iter().flatten() {
-            outcome["figures"]
-                .as_object_mut()
-                .into_iter()
-                .for_each(|figures| figures.retain(|_, v| !v.is_null()));
-        }
         let known = ["materials", "sampling", "furnace", "scenes"];
-        if document["title"].as_str().is_some_and(|title| known.contains(&title)) {
-            reports.push(serde_json::from_value(document).map_err(|e| fail(&e))?);
+        // Other documents may be of any form.
+        if !document.get("title").and_then(Value::as_str).is_some_and(|title| known.contains(&title)) {
+            continue;
         }
+        // JSON has no NaN, so figures that are not finite are null.
+        let outcomes = document.get_mut("outcomes").and_then(Value::as_array_mut);
+        let figures = outcomes.into_iter().flatten().filter_map(|outcome| outcome.get_mut("figures"));
+        for figures in figures.filter_map(Value::as_object_mut) {
+            figures.retain(|_, value| !value.is_null());
+        }
+        reports.push(serde_json::from_value(document).map_err(|e| fail(&e))?);
     }
     if reports.is_empty() { Err(format!("{}: no report in it", folder.display())) } else { Ok(reports) }
 }
@@ -176,6 +177,20 @@ fn read(folder: &Path) -> Result<Vec<Report>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use validation::report::to_json;
+
+    #[test]
+    fn documents_of_other_forms_are_passed_over() {
+        let folder = std::env::temp_dir().join(format!("etalon-evidence-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let report = to_json(&Report::new("scenes", vec![Outcome::new("x", Verdict::Equivalent, "")])).unwrap();
+        for (name, text) in [("a", "[1, 2]"), ("b", "3"), ("c", "{\"title\": 1}"), ("d", &report)] {
+            std::fs::write(folder.join(name).with_extension("json"), text).unwrap();
+        }
+        let found = read(&folder);
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(found.unwrap().len(), 1);
+    }
 
     #[test]
     fn documents_are_sorted_into_their_sections() {

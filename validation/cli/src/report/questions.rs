@@ -1,9 +1,9 @@
 //! The selection of trials, closed forms and relations of a report, and their evaluation.
 
-use crate::crew::ask_all;
+use crate::crew::{ask_all, unanswered};
 use crate::trial::Trial;
 use std::collections::BTreeSet;
-use validation::{Outcome, Verdict};
+use validation::Outcome;
 
 /// If `sparse`, only the second of the trials that differ in direction only, which is oblique; otherwise all.
 pub fn thin(trials: Vec<Trial>, sparse: bool) -> Vec<Trial> {
@@ -30,12 +30,9 @@ pub fn judge<T: Sync>(
     name: impl Fn(&T) -> &String,
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
-    let unasked = |question: &T, error: String| {
-        Outcome::new("question", Verdict::Inconclusive, error).of(name(question))
-    };
     let answers = ask_all(questions, ask)?.into_iter().zip(questions);
     let settle = |(answer, question): (Result<_, _>, &T)| {
-        answer.unwrap_or_else(|error| Some(unasked(question, error)))
+        answer.unwrap_or_else(|error| Some(unanswered(name(question), error)))
     };
     Ok(answers.filter_map(settle).collect())
 }
@@ -44,6 +41,7 @@ pub fn judge<T: Sync>(
 mod tests {
     use super::*;
     use crate::materials;
+    use validation::Verdict;
 
     #[test]
     fn answers_keep_the_order_of_questions() {

@@ -5,6 +5,7 @@ use crate::console::{check_writable, say, write};
 use crate::provenance::{Made, Provenance};
 use serde::Serialize;
 use std::error::Error;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use validation::Verdict;
 use validation::report::to_json;
@@ -23,7 +24,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write the table
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "name")]
     markdown: Option<PathBuf>,
 }
 
@@ -51,7 +52,10 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         return Err("there is no such case".into());
     }
     if let Some(path) = markdown {
-        let old = std::fs::read_to_string(&path).unwrap_or_default();
+        let old = match std::fs::read_to_string(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
+            read => read.map_err(|e| format!("{}: {e}", path.display()))?,
+        };
         etalon::image::write_file(&path, updated(&old, &Provenance::here()?, &rows).as_bytes())?;
     }
     write(json.as_deref(), || Ok(to_json(&Made::here(&Document { cases: &rows })?)?))?;

@@ -12,11 +12,11 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use validation::converge::{Picture, Reference, errors, reference};
+use validation::converge::{Errors, Picture, Reference, errors, reference};
 
 use super::{Ladder, REFERENCES, Run, Settings, seed};
 use crate::console;
-use crate::renderers::{Job, Rendered, Renderers, mean_of, read};
+use crate::renderers::{Job, Rendered, Renderers, Took, mean_of, read};
 use crate::report::machine;
 
 /// A renderer's sample counts, one per rung, or why it has none.
@@ -93,7 +93,7 @@ impl Bench<'_> {
                         continue;
                     }
                     progress(&format!("{name}: seed {k}, rung {rung}"));
-                    let found = match self.picture(name, (counts[rung], k), reference) {
+                    let (took, errors) = match self.picture(name, (counts[rung], k), reference) {
                         Ok(found) => found,
                         Err(why) => {
                             let why = format!("seed {k}, {} samples: {why}", counts[rung]);
@@ -111,8 +111,8 @@ impl Bench<'_> {
                         seed: k,
                         rung,
                         samples: counts[rung],
-                        took: found.took,
-                        errors: errors(&found.picture, reference),
+                        took,
+                        errors,
                         with: machine::in_short(),
                     })?;
                 }
@@ -122,13 +122,15 @@ impl Bench<'_> {
     }
 
     /// A picture of so many samples, by number. Error: it cannot be rendered, or is not of the reference's size.
-    fn picture(&self, name: &str, (samples, k): (u32, u32), of: &Reference) -> Result<Rendered, String> {
+    fn picture(
+        &self,
+        name: &str,
+        (samples, k): (u32, u32),
+        of: &Reference,
+    ) -> Result<(Took, Errors), String> {
         let found = self.render(name, samples, seed("picture", k))?;
-        if found.picture.len() == of.mean.len() {
-            Ok(found)
-        } else {
-            Err("its pictures differ in size".into())
-        }
+        let errors = errors(&found.picture, of).ok_or("its pictures differ in size")?;
+        Ok((found.took, errors))
     }
 
     /// All finished runs.

@@ -1,6 +1,6 @@
 //! The results of one renderer, from its pictures.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio, ratio_of_means};
@@ -39,28 +39,43 @@ pub struct Line {
 /// A selection of one of the errors.
 type Measure = fn(&Errors) -> f64;
 
-/// The rungs of one renderer, with the seeds for which all rungs are rendered.
-fn rungs(runs: &[Run], name: &str, settings: &Settings, error: Measure) -> Vec<Rung> {
-    let count = settings.ladder.count();
-    let at =
-        |seed: u32, rung: usize| runs.iter().find(|r| r.renderer == name && r.seed == seed && r.rung == rung);
-    let whole: Vec<Vec<&Run>> = (0..settings.seeds)
-        .filter_map(|seed| (0..count).map(|rung| at(seed, rung)).collect::<Option<Vec<_>>>())
-        .collect();
-    let rung = |rung: usize| Rung {
-        samples: whole.first().map_or(0, |first| first[rung].samples),
-        errors: whole.iter().map(|seed| error(&seed[rung].errors)).collect(),
-        seconds: whole.iter().map(|seed| seed[rung].took.counted(settings.processor_time)).collect(),
+/// The seeds for which a renderer has rendered all rungs.
+fn whole_seeds(runs: &[Run], name: &str, settings: &Settings) -> BTreeSet<u32> {
+    let has = |seed: u32, rung: usize| run(runs, name, seed, rung).is_some();
+    (0..settings.seeds).filter(|seed| (0..settings.ladder.count()).all(|rung| has(*seed, rung))).collect()
+}
+
+fn run<'a>(runs: &'a [Run], name: &str, seed: u32, rung: usize) -> Option<&'a Run> {
+    runs.iter().find(|r| r.renderer == name && r.seed == seed && r.rung == rung)
+}
+
+/// The rungs of one renderer, with these seeds, for which all are rendered.
+fn rungs(runs: &[Run], name: &str, seeds: &BTreeSet<u32>, settings: &Settings, error: Measure) -> Vec<Rung> {
+    let rung = |rung: usize| {
+        let all: Vec<&Run> = seeds.iter().filter_map(|seed| run(runs, name, *seed, rung)).collect();
+        Some(Rung {
+            samples: all.first()?.samples,
+            errors: all.iter().map(|r| error(&r.errors)).collect(),
+            seconds: all.iter().map(|r| r.took.counted(settings.processor_time)).collect(),
+        })
     };
-    if whole.is_empty() { vec![] } else { (0..count).map(rung).collect() }
+    (0..settings.ladder.count()).filter_map(rung).collect()
 }
 
 /// The results of each of the named renderers that has rendered; the others are compared with the first.
 /// Error: a reference picture that cannot be read.
 pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, String> {
-    let of = |name: &str, error: Measure| rungs(runs, name, bench.settings, error);
+    let settings = bench.settings;
     let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
-    let ours = names.first().map_or([vec![], vec![]], |name| [of(name, trimmed), of(name, whole)]);
+    let seeds_of = |name: &str| whole_seeds(runs, name, settings);
+    let firsts = names.first().map(|name| (*name, seeds_of(name)));
+    // By the seeds that both have.
+    let over = |name: &str, error: Measure| {
+        let (first, seeds) = firsts.as_ref().filter(|(first, _)| *first != name)?;
+        let common = seeds & &seeds_of(name);
+        let [a, b] = [*first, name].map(|name| rungs(runs, name, &common, settings, error));
+        ratio(&a, &b)
+    };
     let reference_of = |name: &str| mean_of(bench.renderers, name).to_string();
     let mut means = BTreeMap::new();
     for name in names.iter().map(|name| reference_of(name)) {
@@ -71,8 +86,10 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, S
         let [own, first] = [means.get(of)?, means.get(&first_of_all)?];
         if of == first_of_all { None } else { ratio_of_means(own, first) }
     };
-    let line = |(place, name): (usize, &&str)| {
-        let [by_trimmed, by_whole] = [of(name, trimmed), of(name, whole)];
+    let line = |name: &&str| {
+        let seeds = seeds_of(name);
+        let of = |error: Measure| rungs(runs, name, &seeds, settings, error);
+        let by_trimmed = of(trimmed);
         let first = by_trimmed.first()?;
         let startups: Vec<f64> =
             runs.iter().filter(|r| r.renderer == *name).map(|r| r.took.startup).collect();
@@ -83,16 +100,16 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, S
             seeds: first.errors.len(),
             mean_over_first: over_first(&reference_of(name)),
             mean_of: reference_of(name),
-            brightness: of(name, |e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
+            brightness: of(|e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
             startup: startups.iter().sum::<f64>() / startups.len() as f64,
-            ratio_trimmed: if place > 0 { ratio(&ours[0], &by_trimmed) } else { None },
-            ratio_whole: if place > 0 { ratio(&ours[1], &by_whole) } else { None },
+            ratio_trimmed: over(name, trimmed),
+            ratio_whole: over(name, whole),
             trimmed: curve(&by_trimmed, seed),
-            whole: curve(&by_whole, seed),
-            median: curve(&of(name, |e| e.median), seed),
+            whole: curve(&of(whole), seed),
+            median: curve(&of(|e| e.median), seed),
         })
     };
-    Ok(names.iter().enumerate().filter_map(line).collect())
+    Ok(names.iter().filter_map(line).collect())
 }
 
 /// The named renderers that cannot render the scene, or have no reference, with the reason.
@@ -149,9 +166,12 @@ mod tests {
         };
         let ladder = Ladder::Seconds(vec![1.0, 2.0]);
         let settings = Settings { ladder, seeds: 3, reference: 4.0, threads: 0, processor_time: true };
-        let found = rungs(&[run(0, 0), run(0, 1), run(1, 0)], "a", &settings, |e| e.trimmed);
+        let runs = [run(0, 0), run(0, 1), run(1, 0), run(2, 0), run(2, 1)];
+        let seeds = whole_seeds(&runs, "a", &settings);
+        assert_eq!(seeds, BTreeSet::from([0, 2]));
+        let found = rungs(&runs, "a", &BTreeSet::from([2]), &settings, |e| e.trimmed);
         assert_eq!(found.len(), 2);
         assert_eq!((found[1].errors.clone(), found[1].seconds.clone()), (vec![1.0], vec![7.0]));
-        assert!(rungs(&[run(1, 0)], "a", &settings, |e| e.trimmed).is_empty());
+        assert!(rungs(&runs, "a", &BTreeSet::new(), &settings, |e| e.trimmed).is_empty());
     }
 }

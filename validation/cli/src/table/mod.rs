@@ -35,12 +35,12 @@ pub struct Arguments {
     #[arg(long = "renderer")]
     chosen: Vec<String>,
     /// Seconds of each rung
-    #[arg(long, value_delimiter = ',', default_values = ["1", "4", "16"])]
-    seconds: Vec<f64>,
+    #[arg(long, value_delimiter = ',', default_values = ["1", "4", "16"], value_parser = positive_seconds)]
+    seconds: Vec<Duration>,
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
     seeds: u32,
     /// Samples of each of the four pictures of a reference, over those of the longest rung
-    #[arg(long, default_value_t = 4)]
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
     reference: u32,
     /// Number of threads; all unless given
     #[arg(long, default_value_t = 0)]
@@ -71,15 +71,14 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     let known = renderers::load(&arguments.file.clone().unwrap_or_else(renderers::file))?;
     let mut plan = plan::load(&arguments.plan.clone().unwrap_or_else(plan::file))?;
     let wanted = |name: &String, names: &[String]| names.is_empty() || names.contains(name);
+    console::all_known("scene", &arguments.names, plan.scene.iter().map(|entry| entry.name.as_str()))?;
+    console::all_known("renderer", &arguments.chosen, plan.renderers().map(String::as_str))?;
     plan.scene.retain(|entry| wanted(&entry.name, &arguments.names));
     for group in [&mut plan.mitsuba, &mut plan.others] {
         group.retain(|name| wanted(name, &arguments.chosen));
     }
-    let mut seconds = arguments.seconds.clone();
+    let mut seconds: Vec<f64> = arguments.seconds.iter().map(Duration::as_secs_f64).collect();
     seconds.sort_by(f64::total_cmp);
-    if plan.scene.is_empty() || seconds.iter().any(|s| *s <= 0.0) {
-        return Err("there is nothing to measure".into());
-    }
     let settings = kept_settings(
         &arguments.folder,
         Settings {
@@ -122,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         table.scenes.push(scene);
         write(&arguments.folder, &table, &pages)?;
     }
-    print!("{}", table.markdown());
+    console::say(format_args!("{}", table.markdown().trim_end()));
     let measured = table.scenes.iter().any(|scene| !scene.lines.is_empty());
     Ok(if measured { Verdict::Equivalent } else { Verdict::Inconclusive })
 }

@@ -20,7 +20,7 @@ const FIRST: u32 = 512;
 const MARGIN: f64 = 0.005;
 
 /// The result of a comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     Equivalent,
@@ -30,6 +30,22 @@ pub enum Answer {
     RefusedByBoth,
     RefusedByEtalon,
     RefusedByMitsuba,
+}
+
+impl Answer {
+    /// Whether nothing was found.
+    pub fn is_clean(self) -> bool {
+        matches!(self, Self::Equivalent | Self::Inconclusive | Self::RefusedByBoth)
+    }
+}
+
+/// Why a scene was not judged.
+#[derive(Debug)]
+pub enum Failure {
+    /// Mitsuba's process ended, or said what is no answer.
+    Mitsuba(String),
+    /// A file of our own cannot be written or read.
+    Own(String),
 }
 
 /// A line of the record, about one scene.
@@ -63,10 +79,13 @@ pub fn judge(
     folder: &Path,
     mitsuba: &mut Mitsuba,
     most: u32,
-) -> Result<Judgement, String> {
+) -> Result<Judgement, Failure> {
     let file = folder.join(format!("{number}.xml"));
-    std::fs::write(&file, &scene.text).map_err(|e| format!("{}: {e}", file.display()))?;
-    let (mut samples, mut doubted) = (FIRST.min(most), false);
+    let own = |error: std::io::Error| Failure::Own(format!("{}: {error}", file.display()));
+    std::fs::write(&file, &scene.text).map_err(own)?;
+    // Both renderers take whole samples of each replicate, and whole blocks.
+    let whole = |samples: u32| samples / (4 * REPLICATES) * 4 * REPLICATES;
+    let (mut samples, mut doubted) = (whole(FIRST.min(most)), false);
     loop {
         let name = format!("{number} {samples} {doubted}");
         let (mut found, more) = once(scene, &file, &name, samples, mitsuba)?;
@@ -81,14 +100,15 @@ pub fn judge(
         };
         let next = f64::from(samples) * wanted;
         let to_confirm = found.answer == Answer::Different && !doubted;
-        if next > f64::from(most) && !to_confirm {
+        let more = whole((next.min(f64::from(most)) as u32).next_multiple_of(4 * REPLICATES).min(most));
+        if (next > f64::from(most) || more <= samples) && !to_confirm {
             if matches!(found.answer, Answer::Equivalent | Answer::RefusedByBoth) {
-                std::fs::remove_file(&file).map_err(|e| e.to_string())?;
+                std::fs::remove_file(&file).map_err(own)?;
             }
             return Ok(found);
         }
         doubted |= found.answer == Answer::Different;
-        samples = (next as u32).min(most).next_multiple_of(4 * REPLICATES);
+        samples = more;
     }
 }
 
@@ -99,12 +119,13 @@ fn once(
     name: &str,
     samples: u32,
     mitsuba: &mut Mitsuba,
-) -> Result<(Judgement, Option<f64>), String> {
+) -> Result<(Judgement, Option<f64>), Failure> {
     let out = file.with_extension("exr");
     let spp = samples / REPLICATES;
-    mitsuba.send(&Job { scene: file, out: &out, name, mode: scene.mode, spp, replicates: REPLICATES })?;
+    let job = Job { scene: file, out: &out, name, mode: scene.mode, spp, replicates: REPLICATES };
+    mitsuba.send(&job).map_err(Failure::Mitsuba)?;
     let ours = picture(scene, file, seed_for(name, 0) as u32, samples);
-    let reply = mitsuba.receive()?;
+    let reply = mitsuba.receive().map_err(Failure::Mitsuba)?;
     let mut found = Judgement {
         number: 0,
         answer: Answer::RefusedByBoth,
@@ -129,15 +150,22 @@ fn once(
             return Ok((found, None));
         }
     };
-    let theirs = image::load(&out).map_err(|e| e.to_string())?;
-    std::fs::remove_file(&out).map_err(|e| e.to_string())?;
+    let theirs = image::load(&out).map_err(|e| Failure::Own(e.to_string()))?;
+    std::fs::remove_file(&out).map_err(|e| Failure::Own(format!("{}: {e}", out.display())))?;
     let theirs = if scene.boxed { theirs } else { with_shared_noise(theirs, &reply) };
     let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
     // As for the stored references: Mitsuba accumulates samples in f32.
     let rounding = 64.0 * f64::from(f32::EPSILON);
     let settings =
         image::Settings { rounding, ..image::Settings::with_margin(MARGIN).with_tiles_within_noise() };
-    let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
+    let comparison = match compare(&theirs, &ours, &settings) {
+        Ok(comparison) => comparison,
+        // Pictures that cannot be compared, as those of other sizes, are not the same.
+        Err(why) => {
+            (found.answer, found.message) = (Answer::Different, why.to_string());
+            return Ok((found, None));
+        }
+    };
     found.answer = match comparison.verdict {
         Verdict::Equivalent => Answer::Equivalent,
         Verdict::Inconclusive => Answer::Inconclusive,
