@@ -224,7 +224,7 @@ impl Roughness {
         Ok(Self { shape, alpha_u: u.unwrap_or(both), alpha_v: v, visible })
     }
 
-    /// Whether lobes are narrow in any direction and place.
+    /// Whether lobes are narrow in a direction, by the mean of what varies over the surface.
     pub fn narrow(&self) -> bool {
         [Some(&self.alpha_u), self.alpha_v.as_ref()].into_iter().flatten().any(|alpha| alpha.mean() < NARROW)
     }

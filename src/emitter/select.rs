@@ -196,6 +196,13 @@ impl<'a> Choice<'a> {
         }
     }
 
+    /// The density in sr⁻¹ of `count` samples together, if that of one that has chosen emitter `index` is
+    /// `pdf`.
+    #[inline(always)]
+    pub fn density_of_samples(&self, emitters: &Emitters, index: usize, pdf: f64, count: u32) -> f64 {
+        self.probability(emitters, index) * pdf * f64::from(count)
+    }
+
     /// The probability of choosing emitter `index`.
     #[inline]
     pub fn probability(&self, emitters: &Emitters, index: usize) -> f64 {

@@ -25,8 +25,7 @@ impl Arrival {
     /// chosen this emitter is `pdf`.
     #[inline]
     pub fn density_of_samples(&self, scene: &Scene, from: Receiver, emitter: usize, pdf: f64) -> f64 {
-        let chosen = Choice::at(from).probability(&scene.emitters, emitter);
-        chosen * pdf * f64::from(self.emitter_samples)
+        Choice::at(from).density_of_samples(&scene.emitters, emitter, pdf, self.emitter_samples)
     }
 }
 

@@ -136,8 +136,8 @@ impl Direct {
         if delta {
             return emitted;
         }
-        let chosen = choice.probability(&scene.emitters, index as usize);
-        let rival = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point) * chosen;
-        emitted * power_heuristic(pdf, self.emitter_samples as f64 * rival) as f32
+        let found = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
+        let rival = choice.density_of_samples(&scene.emitters, index as usize, found, self.emitter_samples);
+        emitted * power_heuristic(pdf, rival) as f32
     }
 }

@@ -163,9 +163,9 @@ pub fn sample_emitter<B: Bsdf>(
     Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
 }
 
-/// The density in sr⁻¹ of all emitter samples of a path's vertex together, for a point of an emitter in
-/// direction w (world) and at this distance.
-pub fn density_of_samples<B: Bsdf>(
+/// The density in sr⁻¹ with which all emitter samples of a path's vertex together find a point of an emitter,
+/// in direction w (world) and at this distance.
+pub fn density_of_finding<B: Bsdf>(
     scene: &Scene,
     end: EmitterPoint,
     vertex: &Vertex<B>,
@@ -176,9 +176,8 @@ pub fn density_of_samples<B: Bsdf>(
     let there = SurfacePoint::plain(end.p, end.n, end.n);
     let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
     let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
-    Choice::at(vertex.gathers(scene).at(p)).probability(&scene.emitters, end.emitter)
-        * pdf
-        * f64::from(path.emitter_samples)
+    let gathers = vertex.gathers(scene);
+    Choice::at(gathers.at(p)).density_of_samples(&scene.emitters, end.emitter, pdf, path.emitter_samples)
 }
 
 #[cfg(test)]

@@ -107,6 +107,18 @@ pub struct Counters {
     pub log: Option<Vec<Event>>,
 }
 
+impl Counters {
+    /// Adds what other paths have counted; their logs are not kept.
+    pub fn add(&mut self, other: &Self) {
+        let Self { rays, shared, light_sources, cut, guided, log: _ } = other;
+        self.rays += rays;
+        self.shared += shared;
+        self.light_sources += light_sources;
+        self.cut += cut;
+        self.guided += guided;
+    }
+}
+
 /// A vertex of a replayed path, as it was when the path arrived.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {

@@ -92,8 +92,7 @@ impl Splats {
                 samples[at] = part.samples[i];
                 values[at * channels..][..channels].copy_from_slice(&part.values[i * channels..][..channels]);
             }
-            counters.rays += part.counters.rays;
-            counters.cut += part.counters.cut;
+            counters.add(&part.counters);
         }
         Self { window: Some(window), channels, first, samples, begin: 0, values, counters }
     }

@@ -5,7 +5,7 @@ use super::connections::Connections;
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
-use crate::integrator::light::{Vertex, density_of_samples, power_heuristic_of_three};
+use crate::integrator::light::{Vertex, density_of_finding, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
 use crate::integrator::path::roulette;
 use crate::math::{DVec2, DVec3, Ray};
@@ -180,7 +180,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
-                path.by_emitter = density_of_samples(scene, path.end, &vertex, (to_light, t)) / back.pdf;
+                path.by_emitter = density_of_finding(scene, path.end, &vertex, (to_light, t)) / back.pdf;
             }
         }
         if path.throughput.is_zero() {

@@ -57,6 +57,12 @@ pub fn all_known<'a>(
     }
 }
 
+/// Parses the number of a run, from which seeds follow. Error: one that leaves no room for those of its parts.
+pub fn number(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|n| *n < 1 << 32);
+    number.ok_or_else(|| "expected a number below 2³²".into())
+}
+
 /// Parses a number of samples. Error: so few that neither a mean nor its error means anything.
 pub fn samples(text: &str) -> Result<usize, String> {
     const FEWEST: usize = 64;

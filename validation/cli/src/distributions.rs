@@ -22,7 +22,7 @@ struct Settings {
     #[arg(long)]
     thorough: bool,
     /// Another number, other seeds
-    #[arg(long, alias = "seed", default_value_t = 0)]
+    #[arg(long, alias = "seed", default_value_t = 0, value_parser = crate::console::number)]
     number: u64,
     #[command(flatten)]
     documents: Documents,
@@ -67,7 +67,7 @@ pub struct FurnaceArguments {
     #[arg(long, conflicts_with = "losses")]
     thorough: bool,
     /// Another number, other seeds
-    #[arg(long, alias = "seed", default_value_t = 0)]
+    #[arg(long, alias = "seed", default_value_t = 0, value_parser = crate::console::number)]
     number: u64,
     #[command(flatten)]
     documents: Documents,
@@ -112,6 +112,7 @@ pub fn sampling(arguments: SamplingArguments) -> Result<Verdict, Box<dyn Error>>
 pub fn furnace(arguments: FurnaceArguments) -> Result<Verdict, Box<dyn Error>> {
     let FurnaceArguments { name, samples, thorough, number, documents, losses } = arguments;
     if losses.is_some() {
+        console::check_writable(&[], &[&losses])?;
         console::write(losses.as_deref(), || Ok(furnace::losses()))?;
         return Ok(Verdict::Equivalent);
     }

@@ -21,7 +21,7 @@ pub struct Arguments {
     #[arg(long, default_value = "0.5%", value_parser = percentage)]
     margin: f64,
     /// Another number, other seeds
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::console::number)]
     number: u64,
     /// 64 times the samples of closed forms; relations four times as fine
     #[arg(long)]

@@ -129,18 +129,28 @@ struct Bin {
     error: f64,
 }
 
+impl Bin {
+    fn add(&mut self, other: Self) {
+        self.observed += other.observed;
+        self.expected += other.expected;
+        self.error += other.error;
+    }
+}
+
 /// Merges bins from the smallest up until each expects at least [`POOL`] samples; a remainder joins the last.
 fn pool(mut bins: Vec<Bin>) -> Vec<Bin> {
     bins.sort_by(|a, b| a.expected.total_cmp(&b.expected));
     let mut pooled: Vec<Bin> = Vec::new();
     for bin in bins {
         match pooled.last_mut().filter(|last| last.expected < POOL) {
-            Some(last) => {
-                last.observed += bin.observed;
-                last.expected += bin.expected;
-                last.error += bin.error;
-            }
+            Some(last) => last.add(bin),
             None => pooled.push(bin),
+        }
+    }
+    if let Some(remainder) = pooled.pop_if(|last| last.expected < POOL) {
+        match pooled.last_mut() {
+            Some(last) => last.add(remainder),
+            None => pooled.push(remainder),
         }
     }
     pooled
@@ -160,6 +170,8 @@ mod tests {
         let pooled = pool(vec![bin(9.0, 8.0), bin(0.0, 0.0), bin(1.0, 3.0), bin(2.0, 2.5), bin(7.0, 6.0)]);
         let counts: Vec<(f64, f64)> = pooled.iter().map(|bin| (bin.observed, bin.expected)).collect();
         assert_eq!(counts, [(3.0, 5.5), (7.0, 6.0), (9.0, 8.0)]);
+        let pooled = pool(vec![bin(1.0, 3.0), bin(2.0, 3.5), bin(4.0, 4.0)]);
+        assert_eq!((pooled.len(), pooled[0].observed, pooled[0].expected), (1, 7.0, 10.5));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::shared::Source;
 use crate::bsdf::Bsdf;
 use crate::emitter::EmitterPoint;
 use crate::integrator::caustics::further;
-use crate::integrator::light::{Vertex, density_of_samples};
+use crate::integrator::light::{Vertex, density_of_finding};
 use crate::integrator::path::roulette;
 use crate::math::{DVec3, Ray};
 use crate::sampler::{LIGHT_SOURCES, Numbers, Sampler};
@@ -94,7 +94,7 @@ impl LightPath {
         let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);
         let cos_light = point.ng.dot(to_light).abs();
         let by_emitter = match edges {
-            1 => density_of_samples(scene, self.end, &vertex, (to_light, hit.t)),
+            1 => density_of_finding(scene, self.end, &vertex, (to_light, hit.t)),
             _ => 0.0,
         };
         let albedo = bsdf.albedo().filter(|_| vertex.wo.z > 0.0);

@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 100)]
     sample: usize,
     /// Another number, other mutants
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::console::number)]
     number: u64,
     /// Only tests that bear the name of the bug's file, chapter or folders; what these do not notice stays
     /// open

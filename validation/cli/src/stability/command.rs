@@ -18,7 +18,7 @@ pub struct Arguments {
     #[arg(long)]
     thorough: bool,
     /// Another number, other seeds
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::console::number)]
     number: u64,
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]

@@ -238,7 +238,9 @@ fn ratio_error(outcome: &Outcome) -> f64 {
     let ratios = outcome
         .figures
         .iter()
-        .filter(|(name, _)| *name == "ratio" || name.len() == 7 && name.starts_with("ratio."));
+        // The ends of an interval are no ratios of their own.
+        .filter(|(name, _)| *name == "ratio" || name.starts_with("ratio."))
+        .filter(|(name, _)| !["ratio.low", "ratio.high"].contains(&name.as_str()));
     ratios.map(|(_, ratio)| (ratio - 1.0).abs()).reduce(worst_of).unwrap_or(f64::NAN)
 }
 
