@@ -3,7 +3,6 @@
 mod cli;
 mod out_of_memory;
 
-use clap::Parser;
 use etalon::scene::error::SceneError;
 use std::error::Error;
 use std::process::ExitCode;
@@ -14,8 +13,7 @@ static ALLOCATOR: out_of_memory::Telling = out_of_memory::Telling;
 fn main() -> ExitCode {
     // If the reader of the output closes it early, the program ends without an error.
     sigpipe::reset();
-    let command = cli::Command::parse();
-    match command.run() {
+    match cli::Command::given().run() {
         Ok(code) => code,
         Err(error) => {
             print(&*error);

@@ -10,8 +10,8 @@ mod summary;
 mod tax;
 mod watch;
 
-use clap::Parser;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 use etalon::integrator::INTEGRATORS;
 use etalon::integrator::links::Where;
 use etalon::integrator::path::reuse::{AUTO, PIXELS};
@@ -58,6 +58,20 @@ pub enum Command {
 }
 
 impl Command {
+    /// The command of the command line; ends the program if there is none. A negative number is a value, which
+    /// an option may refuse by its range, and not another option.
+    pub fn given() -> Self {
+        let command = Self::command().mut_subcommands(|subcommand| {
+            subcommand.mut_args(|option| {
+                match option.get_action().takes_values() && !option.is_positional() {
+                    true => option.allow_negative_numbers(true),
+                    false => option,
+                }
+            })
+        });
+        Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+    }
+
     pub fn run(self) -> Outcome {
         match self {
             Self::Render(arguments) => arguments.run(),
@@ -84,7 +98,7 @@ struct SceneArguments {
     #[arg(long, value_name = "NAME", value_parser = integrator())]
     integrator: Option<String>,
     /// Edges of the longest path, instead of the scene's; -1 means no limit
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
     max_depth: Option<i64>,
     /// Light paths to a camera path, to find caustics; 0 leaves all to camera paths
     #[arg(long, value_name = "SHARE", value_parser = light_paths)]
@@ -110,7 +124,7 @@ struct SceneArguments {
     #[arg(long, value_name = "NAME", value_parser = one_of(SAMPLERS))]
     sampler: Option<String>,
     /// Another seed, another noise; 0 by default, or the scene's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(..))]
     seed: Option<u32>,
 }
 

@@ -107,6 +107,7 @@ impl Arguments {
             settings.samples = 0..pilot.count;
             self.tell_count(pilot)?;
         }
+        let start = Instant::now();
         let ending = watch.render(&scene, &settings, resumed)?;
         let seconds = start.elapsed().as_secs_f64();
         let Some((image, report)) = ending else {

@@ -106,6 +106,10 @@ const MOST_LINKS: usize = 40;
 /// The file that a path leads to, which may not exist yet.
 fn target(path: &Path) -> PathBuf {
     let mut path = path.to_owned();
+    // What leads to a pipe has a name that is no path.
+    if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return path;
+    }
     for _ in 0..MOST_LINKS {
         match (fs::canonicalize(&path), fs::read_link(&path)) {
             (Ok(found), _) => return found,
@@ -221,6 +225,21 @@ mod tests {
             assert_eq!(fs::read_to_string(&path)?, content);
         }
         assert_eq!(fs::read_dir(folder.path())?.count(), 1);
+        Ok(())
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_pipe_is_written_directly() -> io::Result<()> {
+        use std::os::fd::AsRawFd;
+        let (mut reader, writer) = io::pipe()?;
+        let path = PathBuf::from(format!("/proc/self/fd/{}", writer.as_raw_fd()));
+        assert_eq!(check_outputs(&[], &[Some(&path), Some(&path)]), Ok(()));
+        assert_eq!(write_file(&path, b"what is seen"), Ok(()));
+        drop(writer);
+        let mut seen = String::new();
+        io::Read::read_to_string(&mut reader, &mut seen)?;
+        assert_eq!(seen, "what is seen");
         Ok(())
     }
 

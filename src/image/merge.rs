@@ -121,7 +121,7 @@ fn incompatibility(
         return Ok(Some("their channels differ".into()));
     }
     if a.accumulators.is_some() != b.accumulators.is_some() {
-        return Ok(Some("one of them is a shard and the other is not".into()));
+        return Ok(Some("one of them was rendered with --samples and the other was not".into()));
     }
     if a.accumulators.is_none() && a_provenance.samples != b_provenance.samples {
         let ranges = (&a_provenance.samples, &b_provenance.samples);

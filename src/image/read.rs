@@ -2,13 +2,17 @@
 
 use crate::texture::bitmap::Pixels;
 use image::ImageDecoder;
+use std::io::Read;
 use std::path::Path;
 
 /// Decodes EXR, PNG, JPEG, Radiance HDR or BMP; alpha is dropped. The error says what is wrong.
 pub fn pixels(path: &Path) -> Result<Pixels, String> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let begin = beginning(path).map_err(|e| e.to_string())?;
     let pixels = match extension.as_str() {
-        "exr" => super::exr::colors::pixels(path)?,
+        _ if begin == EXR => super::exr::colors::pixels(path)?,
+        // Many writers sign Radiance files in their own way, so their name counts as well.
+        _ if begin == RADIANCE => hdr_pixels(path)?,
         "hdr" | "rgbe" => hdr_pixels(path)?,
         _ => other_pixels(path)?,
     };
@@ -24,7 +28,26 @@ pub fn pixels(path: &Path) -> Result<Pixels, String> {
     }
 }
 
-/// Many writers sign Radiance files in their own way, so the signature is not held against them.
+/// What an OpenEXR file begins with.
+const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// What most Radiance files begin with.
+const RADIANCE: [u8; 4] = *b"#?RA";
+
+/// The first bytes of a file; zeros if it has not as many.
+fn beginning(path: &Path) -> std::io::Result<[u8; 4]> {
+    let mut begin = [0; 4];
+    let (mut file, mut read) = (std::fs::File::open(path)?, 0);
+    while read < begin.len() {
+        match file.read(&mut begin[read..])? {
+            0 => break,
+            more => read += more,
+        }
+    }
+    Ok(begin)
+}
+
+/// The signature is not held against a file.
 fn hdr_pixels(path: &Path) -> Result<Pixels, String> {
     let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
     let decoder = image::codecs::hdr::HdrDecoder::new_nonstrict(std::io::BufReader::new(file));
@@ -89,6 +112,31 @@ mod tests {
         let vast = folder.path().join("vast.hdr");
         std::fs::write(&vast, b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000 +X 2000000\nabcd").unwrap();
         assert!(pixels(&vast).err().unwrap().contains("2000000 × 2000000 pixels"));
+    }
+
+    #[test]
+    fn a_file_is_what_it_contains() {
+        let of_repository = |file: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        let read = |file: &str| std::fs::read(of_repository(file)).unwrap();
+        let files = [
+            ("exr", read("validation/references/adapters.rgb.exr")),
+            ("bmp", read("validation/fuzz/seeds/picture/texels.bmp")),
+            ("png", read("docs/images/reuse.png")),
+            ("hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd".to_vec()),
+        ];
+        let folder = tempfile::tempdir().unwrap();
+        for (ending, bytes) in files {
+            let found = |name: &str| {
+                let file = folder.path().join(name);
+                std::fs::write(&file, &bytes).unwrap();
+                pixels(&file).map(|found| found.values)
+            };
+            let known = found(&format!("x.{ending}"));
+            assert!(known.is_ok(), "{ending}: {known:?}");
+            for other in ["x.png", "x.xyz", "x"] {
+                assert_eq!(found(other), known, "{ending} as {other}");
+            }
+        }
     }
 
     #[test]

@@ -249,7 +249,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
             for (sum, bytes) in partial.sums.pixel_mut(x, y).iter_mut().zip(&mut stored) {
                 let word = |i: usize| u32::from_le_bytes(std::array::from_fn(|b| bytes[4 * i + b]));
                 *sum = ChannelAccumulator::from_words(&std::array::from_fn(word))
-                    .ok_or(Refused::Damaged("a sum is none"))?;
+                    .ok_or(Refused::Damaged("one of its sums is not a number"))?;
             }
         }
     }

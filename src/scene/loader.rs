@@ -166,7 +166,7 @@ impl<'d> Loader<'d> {
 
     /// A bitmap, decoded once; `place` is where its file is named.
     pub fn bitmap(&self, path: &Path, place: &Attribute) -> Result<Arc<Pixels>, SceneError> {
-        let expected = "expected a whole OpenEXR, PNG, JPEG or Radiance picture";
+        let expected = "expected a whole OpenEXR, PNG, JPEG, BMP or Radiance picture";
         self.once(&self.bitmaps, (path, place), Pixels::read, expected)
     }
 

@@ -29,14 +29,14 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let half = half_width(params, common.film.aspect())?;
     let expected = "a radius of at least 0";
     let aperture_radius =
-        params.float_where("aperture_radius", 0.0, "radius of the lens", expected, |v| v >= 0.0)?;
-    if !params.has("aperture_radius") {
+        params.optional_float_where("aperture_radius", "radius of the lens", expected, |v| v >= 0.0)?;
+    let Some(aperture_radius) = aperture_radius else {
         return Err(params.error(
             "aperture_radius",
             "a thinlens needs an `aperture_radius`",
             "add it, in scene units",
         ));
-    }
+    };
     let expected = "a positive distance";
     let about = "depth of the plane of focus; `far_clip` by default";
     let focus_distance = params.float_where("focus_distance", common.far, about, expected, |v| v > 0.0)?;

@@ -44,6 +44,7 @@ impl Tabulated {
     /// a comma within a word is one, for "400 0,5" would be black.
     pub fn parse_spd(text: &str) -> Result<Self, String> {
         let (mut wavelengths, mut values) = (vec![], vec![]);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         for (i, line) in text.lines().enumerate() {
             let line = line.split('#').next().unwrap_or("").trim();
             if line.is_empty() {

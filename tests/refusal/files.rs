@@ -255,7 +255,7 @@ fn parts_that_do_not_belong_together_are_refused() {
         ("depth", "differs"),
         ("size", "differ"),
         ("crop", ""),
-        ("plain", "shard"),
+        ("plain", "rendered with --samples"),
         ("a", ""),
         ("scene.xml", "scene.xml"),
         ("gone", "gone"),

@@ -150,7 +150,7 @@ fn refusals_name_both_files_and_the_reason() {
         ),
         (change(|i| i.full = (32, 32)), "their films differ, 16 × 12 and 32 × 32"),
         (change(|i| i.channels[0].name = "B".into()), "their channels differ"),
-        (part(8..16, false), "one of them is a shard and the other is not"),
+        (part(8..16, false), "one of them was rendered with --samples and the other was not"),
         (part(4..12, true), "the same samples of the same pixels"),
         (part(12..16, true), "samples 8..12 of pixel (0, 0) are missing"),
     ];

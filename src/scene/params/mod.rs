@@ -97,6 +97,12 @@ impl<'a, 'd> Params<'a, 'd> {
                 format!("{} `{kind}` has no parameter `{}`", self.element.tag, name.value),
                 known(&name.value, &names),
             ),
+            // Only what is a model of its own is known by its kind.
+            None if child.element.attribute("value").is_some() => SceneError::at(
+                &child.site.span,
+                format!("this <{}> of {} `{kind}` has no `name`", child.element.tag, self.element.tag),
+                format!("known: {}", names.join(", ")),
+            ),
             None => SceneError::at(
                 &child.site.span,
                 format!("{} `{kind}` cannot contain this <{}>", self.element.tag, child.element.tag),

@@ -15,7 +15,9 @@ use std::{collections::HashMap, path::Path};
 /// A file that cannot be read, a line that cannot be understood, numbers that are not finite, an index of
 /// nothing or of a position that comes later, and a file without triangles.
 pub fn read_obj(path: &Path, flip_tex_coords: bool) -> Result<MeshData, MeshError> {
-    parse(&read_bytes(path)?, flip_tex_coords)
+    let bytes = read_bytes(path)?;
+    // A byte-order mark is no part of the first keyword.
+    parse(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes), flip_tex_coords)
 }
 
 /// The index of an attribute that a face does not give.

@@ -3,15 +3,29 @@
 use crate::provenance::Provenance;
 use std::error::Error;
 use std::fmt::Arguments;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Duration;
 use validation::Outcome;
 
+/// The first error of standard output that was more than a closed pipe.
+static LOST: OnceLock<String> = OnceLock::new();
+
 /// Prints a line on standard output. A closed pipe, as behind `head`, is no reason to stop: documents are
-/// still written, and the exit code is still valid.
+/// still written, and the exit code is still valid. What else is lost is an error at the end: [`all_said`].
 pub fn say(line: Arguments) {
-    writeln!(std::io::stdout(), "{line}").ok();
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            LOST.get_or_init(|| error.to_string());
+        }
+        _ => {}
+    }
+}
+
+/// Error: some of what was to be printed was lost, as on a full disk.
+pub fn all_said() -> Result<(), String> {
+    LOST.get().map_or(Ok(()), |error| Err(format!("standard output: {error}")))
 }
 
 /// Prints an outcome as a line.

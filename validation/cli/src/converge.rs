@@ -11,7 +11,7 @@ use validation::converge::{Interval, Ratio, page};
 use validation::html::escape;
 use validation::report::to_json;
 
-use crate::console::{check_writable, positive_seconds, say, write};
+use crate::console::{all_known, check_writable, positive_seconds, say, write};
 use crate::renderers;
 use crate::study::bench::Bench;
 use crate::study::line::{Line, curves, lines, misses, missing};
@@ -61,9 +61,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
     }
     let file = arguments.file.unwrap_or_else(renderers::file);
     let known = renderers::load(&file)?;
-    if let Some(name) = arguments.renderers.iter().find(|name| !known.contains_key(*name)) {
-        return Err(format!("{} has no renderer {name:?}", file.display()).into());
-    }
+    all_known("renderer", &arguments.renderers, known.keys().map(String::as_str))?;
     let twice = |(i, name): (usize, &String)| arguments.renderers[..i].contains(name);
     if let Some((_, name)) = arguments.renderers.iter().enumerate().find(|of| twice(*of)) {
         return Err(format!("the renderer {name:?} is named twice").into());

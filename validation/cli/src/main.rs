@@ -4,7 +4,8 @@ use clap::Parser;
 use std::error::Error;
 use std::process::ExitCode;
 use validate::{
-    calibrate, converge, distributions, guest, images, ledger, museum, report, scenes, stability, table,
+    calibrate, console, converge, distributions, guest, images, ledger, museum, report, scenes, stability,
+    table,
 };
 use validation::Verdict;
 
@@ -44,7 +45,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    match run(Command::parse()) {
+    match run(Command::parse()).and_then(|verdict| Ok(console::all_said().map(|()| verdict)?)) {
         Ok(verdict) => ExitCode::from(verdict.exit_code()),
         Err(error) => {
             eprintln!("error: {error}");

@@ -123,7 +123,7 @@ pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, S
 /// Relative difference of brightness that matters.
 const BRIGHTNESS: f64 = 0.01;
 
-/// Whether a brightness differs significantly by more than [`BRIGHTNESS`].
+/// Whether a brightness differs significantly by more than a hundredth.
 pub fn misses(brightness: Interval) -> bool {
     brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
 }
