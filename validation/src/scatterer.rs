@@ -56,6 +56,11 @@ pub trait Scatterer {
     /// number chooses the lobe and the others the direction in it; the check `jacobian` relies on that.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample>;
 
+    /// Number of queries so far that got a placeholder, where answers come later ([`crate::peer`]).
+    fn unanswered(&self) -> usize {
+        0
+    }
+
     /// The laws that it claims; none by default.
     fn laws(&self) -> Laws {
         Laws::default()

@@ -41,7 +41,8 @@ const QUADRATURE: f64 = 2.0;
 fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
     let bins = (effort.samples / PER_BIN).clamp(BINS[0], BINS[1]);
     let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), bins);
-    let integrals = partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi));
+    let integrals =
+        partition.integrate(QUADRATURE / effort.samples as f64, scatterer, |wi| scatterer.pdf(wo, wi));
     let judge = |&seed: &u64| match count(scatterer, wo, seed, effort, &partition) {
         Ok(observed) => conclude(&observed, &integrals, effort),
         Err((wi, pdf)) => {

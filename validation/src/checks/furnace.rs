@@ -31,7 +31,8 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
     let laws = scatterer.laws();
     let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), BINS);
     let flux = |wi: DVec3| scatterer.value(wo, wi) * laws.flux_factor(wo, wi);
-    let integral: Integral = partition.integrate(QUADRATURE / effort.samples as f64, flux).into_iter().sum();
+    let integral: Integral =
+        partition.integrate(QUADRATURE / effort.samples as f64, scatterer, flux).into_iter().sum();
     seeds.iter().map(|&seed| judge(scatterer, wo, seed, effort, integral)).collect()
 }
 

@@ -57,13 +57,13 @@ fn run_to<const N: usize>(
 ) -> Vec<Outcome> {
     let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), BINS);
     let tolerance = QUADRATURE / (samples as f64).sqrt();
-    let (exact, error) = partition.integrate_all::<N>(tolerance, |wi| {
+    let (exact, error) = partition.integrate_all::<N>(tolerance, scatterer, |wi| {
         let value = scatterer.value(wo, wi);
         if value == 0.0 { [0.0; N] } else { harmonics::<N>(wi).map(|y| y * value) }
     });
     // E[weight² Y²] = ∫ f² cos² θ Y² / pdf. The quadrature error is subtracted, so that the variance is a
     // lower bound.
-    let (squares, blur) = partition.integrate_all::<N>(ROUGHLY, |wi| {
+    let (squares, blur) = partition.integrate_all::<N>(ROUGHLY, scatterer, |wi| {
         let (value, pdf) = (scatterer.value(wo, wi), scatterer.pdf(wo, wi));
         if value == 0.0 || pdf == 0.0 {
             [0.0; N]

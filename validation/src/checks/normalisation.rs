@@ -38,8 +38,10 @@ const BY_CHANCE: f64 = 5.0;
 
 fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort) -> Vec<Outcome> {
     let partition = Partition::adapt(scatterer, wo, &mut pilot(seeds), BINS);
-    let integral: Integral =
-        partition.integrate(QUADRATURE / effort.samples as f64, |wi| scatterer.pdf(wo, wi)).into_iter().sum();
+    let integral: Integral = partition
+        .integrate(QUADRATURE / effort.samples as f64, scatterer, |wi| scatterer.pdf(wo, wi))
+        .into_iter()
+        .sum();
     seeds.iter().map(|&seed| conclude(scatterer, wo, seed, effort, integral)).collect()
 }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use super::draw;
 use crate::{
-    quadrature::{Cell, Integral, integrate, integrate_all},
+    quadrature::{Cell, Integral, integrate_all, integrate_known},
     scatterer::{DVec3, Scatterer, coordinates, direction},
     statistics::Stream,
 };
@@ -83,23 +83,30 @@ impl Partition {
         }
     }
 
-    /// The integral over each bin, each with an error below `tolerance` / (number of bins) where the budget
-    /// allows.
-    pub fn integrate(&self, tolerance: f64, function: impl Fn(DVec3) -> f64) -> Vec<Integral> {
+    /// The integral over each bin of a function of `scatterer`, each with an error below `tolerance` / (number
+    /// of bins) where the budget allows.
+    pub fn integrate(
+        &self,
+        tolerance: f64,
+        scatterer: &dyn Scatterer,
+        function: impl Fn(DVec3) -> f64,
+    ) -> Vec<Integral> {
         let tolerance = tolerance / self.bins.len() as f64;
-        let at = |[z, phi]: [f64; 2]| function(direction(z, phi));
-        self.bins.iter().map(|cells| integrate(cells, tolerance, BUDGET, at)).collect()
+        let at = answered(scatterer, |[z, phi]: [f64; 2]| function(direction(z, phi)));
+        self.bins.iter().map(|cells| integrate_known(cells, tolerance, BUDGET, &at)).collect()
     }
 
     /// Integrals of `N` functions over the sphere, and a bound on the error of each.
     pub fn integrate_all<const N: usize>(
         &self,
         tolerance: f64,
+        scatterer: &dyn Scatterer,
         function: impl Fn(DVec3) -> [f64; N],
     ) -> ([f64; N], f64) {
         let cells: Vec<Cell> = self.bins.iter().flatten().copied().collect();
         let budget = BUDGET * self.bins.len() / 8;
-        integrate_all(&cells, tolerance, budget, |[z, phi]| function(direction(z, phi)))
+        let at = answered(scatterer, |[z, phi]: [f64; 2]| function(direction(z, phi)));
+        integrate_all(&cells, tolerance, budget, at)
     }
 
     fn cut(&mut self, cell: Cell, points: &mut [Point], forced: Option<(usize, f64)>) -> usize {
@@ -118,6 +125,18 @@ impl Partition {
             self.bins.push(cells);
         }
         node
+    }
+}
+
+/// A function of a scatterer where the scatterer knows all that it is asked.
+fn answered<T>(
+    scatterer: &dyn Scatterer,
+    function: impl Fn([f64; 2]) -> T,
+) -> impl Fn([f64; 2]) -> Option<T> {
+    move |point| {
+        let before = scatterer.unanswered();
+        let value = function(point);
+        (scatterer.unanswered() == before).then_some(value)
     }
 }
 
@@ -209,7 +228,8 @@ mod tests {
             &mut Stream::new(0),
             64,
         );
-        let area: Integral = partition.integrate(1.0, |_| 1.0).into_iter().sum();
+        let lambert = Lambert { albedo: 0.5 };
+        let area: Integral = partition.integrate(1.0, &lambert, |_| 1.0).into_iter().sum();
         assert!((area.value - 4.0 * PI).abs() < 1e-9);
         let mut stream = Stream::named("partition", 0);
         for _ in 0..1000 {
@@ -227,7 +247,7 @@ mod tests {
         for alpha in [1e-3, 0.01, 0.5] {
             let (conductor, wo) = (Conductor { alpha, r0: 0.9 }, direction(0.8, 0.0));
             let partition = Partition::adapt(&conductor, wo, &mut Stream::new(1), 64);
-            let masses = partition.integrate(1e-4, |wi| conductor.pdf(wo, wi));
+            let masses = partition.integrate(1e-4, &conductor, |wi| conductor.pdf(wo, wi));
             let above = masses.iter().filter(|mass| mass.value > 0.2 / 64.0).count();
             assert!(above >= 60, "{above} of {} bins at α = {alpha}", partition.bins());
         }

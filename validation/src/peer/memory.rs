@@ -59,6 +59,8 @@ struct Answers {
     draws: HashMap<Key, Option<Sample>>,
     unknown_pairs: Vec<[DVec3; 2]>,
     unknown_draws: Vec<Draw>,
+    /// Number of placeholders so far.
+    unanswered: usize,
 }
 
 struct Memory {
@@ -116,19 +118,22 @@ impl Memory {
         Ok(())
     }
 
-    /// The placeholder is the uniform density over the sphere, so that checks continue and quadrature does
-    /// not refine.
+    /// The placeholder is the uniform density over the sphere, so that checks continue. Quadrature asks
+    /// [`Scatterer::unanswered`], and does not refine where it got one.
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> [f64; 2] {
         // A direction that is not finite has no density, and the peer need not be able to parse it.
         if !(wo.is_finite() && wi.is_finite()) {
             return [f64::NAN; 2];
         }
-        let Answers { pairs, unknown_pairs, .. } = &mut *self.answers.borrow_mut();
+        let Answers { pairs, unknown_pairs, unanswered, .. } = &mut *self.answers.borrow_mut();
         let known = pairs.entry(key(wo, wi.to_array())).or_insert_with(|| {
             unknown_pairs.push([wo, wi]);
             None
         });
-        known.unwrap_or([0.25 * FRAC_1_PI; 2])
+        known.unwrap_or_else(|| {
+            *unanswered += 1;
+            [0.25 * FRAC_1_PI; 2]
+        })
     }
 }
 
@@ -147,6 +152,10 @@ impl Scatterer for Memory {
             unknown_draws.push((wo, u));
             None
         })
+    }
+
+    fn unanswered(&self) -> usize {
+        self.answers.borrow().unanswered
     }
 
     fn laws(&self) -> Laws {
