@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::process::Command;
 use std::sync::OnceLock;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The header of every committed document of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,27 +48,63 @@ impl Provenance {
     }
 
     fn now() -> Result<Self, String> {
-        let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let model = model.map_or("unknown processor", |(_, model)| model);
-        let changed =
-            told("git", &["status", "--porcelain", "--untracked-files=no", "--", "*.rs", "Cargo.*"])?;
-        let commit = told("git", &["rev-parse", "--short", "HEAD"])?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let processor = processor().unwrap_or_else(|| "unknown processor".into());
+        let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", "*.rs", "Cargo.*"])?;
+        let commit = git(&["rev-parse", "--short", "HEAD"])?;
         Ok(Self {
-            date: told("date", &["-u", "+%F"])?,
-            machine: format!("{cores} cores, {model}"),
+            date: today(),
+            machine: format!("{cores} cores, {processor}"),
             commit: commit + if changed.is_empty() { "" } else { "+" },
         })
     }
 }
 
-fn told(program: &str, arguments: &[&str]) -> Result<String, String> {
-    let output = Command::new(program).args(arguments).current_dir(crate::museum::root()).output();
-    let output = output.map_err(|e| format!("{program}: {e}"))?;
+/// The name of the processor, if the system tells it.
+pub fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_string())
+}
+
+/// Today's date in UTC, in the format of ISO 8601.
+pub fn today() -> String {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    date(seconds / 86_400)
+}
+
+/// The Gregorian date of a day since 1970-01-01, in the format of ISO 8601. Years begin in March here, so
+/// that the leap day is the last.
+fn date(days: u64) -> String {
+    let days = days + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (month, turned) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
+    format!("{:04}-{month:02}-{day:02}", 400 * era + year + turned)
+}
+
+fn git(arguments: &[&str]) -> Result<String, String> {
+    let output = Command::new("git").args(arguments).current_dir(crate::museum::root()).output();
+    let output = output.map_err(|e| format!("git: {e}"))?;
     if !output.status.success() {
         let words = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("{program} {} failed: {}", arguments.join(" "), words.trim()));
+        return Err(format!("git {} failed: {}", arguments.join(" "), words.trim()));
     }
     Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_have_dates() {
+        let known = [(0, "1970-01-01"), (59, "1970-03-01"), (11_016, "2000-02-29"), (20_454, "2026-01-01")];
+        for (days, expected) in known {
+            assert_eq!(date(days), expected);
+        }
+    }
 }

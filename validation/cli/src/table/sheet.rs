@@ -4,7 +4,7 @@
 use validation::converge::page::{frame, missing, row, show};
 use validation::html::escape;
 
-use super::summary::{Against, Scene, Table};
+use super::summary::{Against, Scene, Standing, Table};
 use crate::study::bench::Bench;
 use crate::study::line::curves;
 use crate::study::pictures::pictures;
@@ -42,11 +42,11 @@ pub fn page(table: &Table, sections: &[String]) -> String {
 }
 
 fn cells_of(against: &Against) -> [String; 4] {
-    let sign = match against.verdict.as_str() {
-        "reached" => "✓",
-        "missed" => "✗",
-        "open" => "○",
-        _ => "–",
+    let sign = match against.standing {
+        Standing::Reached => "✓",
+        Standing::Missed => "✗",
+        Standing::Open => "○",
+        Standing::NoAnswer => "–",
     };
     let [trimmed, whole] = against.ratios(|ratio| show(*ratio)).map(|cell| escape(&cell));
     [escape(against.name()), trimmed, whole, format!("{sign} {}", against.aim)]

@@ -47,11 +47,35 @@ pub struct Against {
     pub best_whole: Option<(String, Ratio)>,
     /// The ratio that is aimed at.
     pub aim: f64,
-    /// Verdict by trimmed error: `reached` if the whole interval is at or above the aim, `missed` if below,
-    /// else `open`; `open` as well if either renderer's brightness differs from its reference, because errors
-    /// then compare bias with noise, or if a renderer of the group has no ratio, because it may be the best;
-    /// `no answer` without any ratio.
-    pub verdict: String,
+    /// By trimmed error.
+    pub standing: Standing,
+}
+
+/// Whether an aim is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Standing {
+    /// The whole interval is at or above the aim.
+    Reached,
+    /// The whole interval is below the aim.
+    Missed,
+    /// Neither; or a renderer's brightness differs from its reference, because errors then compare bias with
+    /// noise; or a renderer of the group has no ratio, because it may be the best.
+    Open,
+    /// There is no ratio at all.
+    #[serde(rename = "no answer")]
+    NoAnswer,
+}
+
+impl std::fmt::Display for Standing {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Reached => "reached",
+            Self::Missed => "missed",
+            Self::Open => "open",
+            Self::NoAnswer => "no answer",
+        })
+    }
 }
 
 /// The results of a scene so far; `failed` is the reason why it was not measured at all.
@@ -72,8 +96,8 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
         let rivals = best_trimmed.iter().map(|b| &b.0).chain([&plan.ours]).filter_map(of);
         let biased = rivals.filter_map(|line| line.brightness).any(misses);
         let unknown = lines.iter().any(|line| names.contains(&line.renderer) && line.ratio_trimmed.is_none());
-        let verdict = verdict(best_trimmed.as_ref().map(|b| &b.1), aim, biased || unknown).into();
-        Against { group: group.into(), best_whole: best(|line| line.ratio_whole), best_trimmed, aim, verdict }
+        let standing = standing(best_trimmed.as_ref().map(|b| &b.1), aim, biased || unknown);
+        Against { group: group.into(), best_whole: best(|line| line.ratio_whole), best_trimmed, aim, standing }
     };
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
     let against = vec![group("Mitsuba", &plan.mitsuba, aims[0]), group("others", &plan.others, aims[1])];
@@ -83,13 +107,13 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, with, against })
 }
 
-fn verdict(found: Option<&Ratio>, aim: f64, doubtful: bool) -> &'static str {
+fn standing(found: Option<&Ratio>, aim: f64, doubtful: bool) -> Standing {
     match found {
-        None => "no answer",
-        Some(_) if doubtful => "open",
-        Some(found) if found.ratio.low >= aim => "reached",
-        Some(found) if found.ratio.high < aim => "missed",
-        Some(_) => "open",
+        None => Standing::NoAnswer,
+        Some(_) if doubtful => Standing::Open,
+        Some(found) if found.ratio.low >= aim => Standing::Reached,
+        Some(found) if found.ratio.high < aim => Standing::Missed,
+        Some(_) => Standing::Open,
     }
 }
 
@@ -151,9 +175,9 @@ impl Table {
                 let [trimmed, whole] = against.ratios(|ratio| {
                     format!("{} [{}, {}]", digits(ratio.value), digits(ratio.low), digits(ratio.high))
                 });
-                let Against { aim, verdict, .. } = against;
+                let Against { aim, standing, .. } = against;
                 // Writing to a String cannot fail.
-                let _written = write!(row, " {} | {trimmed} | {whole} | {aim}: {verdict} |", against.name());
+                let _written = write!(row, " {} | {trimmed} | {whole} | {aim}: {standing} |", against.name());
             }
             text += &(row + "\n");
         }
@@ -175,13 +199,14 @@ mod tests {
     use validation::converge::{Rung, ratio};
 
     #[test]
-    fn verdicts_follow_the_interval() {
+    fn the_standing_follows_the_interval() {
         let three = |cost: f64| {
             vec![Rung { samples: 1, errors: vec![cost, 1.1 * cost, 0.9 * cost], seconds: vec![1.0; 3] }]
         };
         let found = ratio(&three(1.0), &three(5.0)).unwrap();
-        assert_eq!([4.9, 5.1].map(|aim| verdict(Some(&found), aim, false)), ["reached", "missed"]);
-        assert_eq!((verdict(None, 1.0, false), verdict(Some(&found), 4.9, true)), ("no answer", "open"));
+        let of = |aim: f64, doubtful: bool| standing(Some(&found), aim, doubtful);
+        assert_eq!([of(4.9, false), of(5.1, false)], [Standing::Reached, Standing::Missed]);
+        assert_eq!([standing(None, 1.0, false), of(4.9, true)], [Standing::NoAnswer, Standing::Open]);
         let brightness = |value: f64| Interval { value, low: value - 0.01, high: value + 0.01 };
         assert_eq!(
             [0.97, 0.985, 1.0, 1.03].map(|value| misses(brightness(value))),
