@@ -56,9 +56,7 @@ pub struct Differences {
 impl Golden {
     /// Reads the committed file.
     pub fn load() -> Result<Self, String> {
-        let path = crate::references::folder().join("golden/bsdf.json");
-        let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+        crate::files::json(&crate::references::folder().join("golden/bsdf.json"))
     }
 
     /// Compares one example. Errors: the example or the golden file cannot be read.

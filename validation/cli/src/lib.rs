@@ -24,6 +24,7 @@ pub mod distributions;
 mod documents;
 pub mod drawn_light;
 pub mod drawn_places;
+mod files;
 pub mod furnace;
 pub mod guest;
 pub mod images;

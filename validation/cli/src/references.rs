@@ -1,5 +1,6 @@
 //! The reference scenes, rendered by Etalon and compared with Mitsuba's images of them.
 
+use crate::files;
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{self, Overrides};
 use etalon::spectrum::ColorMode;
@@ -35,9 +36,7 @@ pub fn folder() -> PathBuf {
 /// All references below a folder, sorted by name.
 pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
     let list = folder.join("references.json");
-    let told = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
-    let text = std::fs::read_to_string(&list).map_err(|e| told(&e))?;
-    let records: BTreeMap<String, Record> = serde_json::from_str(&text).map_err(|e| told(&e))?;
+    let records: BTreeMap<String, Record> = files::json(&list)?;
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut found = vec![];
     for entry in entries.filter_map(Result::ok) {
@@ -48,7 +47,7 @@ pub fn references(folder: &Path) -> Result<Vec<Reference>, String> {
                 let name = format!("{stem}::{}", mode.name());
                 let record = records.get(&format!("{stem}.{}", mode.name()));
                 let Record { channels, standard_error } =
-                    record.ok_or_else(|| told(&format!("there is no {file}")))?;
+                    record.ok_or_else(|| format!("{}: there is no {file}", list.display()))?;
                 let errors = channels.iter().cloned().zip(standard_error.iter().copied()).collect();
                 found.push(Reference { name, scene, image: entry.path(), mode, errors });
             }

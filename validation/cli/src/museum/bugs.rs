@@ -1,6 +1,7 @@
 //! The catalogue: `validation/museum/bugs/*.json`, lists of bugs.
 
 use super::plant::Change;
+use crate::files;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -34,14 +35,12 @@ pub fn folder() -> PathBuf {
 
 /// All bugs, in the order of the files' names.
 pub fn catalogue(folder: &Path) -> Result<Vec<Bug>, String> {
-    let told = |path: &Path, why: &dyn std::fmt::Display| format!("{}: {why}", path.display());
-    let entries = std::fs::read_dir(folder).map_err(|e| told(folder, &e))?;
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut paths: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
     paths.sort();
     let mut bugs = vec![];
     for path in paths {
-        let text = std::fs::read_to_string(&path).map_err(|e| told(&path, &e))?;
-        let list: Vec<Bug> = serde_json::from_str(&text).map_err(|e| told(&path, &e))?;
+        let list: Vec<Bug> = files::json(&path)?;
         let chapter = path.file_stem().unwrap_or_default().to_string_lossy();
         bugs.extend(list.into_iter().map(|bug| Bug { chapter: chapter.to_string(), ..bug }));
     }

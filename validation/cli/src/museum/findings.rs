@@ -1,6 +1,7 @@
 //! The fates of the bugs, and their JSON document.
 
 use super::plant::Change;
+use crate::files;
 use crate::provenance::Provenance;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -71,8 +72,7 @@ impl Findings {
 
     /// Reads the findings of a document. Errors: no such file, or other content.
     pub fn read(path: &Path) -> Result<Self, String> {
-        let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-        serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+        files::json(path)
     }
 
     /// Adds a finding with this run's commit, replacing an earlier one on the same bug.

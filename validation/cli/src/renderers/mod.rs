@@ -31,8 +31,7 @@ pub type Renderers = BTreeMap<String, Renderer>;
 
 /// Reads a file of renderers.
 pub fn load(path: &Path) -> Result<Renderers, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let all: Renderers = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let all: Renderers = crate::files::toml(path)?;
     let stranger = |renderer: &Renderer| renderer.mean_of.clone().filter(|name| !all.contains_key(name));
     let fault = |renderer: &Renderer| match stranger(renderer) {
         Some(stranger) => Some(format!("there is no renderer {stranger:?}")),

@@ -2,6 +2,7 @@
 
 use super::Effort;
 use super::questions::{judge, one_of_a_family, thin};
+use crate::files;
 use crate::stage::asked_again;
 use crate::trial::{effort, effort_of_sampling};
 use crate::{closed_forms, furnace, limits, materials, metamorphic, references, sampling, stability};
@@ -155,9 +156,7 @@ fn read(folder: &Path) -> Result<Vec<Report>, String> {
     paths.sort();
     let mut reports = vec![];
     for path in paths {
-        let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
-        let text = std::fs::read_to_string(&path).map_err(|e| fail(&e))?;
-        let mut document: Value = serde_json::from_str(&text).map_err(|e| fail(&e))?;
+        let mut document: Value = files::json(&path)?;
         let known = ["materials", "sampling", "furnace", "scenes"];
         // Other documents may be of any form.
         if !document.get("title").and_then(Value::as_str).is_some_and(|title| known.contains(&title)) {
@@ -169,7 +168,8 @@ fn read(folder: &Path) -> Result<Vec<Report>, String> {
         for figures in figures.filter_map(Value::as_object_mut) {
             figures.retain(|_, value| !value.is_null());
         }
-        reports.push(serde_json::from_value(document).map_err(|e| fail(&e))?);
+        let report = serde_json::from_value(document).map_err(|e| format!("{}: {e}", path.display()))?;
+        reports.push(report);
     }
     if reports.is_empty() { Err(format!("{}: no report in it", folder.display())) } else { Ok(reports) }
 }

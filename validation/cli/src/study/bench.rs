@@ -15,6 +15,7 @@ use std::time::Duration;
 use validation::converge::{Errors, Picture, Reference, errors, reference};
 
 use super::{Ladder, REFERENCES, Run, Settings, seed};
+use crate::files;
 use crate::console;
 use crate::renderers::{Job, Rendered, Renderers, Took, mean_of, read};
 use crate::report::machine;
@@ -148,8 +149,7 @@ impl Bench<'_> {
         if !file.exists() {
             return Ok(Schedule::new());
         }
-        let text = std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-        serde_json::from_str(&text).map_err(|e| format!("{}: {e}", file.display()))
+        files::json(&file)
     }
 
     /// The mean of the renderer's stored reference pictures; `None` with fewer than two.

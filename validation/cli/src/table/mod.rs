@@ -19,7 +19,7 @@ use crate::console::positive_seconds;
 use crate::report::machine;
 use crate::study::bench::Bench;
 use crate::study::{Ladder, Settings};
-use crate::{console, renderers};
+use crate::{console, files, renderers};
 use plan::Entry;
 use summary::Table;
 
@@ -151,7 +151,7 @@ fn kept_settings(
 ) -> Result<Settings, Box<dyn std::error::Error>> {
     let file = folder.join("settings.json");
     if file.is_file() {
-        let kept: Settings = serde_json::from_str(&std::fs::read_to_string(&file)?)?;
+        let kept: Settings = files::json(&file)?;
         let same = Settings { seeds: given.seeds, ..kept.clone() } == given;
         return match (report_only, same) {
             (true, _) => Ok(kept),

@@ -59,8 +59,7 @@ pub fn file() -> PathBuf {
 
 /// Reads a plan. Errors: an unreadable file, or a scene with an unknown class.
 pub fn load(path: &Path) -> Result<Plan, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let plan: Plan = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let plan: Plan = crate::files::toml(path)?;
     match plan.scene.iter().find(|entry| !plan.class.contains_key(&entry.class)) {
         Some(entry) => Err(format!("{}: {}: no class {:?}", path.display(), entry.name, entry.class)),
         None => Ok(plan),
