@@ -91,7 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     check_writable(&[&arguments.scene], &[&arguments.json])?;
     let known = renderers::load(&renderers::file())?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
-    let out = std::env::temp_dir().join(format!("etalon-calibrate-{}.exr", std::process::id()));
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("picture.exr");
     let render = |samples: u32, seed: u32| renderer.render(&Job::new(&arguments.scene, samples, seed), &out);
     let longest = arguments.spp.iter().max().copied().unwrap_or(1);
     let pictures: Result<Vec<_>, String> = (0..REFERENCES)
@@ -112,7 +113,6 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         }
         pool.push(Pair(sides));
     }
-    std::fs::remove_file(&out)?;
     let mut stream = Stream::named("calibrate", 0);
     let mut found = vec![];
     for seeds in [8, 16, 32, 64].into_iter().filter(|s| *s <= pool.len() / 2) {

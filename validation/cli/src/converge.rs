@@ -80,19 +80,16 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn std::error::Error>> 
         threads: arguments.threads,
         processor_time: arguments.processor_time,
     };
-    let folder = std::env::temp_dir().join(format!("etalon-converge-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
+    let folder = tempfile::tempdir()?;
     let bench = Bench {
         scene: arguments.scene,
-        folder,
+        folder: folder.path().to_owned(),
         renderers: &known,
         settings: &settings,
         limit: arguments.timeout,
     };
     let names: Vec<&str> = arguments.renderers.iter().map(String::as_str).collect();
-    let verdict = tell(&bench, &names, arguments.json.as_deref(), arguments.html.as_deref());
-    std::fs::remove_dir_all(&bench.folder)?;
-    verdict
+    tell(&bench, &names, arguments.json.as_deref(), arguments.html.as_deref())
 }
 
 /// Measures, and writes the results while the pictures exist.

@@ -65,9 +65,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     if questions == 0 {
         return Err("there is no such scene".into());
     }
-    let folder = std::env::temp_dir().join(format!("etalon-guest-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
-    let guest = Guest { renderer: template, folder: &folder, number, level: sidak(LEVEL, questions) };
+    let folder = tempfile::tempdir()?;
+    let guest = Guest { renderer: template, folder: folder.path(), number, level: sidak(LEVEL, questions) };
     let mut outcomes = vec![];
     let mut tell = |outcome: Outcome| {
         print(&outcome);
@@ -79,7 +78,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     for case in &cases {
         tell(guest.knows(case, seeds));
     }
-    std::fs::remove_dir_all(&folder)?;
     documents.finish(Report::new(renderer, outcomes))
 }
 
