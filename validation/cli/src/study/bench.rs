@@ -15,8 +15,8 @@ use std::time::Duration;
 use validation::converge::{Errors, Picture, Reference, errors, reference};
 
 use super::{Ladder, REFERENCES, Run, Settings, seed};
-use crate::files;
 use crate::console;
+use crate::files;
 use crate::renderers::{Job, Rendered, Renderers, Took, mean_of, read};
 use crate::report::machine;
 

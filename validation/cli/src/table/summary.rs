@@ -97,7 +97,13 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
         let biased = rivals.filter_map(|line| line.brightness).any(misses);
         let unknown = lines.iter().any(|line| names.contains(&line.renderer) && line.ratio_trimmed.is_none());
         let standing = standing(best_trimmed.as_ref().map(|b| &b.1), aim, biased || unknown);
-        Against { group: group.into(), best_whole: best(|line| line.ratio_whole), best_trimmed, aim, standing }
+        Against {
+            group: group.into(),
+            best_whole: best(|line| line.ratio_whole),
+            best_trimmed,
+            aim,
+            standing,
+        }
     };
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
     let against = vec![group("Mitsuba", &plan.mitsuba, aims[0]), group("others", &plan.others, aims[1])];
