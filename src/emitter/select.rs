@@ -2,9 +2,9 @@
 //! gathered.
 //!
 //! Emitters within the scene are in a [`tree`](super::tree), which is one choice; each of those infinitely
-//! far is another. All estimates are of irradiance, as far as a
-//! surface scatters it to the viewer, in the same unit, so a lamp outshines the sky in a room
-//! and not in the street. Of the sky only that counts which scattering would not find by itself.
+//! far is another. All estimates are of irradiance, as far as a surface scatters it to the viewer, in the
+//! same unit, so a lamp outshines the sky in a room and not in the street. Of the sky only that counts which
+//! scattering would not find by itself.
 
 use super::tree::{Cluster, SeenTree, Tree};
 use super::{AnyEmitter, Gathers, MapPlace, Receiver, View};

@@ -66,6 +66,14 @@ pub fn unanswered(subject: &str, error: String) -> Outcome {
     Outcome::new("question", Verdict::Inconclusive, error).of(subject)
 }
 
+/// The outcome of any question, by one that may fail.
+pub fn settled<T>(
+    name: impl Fn(&T) -> &str + Sync,
+    ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
+) -> impl Fn(&T) -> Option<Outcome> + Sync {
+    move |question| ask(question).unwrap_or_else(|error| Some(unanswered(name(question), error)))
+}
+
 /// The outcomes of all questions, printed as they become known. One that could not be evaluated is
 /// inconclusive, with the error as its message, so that it takes no other with it.
 pub fn ask_and_print<T: Sync>(
@@ -74,9 +82,7 @@ pub fn ask_and_print<T: Sync>(
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
     let mut outcomes = vec![];
-    let settled =
-        |question: &T| ask(question).unwrap_or_else(|error| Some(unanswered(name(question), error)));
-    ask_in_turn(questions, settled, |outcome| {
+    ask_in_turn(questions, settled(name, ask), |outcome| {
         outcomes.extend(outcome.inspect(print));
         Ok(())
     })?;

@@ -24,15 +24,13 @@ mod tests {
 
     #[test]
     fn errors_name_the_file() {
-        let folder = std::env::temp_dir().join(format!("etalon-files-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let path = folder.join("x.json");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.json");
         let missing = json::<u32>(&path).unwrap_err();
         std::fs::write(&path, "[1").unwrap();
         let faulty = [json::<u32>(&path).unwrap_err(), toml::<u32>(&path).unwrap_err()];
         std::fs::write(&path, "7").unwrap();
         assert_eq!(json(&path), Ok(7));
-        std::fs::remove_dir_all(&folder).unwrap();
         let begin = format!("{}: ", path.display());
         assert!([missing].iter().chain(&faulty).all(|error| error.starts_with(&begin)), "{faulty:?}");
     }

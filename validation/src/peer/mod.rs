@@ -9,7 +9,7 @@ mod process;
 mod protocol;
 
 pub use memory::judge;
-pub use process::{Process, words};
+pub use process::{Process, ends_or_is_killed, words};
 pub use protocol::{Configuration, Hello, Lines, Peer};
 
 /// The reason why a peer gave no answer, in one sentence for a person.

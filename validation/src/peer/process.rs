@@ -53,20 +53,31 @@ impl Process {
 
     /// How the program ended, if it has.
     fn ending(&mut self) -> String {
-        match self.ends_within(Duration::from_millis(500)) {
-            Some(status) => format!("ended ({status})"),
-            None => "closed its output".into(),
+        match ends_within(&mut self.child, Duration::from_millis(500)) {
+            Ok(Some(status)) => format!("ended ({status})"),
+            _ => "closed its output".into(),
         }
     }
+}
 
-    /// How the program ended, if it does within this time.
-    fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {
-        let start = Instant::now();
-        loop {
-            match self.child.try_wait() {
-                Ok(None) if start.elapsed() < limit => sleep(Duration::from_millis(10)),
-                ended => return ended.ok().flatten(),
-            }
+/// How a program ended, if it does within this time; it is killed if it does not.
+pub fn ends_or_is_killed(child: &mut Child, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
+    let ended = ends_within(child, limit);
+    if !matches!(ended, Ok(Some(_))) {
+        // Either fails only if the program has ended meanwhile.
+        let _ended = child.kill();
+        let _ended = child.wait();
+    }
+    ended
+}
+
+/// How a program ended, if it does within this time.
+fn ends_within(child: &mut Child, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
+    let start = Instant::now();
+    loop {
+        match child.try_wait() {
+            Ok(None) if start.elapsed() < limit => sleep(Duration::from_millis(5)),
+            ended => return ended,
         }
     }
 }
@@ -97,11 +108,7 @@ impl Drop for Process {
     fn drop(&mut self) {
         // Its input ends, at which it has a second to end by itself.
         self.requests = None;
-        if self.ends_within(Duration::from_secs(1)).is_none() {
-            // Either fails only if the program has ended meanwhile.
-            let _ended = self.child.kill();
-            let _ended = self.child.wait();
-        }
+        let _ended = ends_or_is_killed(&mut self.child, Duration::from_secs(1));
     }
 }
 

@@ -3,12 +3,13 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::thread::{sleep, spawn};
+use std::thread::spawn;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use validation::converge::Picture;
 use validation::image;
+use validation::peer::{ends_or_is_killed, words};
 
 use super::said::Said;
 use super::{Renderer, fill, from_environment};
@@ -84,7 +85,7 @@ impl Renderer {
     /// has its last words.
     pub fn run(&self, job: &Job, out: &Path) -> Result<Took, String> {
         let command = from_environment(&self.command)?;
-        let words = validation::peer::words(&command).ok_or("a quote of the command is not closed")?;
+        let words = words(&command).ok_or("a quote of the command is not closed")?;
         let words: Vec<String> = words.iter().map(|word| fill(word, job, out)).collect();
         let (program, arguments) = words.split_first().ok_or("the command is empty")?;
         // A file of an earlier render must not pass for the result.
@@ -128,21 +129,9 @@ fn output(command: &mut Command, limit: Option<Duration>) -> Result<Output, Stri
     let (stdout, stderr) = (child.stdout.take().map(all_of), child.stderr.take().map(all_of));
     let status = match limit {
         None => child.wait().map_err(|e| e.to_string())?,
-        Some(limit) => {
-            let start = Instant::now();
-            loop {
-                match child.try_wait().map_err(|e| e.to_string())? {
-                    Some(status) => break status,
-                    None if start.elapsed() < limit => sleep(Duration::from_millis(5)),
-                    None => {
-                        // Either fails only if it has ended meanwhile.
-                        let _ended = child.kill();
-                        let _ended = child.wait();
-                        return Err(format!("took longer than the limit of {} s", limit.as_secs_f64()));
-                    }
-                }
-            }
-        }
+        Some(limit) => ends_or_is_killed(&mut child, limit)
+            .map_err(|e| e.to_string())?
+            .ok_or_else(|| format!("took longer than the limit of {} s", limit.as_secs_f64()))?,
     };
     let [stdout, stderr] = [stdout.map_or(vec![], |read| read()), stderr.map_or(vec![], |read| read())];
     Ok(Output { status, stdout, stderr })

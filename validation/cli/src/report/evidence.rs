@@ -181,16 +181,13 @@ mod tests {
 
     #[test]
     fn documents_of_other_forms_are_passed_over() {
-        let folder = std::env::temp_dir().join(format!("etalon-evidence-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = tempfile::tempdir().unwrap();
         let report =
             to_json(&Report::new("scenes", vec![Outcome::new("x", Verdict::Equivalent, "")])).unwrap();
         for (name, text) in [("a", "[1, 2]"), ("b", "3"), ("c", "{\"title\": 1}"), ("d", &report)] {
-            std::fs::write(folder.join(name).with_extension("json"), text).unwrap();
+            std::fs::write(folder.path().join(name).with_extension("json"), text).unwrap();
         }
-        let found = read(&folder);
-        std::fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(found.unwrap().len(), 1);
+        assert_eq!(read(folder.path()).unwrap().len(), 1);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The selection of trials, closed forms and relations of a report, and their evaluation.
 
-use crate::crew::{ask_all, unanswered};
+use crate::crew::{ask_all, settled};
 use crate::trial::Trial;
 use std::collections::BTreeSet;
 use validation::Outcome;
@@ -27,14 +27,11 @@ pub fn one_of_a_family<T>(mut things: Vec<T>, name: impl Fn(&T) -> &String, spar
 /// error as its message.
 pub fn judge<T: Sync>(
     questions: &[T],
-    name: impl Fn(&T) -> &String,
+    name: impl Fn(&T) -> &str + Sync,
     ask: impl Fn(&T) -> Result<Option<Outcome>, String> + Sync,
 ) -> Result<Vec<Outcome>, String> {
-    let answers = ask_all(questions, ask)?.into_iter().zip(questions);
-    let settle = |(answer, question): (Result<_, _>, &T)| {
-        answer.unwrap_or_else(|error| Some(unanswered(name(question), error)))
-    };
-    Ok(answers.filter_map(settle).collect())
+    let answers = ask_all(questions, settled(name, ask))?;
+    Ok(answers.into_iter().flatten().collect())
 }
 
 #[cfg(test)]

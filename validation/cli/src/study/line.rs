@@ -78,8 +78,10 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, S
     };
     let reference_of = |name: &str| mean_of(bench.renderers, name).to_string();
     let mut means = BTreeMap::new();
-    for name in names.iter().map(|name| reference_of(name)) {
-        means.insert(name.clone(), bench.reference_means(&name)?);
+    // Several renderers may share one.
+    for name in names.iter().map(|name| reference_of(name)).collect::<BTreeSet<_>>() {
+        let found = bench.reference_means(&name)?;
+        means.insert(name, found);
     }
     let first_of_all = names.first().map(|name| reference_of(name)).unwrap_or_default();
     let over_first = |of: &str| {

@@ -84,8 +84,9 @@ pub fn judge(
     let own = |error: std::io::Error| Failure::Own(format!("{}: {error}", file.display()));
     std::fs::write(&file, &scene.text).map_err(own)?;
     // Both renderers take whole samples of each replicate, and whole blocks.
-    let whole = |samples: u32| samples / (4 * REPLICATES) * 4 * REPLICATES;
-    let (mut samples, mut doubted) = (whole(FIRST.min(most)), false);
+    const STEP: u32 = 4 * REPLICATES;
+    let largest = most / STEP * STEP;
+    let (mut samples, mut doubted) = (FIRST.min(largest), false);
     loop {
         let name = format!("{number} {samples} {doubted}");
         let (mut found, more) = once(scene, &file, &name, samples, mitsuba)?;
@@ -100,15 +101,15 @@ pub fn judge(
         };
         let next = f64::from(samples) * wanted;
         let to_confirm = found.answer == Answer::Different && !doubted;
-        let more = whole((next.min(f64::from(most)) as u32).next_multiple_of(4 * REPLICATES).min(most));
-        if (next > f64::from(most) || more <= samples) && !to_confirm {
+        let next_samples = (next.min(f64::from(largest)) as u32).next_multiple_of(STEP);
+        if (next > f64::from(most) || next_samples <= samples) && !to_confirm {
             if matches!(found.answer, Answer::Equivalent | Answer::RefusedByBoth) {
                 std::fs::remove_file(&file).map_err(own)?;
             }
             return Ok(found);
         }
         doubted |= found.answer == Answer::Different;
-        samples = more;
+        samples = next_samples;
     }
 }
 
