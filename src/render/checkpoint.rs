@@ -4,10 +4,11 @@
 //! pixel by pixel and channel by channel (`u32`), and the XXH3 of everything before (`u64`); all numbers
 //! little-endian. It is replaced whole or not at all, so a process may die at any time.
 
+use super::Settings;
 use super::passes::Partial;
-use super::{NonFinite, Settings};
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::{ImageError, write_file_with};
+use crate::sampler::SampleId;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -266,7 +267,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
     report.samples = (head.done - range.start) * settings.window.pixels() as u64;
     (report.rays, report.cut, report.non_finite) = (head.rays, head.cut, head.non_finite);
     let first = head.first_non_finite.into_iter();
-    report.first_non_finite = first.map(|(x, y, sample)| NonFinite { pixel: (x, y), sample }).collect();
+    report.first_non_finite = first.map(|(x, y, sample)| SampleId { pixel: (x, y), sample }).collect();
     Ok(partial)
 }
 

@@ -19,6 +19,7 @@ mod tile;
 use crate::film::BLOCK;
 use crate::image::{Channel, Image, Provenance, Window};
 use crate::integrator::{Counters, KernelEntry, kernel_for};
+use crate::sampler::SampleId;
 use crate::scene::Scene;
 use passes::{Partial, render_passes};
 use quality::{Correlation, Noise, Quality};
@@ -63,13 +64,6 @@ impl Settings {
     }
 }
 
-/// A camera sample whose value is not a number or infinite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NonFinite {
-    pub pixel: (u32, u32),
-    pub sample: u64,
-}
-
 /// What a render did besides making an image.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
@@ -79,8 +73,8 @@ pub struct Report {
     /// Paths cut at the hard limit of vertices.
     pub cut: u64,
     pub non_finite: u64,
-    /// The first few non-finite samples, in order of pixel and sample.
-    pub first_non_finite: Vec<NonFinite>,
+    /// The first few samples whose value is infinite or not a number, in order of pixel and sample.
+    pub first_non_finite: Vec<SampleId>,
     pub kernel: &'static str,
     pub threads: usize,
     /// Quality of the whole image, from more digits than a file has.

@@ -5,6 +5,7 @@ use super::spread::Spread;
 use crate::image::Window;
 use crate::integrator::path::reuse;
 use crate::integrator::{CameraPath, Counters, Event};
+use crate::sampler::SampleId;
 
 /// A sample of a pixel that was replayed.
 pub struct Replay {
@@ -26,14 +27,14 @@ impl Camera<'_> {
     /// with others is in its radiance only.
     pub fn replay(&self, pixel: (u32, u32), sample: u64) -> Replay {
         let channels = self.channel_names().len();
-        let trace = |which: &[((u32, u32), u64)], counters: &mut Counters| {
+        let trace = |which: &[SampleId], counters: &mut Counters| {
             let mut values = vec![0.0; channels * which.len()];
             let (paths, weights) = self.samples(which, counters, &mut values);
-            let mine = which.iter().position(|of| of.0 == pixel).unwrap_or_default();
+            let mine = which.iter().position(|of| of.pixel == pixel).unwrap_or_default();
             (paths[mine], weights[mine], values[channels * mine..][..channels].to_vec())
         };
         let mut counters = Counters { log: Some(vec![]), ..Counters::default() };
-        let mut traced = trace(&[(pixel, sample)], &mut counters);
+        let mut traced = trace(&[SampleId { pixel, sample }], &mut counters);
         if self.reuse() > 1 {
             // Those without which this one would be another.
             let together: Vec<_> = reuse::cell(pixel, sample, self.film().size).collect();

@@ -5,7 +5,7 @@ use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
 use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
-use crate::sampler::{CAMERA, ManyNumbers, Numbers, PLACE_COLUMN, Sampler};
+use crate::sampler::{CAMERA, ManyNumbers, Numbers, PLACE_COLUMN, SampleId, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
@@ -51,11 +51,11 @@ impl<'a> Camera<'a> {
         channel_names(&self.scene.sensor.film, &self.scene.integrator)
     }
 
-    /// The values of camera samples, given by pixel and number: for each all channels, weighted by the
-    /// reconstruction filter unless that spreads them. Also their paths, and those weights.
+    /// The values of camera samples: for each all channels, weighted by the reconstruction filter unless that
+    /// spreads them. Also their paths, and those weights.
     pub fn samples(
         &self,
-        which: &[((u32, u32), u64)],
+        which: &[SampleId],
         counters: &mut Counters,
         values: &mut [f64],
     ) -> (Vec<CameraPath>, Vec<f64>) {
@@ -156,11 +156,11 @@ impl<'a> Camera<'a> {
         }
     }
 
-    fn generate(&self, which: &[((u32, u32), u64)]) -> (Vec<CameraPath>, Vec<f64>) {
+    fn generate(&self, which: &[SampleId]) -> (Vec<CameraPath>, Vec<f64>) {
         let mut last = None;
         let samplers: Vec<Sampler> = which
             .iter()
-            .map(|&(pixel, sample)| {
+            .map(|&SampleId { pixel, sample }| {
                 let of_pixel = match last {
                     Some((known, sampler)) if known == pixel => sampler,
                     _ => Sampler::new(self.scene.sensor.sampler.kind, self.seed, pixel, 0),
@@ -177,7 +177,7 @@ impl<'a> Camera<'a> {
         let mut common = None;
         for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
             numbers.fill(which.len(), pairs, |i| (&samplers[i], CAMERA));
-            for (i, (&(pixel, sample), sampler)) in which.iter().zip(samplers).enumerate() {
+            for (i, (&SampleId { pixel, sample }, sampler)) in which.iter().zip(samplers).enumerate() {
                 if self.film().spread.is_some() && common.is_none_or(|(of, _)| of != sample) {
                     common = self.place_in_pixels(sample).map(|place| (sample, place));
                 }
@@ -193,22 +193,22 @@ impl<'a> Camera<'a> {
 
     /// Of samples whose pixels share what they find: the number of each one's group. All samples of a cell
     /// have the wavelengths of its corner, which come second.
-    fn groups(&self, which: &[((u32, u32), u64)]) -> Vec<(u32, Wavelengths)> {
+    fn groups(&self, which: &[SampleId]) -> Vec<(u32, Wavelengths)> {
         let pixels = self.scene.integrator.reuse();
         if pixels == 1 {
             return vec![];
         }
         let kind = self.scene.sensor.sampler.kind;
         let mut last: Option<(reuse::GroupId, u32, Wavelengths)> = None;
-        let of = |&(pixel, sample): &((u32, u32), u64)| {
-            let group = reuse::group(pixel, sample, pixels);
+        let of = |&id: &SampleId| {
+            let group = reuse::group(id, pixels);
             let (number, λ) = match last {
                 Some((known, number, λ)) if known == group => (number, λ),
-                Some((known, number, λ)) if known.cell == group.cell && known.sample == sample => {
+                Some((known, number, λ)) if known.cell == group.cell && known.sample == group.sample => {
                     (number + 1, λ)
                 }
                 _ => {
-                    let sampler = Sampler::new(kind, self.seed, group.corner(), sample as u32);
+                    let sampler = Sampler::new(kind, self.seed, group.corner(), group.sample as u32);
                     let number = last.map_or(0, |(_, number, _)| number + 1);
                     (number, self.wavelengths(sampler.block(CAMERA).one(2)))
                 }
@@ -273,7 +273,7 @@ mod tests {
                     <rfilter type="box"/></film><sampler type="independent"/></sensor></scene>"#;
         let scene = load_text("scene.xml", text, ColorMode::Spectral).unwrap();
         let camera = Camera::new(&scene, 0, kernel_for(scene.features()));
-        let which: Vec<_> = (0..SAMPLES).map(|sample| ((0, 0), sample)).collect();
+        let which: Vec<_> = (0..SAMPLES).map(|sample| SampleId { pixel: (0, 0), sample }).collect();
         let drawn = |path: &CameraPath| {
             let (lens, way) = (path.ray.origin, path.ray.direction);
             // The lens is in the plane z = 0, and what is on the film is sharp at z = 2.

@@ -9,6 +9,7 @@ use super::sample::Camera;
 use super::{Progress, number_of};
 use crate::image::Window;
 use crate::integrator::Counters;
+use crate::sampler::SampleId;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -99,13 +100,13 @@ impl Splats {
 
     /// Adds to a sample of a pixel, whose colour channels come first, what light paths contribute to it.
     #[inline(always)]
-    pub fn add_to(&self, pixel: (u32, u32), sample: u64, values: &mut [f64]) {
+    pub fn add_to(&self, id: SampleId, values: &mut [f64]) {
         if let Some(window) = self.window {
-            self.add_in(window, pixel, sample, values);
+            self.add_in(window, id, values);
         }
     }
 
-    fn add_in(&self, window: Window, (x, y): (u32, u32), sample: u64, values: &mut [f64]) {
+    fn add_in(&self, window: Window, SampleId { pixel: (x, y), sample }: SampleId, values: &mut [f64]) {
         let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
         let sample = (sample - self.begin) as u32;
         let mine = self.first[at]..self.first[at + 1];

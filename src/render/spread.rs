@@ -19,6 +19,7 @@ use crate::film::{Accumulators, ChannelAccumulator, Film};
 use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::CELL;
+use crate::sampler::SampleId;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -45,14 +46,13 @@ pub struct Spread<'a> {
 
 /// A sample that is not finite. It counts for its own pixel only, where it is found and named.
 struct Lost {
-    pixel: (u32, u32),
-    sample: u64,
+    id: SampleId,
     values: Vec<f64>,
 }
 
 impl Lost {
     fn row(&self) -> (u64, u32) {
-        (self.sample, self.pixel.1)
+        (self.id.sample, self.id.pixel.1)
     }
 }
 
@@ -91,7 +91,8 @@ impl<'a> Spread<'a> {
                     for (x, (values, sums)) in
                         (self.window.x..).zip(pixels.zip(sums.chunks_exact_mut(self.channels)))
                     {
-                        add(self.camera, splats, ((x, y), sample), values, sums, &mut report);
+                        let id = SampleId { pixel: (x, y), sample };
+                        add(self.camera, splats, id, values, sums, &mut report);
                     }
                 }
                 report
@@ -162,12 +163,12 @@ impl<'a> Spread<'a> {
             }
             let values = &mut values[..channels * which.len()];
             self.camera.samples(which, &mut counters, values);
-            for (&(pixel, _), values) in which.iter().zip(values.chunks_exact(channels)) {
-                let Some(at) = number_of(band, pixel) else { continue };
+            for (&id, values) in which.iter().zip(values.chunks_exact(channels)) {
+                let Some(at) = number_of(band, id.pixel) else { continue };
                 if values.iter().all(|value| value.is_finite()) {
                     row_by_row[at * channels..][..channels].copy_from_slice(values);
                 } else {
-                    lost.push(Lost { pixel, sample, values: values.to_vec() });
+                    lost.push(Lost { id, values: values.to_vec() });
                 }
             }
             Some(())
@@ -201,8 +202,8 @@ impl<'a> Spread<'a> {
         }
         let begin = lost.partition_point(|lost| lost.row() < (sample, y));
         let row = Window { y, height: 1, ..self.window };
-        for Lost { pixel, values, .. } in lost[begin..].iter().take_while(|lost| lost.row() == (sample, y)) {
-            if let Some(at) = number_of(row, *pixel) {
+        for Lost { id, values } in lost[begin..].iter().take_while(|lost| lost.row() == (sample, y)) {
+            if let Some(at) = number_of(row, id.pixel) {
                 sums[at * self.channels..][..self.channels].copy_from_slice(values);
             }
         }

@@ -2,11 +2,12 @@
 
 use super::sample::Camera;
 use super::splats::Splats;
-use super::{LISTED, NonFinite, Progress, Report, number_of, pixel};
+use super::{LISTED, Progress, Report, number_of, pixel};
 use crate::film::ChannelAccumulator;
 use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::path::reuse;
+use crate::sampler::SampleId;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 
@@ -42,10 +43,10 @@ pub fn tile(
         let values = &mut values[..channels * which.len()];
         camera.samples(which, &mut counters, values);
         let before = tile.report.samples;
-        for (&(pixel, sample), values) in which.iter().zip(values.chunks_exact_mut(channels)) {
-            if let Some(at) = number_of(window, pixel) {
+        for (&id, values) in which.iter().zip(values.chunks_exact_mut(channels)) {
+            if let Some(at) = number_of(window, id.pixel) {
                 let sums = &mut tile.sums[at * channels..][..channels];
-                add(camera, splats, (pixel, sample), values, sums, &mut tile.report);
+                add(camera, splats, id, values, sums, &mut tile.report);
             }
         }
         progress.done.fetch_add(tile.report.samples - before, Ordering::Relaxed);
@@ -60,7 +61,7 @@ pub fn batches(
     camera: &Camera,
     window: Window,
     samples: &Range<u64>,
-    mut make: impl FnMut(&[((u32, u32), u64)]) -> Option<()>,
+    mut make: impl FnMut(&[SampleId]) -> Option<()>,
 ) -> Option<()> {
     let mut which = Vec::with_capacity(BATCH);
     let mut make = |which: &mut Vec<_>| {
@@ -72,7 +73,7 @@ pub fn batches(
         // Pixel by pixel, and each pixel's samples in order.
         for i in 0..window.pixels() {
             for sample in samples.clone() {
-                which.push((pixel(window, i), sample));
+                which.push(SampleId { pixel: pixel(window, i), sample });
                 if which.len() == BATCH {
                     make(&mut which)?;
                 }
@@ -103,22 +104,22 @@ pub fn batches(
 pub fn add(
     camera: &Camera,
     splats: &Splats,
-    (pixel, sample): ((u32, u32), u64),
+    id: SampleId,
     values: &mut [f64],
     sums: &mut [ChannelAccumulator],
     report: &mut Report,
 ) {
-    splats.add_to(pixel, sample, values);
+    splats.add_to(id, values);
     camera.complete(values);
     let mut finite = true;
     for (sum, value) in sums.iter_mut().zip(values) {
-        sum.add(sample, *value);
+        sum.add(id.sample, *value);
         finite &= value.is_finite();
     }
     report.samples += 1;
     if !finite {
         report.non_finite += 1;
-        report.first_non_finite.push(NonFinite { pixel, sample });
+        report.first_non_finite.push(id);
         if report.first_non_finite.len() > 2 * LISTED {
             report.list_first();
         }

@@ -32,6 +32,14 @@ impl Default for SamplerSettings {
     }
 }
 
+/// Which camera sample: what its numbers, and so its light, are a function of beside the seed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleId {
+    /// Column and row on the film.
+    pub pixel: (u32, u32),
+    pub sample: u64,
+}
+
 /// How numbers are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]

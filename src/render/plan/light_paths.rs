@@ -18,6 +18,7 @@ use super::{all_over, brightness, pilot_camera};
 use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::links::Where;
+use crate::sampler::SampleId;
 use crate::scene::Scene;
 
 /// Camera samples of the pilot: some milliseconds.
@@ -239,7 +240,7 @@ fn part_of_light_paths(scene: &Scene) -> f64 {
     camera.samples(&which, &mut Counters::default(), &mut values);
     // Per tile: the sum of samples, and their number; tiles without samples are left out.
     let mut seen = vec![(0.0, 0.0); TILES * TILES];
-    for ((pixel, _), values) in which.iter().zip(values.chunks(channels)) {
+    for (SampleId { pixel, .. }, values) in which.iter().zip(values.chunks(channels)) {
         let (light, samples) = &mut seen[tile(film, TILES, *pixel)];
         (*light, *samples) = (*light + brightness(values), *samples + 1.0);
     }

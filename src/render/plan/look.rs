@@ -9,6 +9,7 @@ use crate::film::filter_weights::{Place, Weights};
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::{CELL, cell};
 use crate::math::function::ln;
+use crate::sampler::SampleId;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::array::from_fn;
@@ -139,7 +140,8 @@ impl Seen {
             camera.samples(&which, &mut counters, &mut values);
             let mut sum = Square::default();
             for (which, values) in which.chunks(of_sample).zip(values.chunks(channels * of_sample)) {
-                let square = spread(film, camera.place_in_pixels(which[0].1), corner, square(which, values));
+                let square =
+                    spread(film, camera.place_in_pixels(which[0].sample), corner, square(which, values));
                 sum.as_flattened_mut().iter_mut().zip(square.as_flattened()).for_each(|(a, b)| *a += b);
             }
             (sum, cost(scene, &counters, which.len() as f64))
@@ -147,7 +149,7 @@ impl Seen {
         let blocks: Vec<_> = (0..BLOCKS).into_par_iter().map(of_block).collect();
         // The variance of a pixel's sum, from the scatter of its blocks, over its number of samples is that
         // of one sample.
-        let of_pixel = |((x, y), _): ((u32, u32), u64)| {
+        let of_pixel = |SampleId { pixel: (x, y), .. }| {
             let of_blocks = blocks.iter().map(|(block, _)| block[(y % CELL) as usize][(x % CELL) as usize]);
             let (sum, squares) = of_blocks.fold((0.0, 0.0), |(sum, squares), b| (sum + b, squares + b * b));
             let scatter =
@@ -190,10 +192,12 @@ fn cost(scene: &Scene, counters: &Counters, paths: f64) -> f64 {
 /// One sample of the pixels of a cell, row by row.
 type Square = [[f64; CELL as usize]; CELL as usize];
 
-/// Brightness of the samples of a cell's pixels, given by pixel and number.
-fn square(which: &[((u32, u32), u64)], values: &[f64]) -> Square {
+/// Brightness of these samples of a cell's pixels.
+fn square(which: &[SampleId], values: &[f64]) -> Square {
     let mut square = Square::default();
-    for (((x, y), _), values) in which.iter().zip(values.chunks(values.len() / which.len())) {
+    for (SampleId { pixel: (x, y), .. }, values) in
+        which.iter().zip(values.chunks(values.len() / which.len()))
+    {
         square[(y % CELL) as usize][(x % CELL) as usize] = brightness(values);
     }
     square
@@ -265,8 +269,8 @@ mod tests {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (values.len() - 1) as f64
         };
-        let of_pixel = |pixel: ((u32, u32), u64)| {
-            let which: Vec<_> = (0..256).map(|sample| (pixel.0, 1000 + sample)).collect();
+        let of_pixel = |SampleId { pixel, .. }| {
+            let which: Vec<_> = (1000..1256).map(|sample| SampleId { pixel, sample }).collect();
             let mut values = vec![0.0; channels * which.len()];
             camera.samples(&which, &mut Counters::default(), &mut values);
             variance(&values.chunks(channels).map(brightness).collect::<Vec<_>>())

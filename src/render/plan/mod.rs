@@ -18,6 +18,7 @@ use super::pixel;
 use super::sample::Camera;
 use crate::image::Window;
 use crate::integrator::kernel_for;
+use crate::sampler::SampleId;
 use crate::scene::Scene;
 use crate::spectrum::observer::luminance;
 
@@ -42,9 +43,9 @@ fn pilot_camera(scene: &Scene) -> Camera<'_> {
 }
 
 /// So many samples of pixels spread evenly over a window, for a pilot.
-fn all_over(window: Window, samples: u64) -> Vec<((u32, u32), u64)> {
+fn all_over(window: Window, samples: u64) -> Vec<SampleId> {
     let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);
-    (0..samples).map(|i| (at(i), i)).collect()
+    (0..samples).map(|sample| SampleId { pixel: at(sample), sample }).collect()
 }
 
 /// The luminance of a sample, which stands for all its colours: that of any light is positive, while a single

@@ -44,6 +44,7 @@ mod receivers;
 mod rivals;
 mod shared;
 
+use crate::sampler::SampleId;
 pub use exchange::Exchange;
 pub use light_sources::LightSources;
 pub use rivals::{Contested, Rivals, Tail};
@@ -66,11 +67,7 @@ pub fn correlated_edge(pixels: u32) -> u32 {
 /// The pixels of a sample that can share what they find with `pixel`, as far as they are on the film: those
 /// of a group of any size in [`PIXELS`] follow one another. Groups are as compact as can be, and lie across
 /// in every other sample, so that the same pixels do not always share.
-pub fn cell(
-    (x, y): (u32, u32),
-    sample: u64,
-    (width, height): (u32, u32),
-) -> impl Iterator<Item = ((u32, u32), u64)> {
+pub fn cell((x, y): (u32, u32), sample: u64, (width, height): (u32, u32)) -> impl Iterator<Item = SampleId> {
     let corner = (x / CELL * CELL, y / CELL * CELL);
     let pixel = move |i: u32| {
         let bits = |i: u32| (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
@@ -78,7 +75,10 @@ pub fn cell(
         let (x, y) = if sample.is_multiple_of(2) { (x, y) } else { (y, x) };
         (corner.0 + x, corner.1 + y)
     };
-    (0..CELL * CELL).map(pixel).filter(move |p| p.0 < width && p.1 < height).map(move |pixel| (pixel, sample))
+    (0..CELL * CELL)
+        .map(pixel)
+        .filter(move |p| p.0 < width && p.1 < height)
+        .map(move |pixel| SampleId { pixel, sample })
 }
 
 /// The identity of the group that a pixel's sample belongs to.
@@ -98,7 +98,7 @@ impl GroupId {
 }
 
 /// The group of a pixel's sample, if groups have so many pixels.
-pub fn group((x, y): (u32, u32), sample: u64, pixels: u32) -> GroupId {
+pub fn group(SampleId { pixel: (x, y), sample }: SampleId, pixels: u32) -> GroupId {
     let inside = (x % CELL, y % CELL);
     let (i, j) = if sample.is_multiple_of(2) { inside } else { (inside.1, inside.0) };
     let place = (0..3).map(|bit| (i >> bit & 1) << (2 * bit) | (j >> bit & 1) << (2 * bit + 1)).sum::<u32>();

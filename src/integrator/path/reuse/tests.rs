@@ -21,7 +21,7 @@ fn groups_are_runs_of_a_cell_and_part_the_film() {
             let mut seen = BTreeMap::new();
             for corner in (0..3).flat_map(|x| (0..2).map(move |y| (x * CELL, y * CELL))) {
                 let cell: Vec<_> = cell(corner, sample, film).collect();
-                let groups: Vec<GroupId> = cell.iter().map(|of| super::group(of.0, of.1, pixels)).collect();
+                let groups: Vec<GroupId> = cell.iter().map(|of| super::group(*of, pixels)).collect();
                 let mut distinct = groups.clone();
                 distinct.dedup();
                 let runs = distinct.len();
@@ -29,12 +29,14 @@ fn groups_are_runs_of_a_cell_and_part_the_film() {
                 distinct.dedup();
                 assert_eq!(runs, distinct.len(), "a group in two pieces");
                 for (of, group) in cell.iter().zip(groups) {
-                    assert_eq!((of.1, group.sample, group.corner()), (sample, sample, corner));
-                    assert_eq!(seen.insert(of.0, group), None);
+                    assert_eq!((of.sample, group.sample, group.corner()), (sample, sample, corner));
+                    assert_eq!(seen.insert(of.pixel, group), None);
                     let edge = correlated_edge(pixels);
-                    let partners = cell.iter().filter(|other| super::group(other.0, sample, pixels) == group);
+                    let partners = cell.iter().filter(|other| super::group(**other, pixels) == group);
                     let near = |a: u32, b: u32| a / edge == b / edge;
-                    assert!(partners.clone().all(|p| near(p.0.0, of.0.0) && near(p.0.1, of.0.1)));
+                    assert!(
+                        partners.clone().all(|p| near(p.pixel.0, of.pixel.0) && near(p.pixel.1, of.pixel.1))
+                    );
                     assert!(partners.count() <= pixels as usize);
                 }
             }
