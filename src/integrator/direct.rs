@@ -80,7 +80,7 @@ impl Direct {
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
         let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
-        let gathers = vertex.gathers(scene);
+        let gathers = vertex.gathers(scene, vertex.wo);
         let at = gathers.at(point.p);
         let choice =
             if side.traits.has_density { Choice::of_several(&scene.emitters, at) } else { Choice::at(at) };

@@ -29,7 +29,8 @@ pub struct Vertex<'a, B> {
     /// That of the side; see [`Side::frame`].
     pub frame: &'a Frame,
     pub bsdf: &'a B,
-    /// Direction to where the path came from, in the frame.
+    /// Direction to where the path came from, in the frame: on a light path that is the light's side, not the
+    /// camera's.
     pub wo: DVec3,
     pub side: &'a Side,
 }
@@ -66,26 +67,27 @@ impl<'a, B> Vertex<'a, B> {
     }
 
     /// The normal (world) of the hemisphere from which light can be scattered, by the cosine or nearly; zero
-    /// if light from outside any one hemisphere can be.
+    /// if light from outside any one hemisphere can be. `to_camera` is the direction (local) it is scattered in.
     #[inline]
-    pub fn gathers_about(&self) -> DVec3 {
+    fn gathers_about(&self, to_camera: DVec3) -> DVec3 {
         let traits = self.side.traits;
         let normal = if traits.transmits || traits.relief { DVec3::ZERO } else { self.frame.n };
-        if self.wo.z < 0.0 { -normal } else { normal }
+        if to_camera.z < 0.0 { -normal } else { normal }
     }
 }
 
 impl<B: Bsdf> Vertex<'_, B> {
-    /// What sampling emitters needs to know of it: its lobe, too, where one of several is chosen.
+    /// What sampling emitters needs to know of it: its lobe, too, where one of several is chosen. `to_camera`
+    /// is the direction (local) in which their light is scattered, whichever end the path came from.
     #[inline]
-    pub fn gathers(&self, scene: &Scene) -> Gathers {
+    pub fn gathers(&self, scene: &Scene, to_camera: DVec3) -> Gathers {
         if !scene.emitters.chosen_by_place() {
-            return Gathers::about(self.gathers_about());
+            return Gathers::about(self.gathers_about(to_camera));
         }
-        let lobe = self.bsdf.lobe(self.wo);
+        let lobe = self.bsdf.lobe(to_camera);
         let lobe =
             if lobe.share > 0.0 { Lobe { axis: self.to_world(lobe.axis), ..lobe } } else { Lobe::NONE };
-        Gathers { n: self.gathers_about(), lobe }
+        Gathers { n: self.gathers_about(to_camera), lobe }
     }
 }
 
@@ -163,12 +165,13 @@ pub fn sample_emitter<B: Bsdf>(
     Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
 }
 
-/// The density in sr⁻¹ with which all emitter samples of a path's vertex together find a point of an emitter,
-/// in direction w (world) and at this distance.
+/// The density in sr⁻¹ with which all emitter samples of a camera path's vertex together find a point of an
+/// emitter, in direction w (world) and at this distance, if the path has come from `to_camera` (local).
 pub fn density_of_finding<B: Bsdf>(
     scene: &Scene,
     end: EmitterPoint,
     vertex: &Vertex<B>,
+    to_camera: DVec3,
     (w, distance): (DVec3, f64),
 ) -> f64 {
     let entry = &scene.emitters.list[end.emitter];
@@ -176,7 +179,7 @@ pub fn density_of_finding<B: Bsdf>(
     let there = SurfacePoint::plain(end.p, end.n, end.n);
     let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
     let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
-    let gathers = vertex.gathers(scene);
+    let gathers = vertex.gathers(scene, to_camera);
     Choice::at(gathers.at(p)).density_of_samples(&scene.emitters, end.emitter, pdf, path.emitter_samples)
 }
 

@@ -93,7 +93,7 @@ impl Medium {
         numbers: &mut FlightNumbers,
     ) -> Flight {
         // Where nothing is scattered, what comes through is known and nothing needs to be drawn.
-        if self.albedo.constant().is_some_and(|albedo| albedo.peak() == 0.0) {
+        if self.albedo.constant().is_some_and(|albedo| albedo.bound() == 0.0) {
             return Flight::Through(self.transmittance((ray, length), λ, numbers));
         }
         let shares = Shares::of(carried, λ);

@@ -6,8 +6,13 @@ use crate::math::simd::U32x8;
 use rand_pcg::{Pcg32, rand_core::Rng};
 
 /// The streams of eight samples.
+///
+/// The generator is linear in where it begins and in its stream: two streams that differed by the same for all
+/// samples would go on to do so, and their numbers would depend on each other. So the block as well as the
+/// sample is hashed into where it begins.
 fn generators(keys: U32x8, samples: U32x8, blocks: U32x8) -> [Pcg32; 8] {
-    let low = mix(samples ^ (keys.left::<16>() | keys.right::<16>())).to_array();
+    let of_sample = mix(samples ^ (keys.left::<16>() | keys.right::<16>()));
+    let low = mix(of_sample + blocks * U32x8::splat(0x85eb_ca6b)).to_array();
     let high = mix((blocks * U32x8::splat(0x9e37_79b9)) ^ keys).to_array();
     let (keys, samples) = (keys.to_array(), samples.to_array());
     let word = |high: u32, low: u32| u64::from(high) << 32 | u64::from(low);

@@ -286,6 +286,34 @@ mod tests {
     }
 
     #[test]
+    fn dimensions_of_different_vertices_are_independent_within_a_pixel() {
+        const CELLS: usize = 16;
+        let samples = 1 << 16;
+        for kind in [Kind::Independent, Kind::Sobol] {
+            for (pixel, (one, other)) in
+                (0..8).flat_map(|x| [(0, 1), (1, 2), (1, 9)].map(|blocks| ((x, 7), blocks)))
+            {
+                let mut counts = [[[0.0; CELLS]; CELLS]; 8];
+                for sample in 0..samples {
+                    let sampler = Sampler::new(kind, 0, pixel, sample);
+                    let [a, b] = [one, other].map(|block| sampler.block(block));
+                    for (dimension, counts) in counts.iter_mut().enumerate() {
+                        let [i, j] = [a, b].map(|u| (u.one(dimension) * CELLS as f64) as usize);
+                        counts[i][j] += 1.0;
+                    }
+                }
+                let expected = f64::from(samples) / (CELLS * CELLS) as f64;
+                for (dimension, counts) in counts.iter().enumerate() {
+                    let of_cell = |count: &f64| (count - expected) * (count - expected) / expected;
+                    let χ2: f64 = counts.as_flattened().iter().map(of_cell).sum();
+                    // Of 255 degrees of freedom: exceeded once in 10⁷ by any of them.
+                    assert!(χ2 < 430.0, "{kind:?} {pixel:?} {one} {other} {dimension}: {χ2}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn emitter_samples_of_all_camera_samples_are_one_net() {
         for count in [2, 4] {
             let mut cells = std::collections::BTreeSet::new();

@@ -20,6 +20,14 @@ impl Blackbody {
         let within = (self.range.0..=self.range.1).contains(&λ);
         if within { (self.scale * radiance(self.kelvin, f64::from(λ))) as f32 } else { 0.0 }
     }
+
+    /// The largest value: that at the wavelength of Wien's law, or at the end of the range that is nearest.
+    pub fn bound(&self) -> f32 {
+        const WIEN: f64 = 2.897_772_9e6;
+        let λ = (WIEN / self.kelvin).clamp(self.range.0.into(), self.range.1.into());
+        // The constant is rounded, by far less than this.
+        (self.scale * radiance(self.kelvin, λ) * (1.0 + 1e-9)) as f32
+    }
 }
 
 /// Planck's law: spectral radiance in W·m⁻²·sr⁻¹·nm⁻¹ of a black body at a temperature in K, at λ in nm.

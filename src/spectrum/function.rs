@@ -23,8 +23,6 @@ pub enum SpectralFunction {
     Illuminant { scale: f32, color: Sigmoid },
     /// Measured values.
     Table(Arc<Tabulated>),
-    /// `scale` × the table × D65 of luminance 1.
-    TableUnderD65 { scale: f32, table: Arc<Tabulated> },
     /// Thermal radiation.
     Blackbody(Arc<Blackbody>),
 }
@@ -60,9 +58,6 @@ impl SpectralFunction {
             }
             Self::Illuminant { scale, color } => illuminant(*scale, color, λ),
             Self::Table(table) => Spectrum::from_fn(|i| table.eval(λ.nm[i])),
-            Self::TableUnderD65 { scale, table } => {
-                Spectrum::from_fn(|i| scale * table.eval(λ.nm[i]) * λ.d65[i])
-            }
             Self::Blackbody(body) => Spectrum::from_fn(|i| body.eval(λ.nm[i])),
         }
     }
@@ -80,20 +75,21 @@ impl SpectralFunction {
     pub fn mean(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => rgb.iter().map(|&v| v as f64).sum::<f64>() / 3.0,
+            Self::Table(table) => table.mean(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX),
             _ => over_the_visible(|λ| self.eval(λ).sum() as f64 / LANES as f64),
         }
     }
 
-    /// The largest value in the visible range, or of a channel.
-    pub fn peak(&self) -> f32 {
+    /// No value is above this, at any wavelength or in any channel; 0 only if all are.
+    pub fn bound(&self) -> f32 {
         match self {
             Self::Uniform(value) => *value,
             Self::Rgb(rgb) => rgb.iter().fold(0.0, |most, v| v.max(most)),
             Self::Sigmoid(_) => 1.0,
-            _ => {
-                let largest = |λ: &Wavelengths| self.eval(λ).0.into_iter().fold(0.0, f32::max);
-                visible().map(|λ| largest(&λ)).fold(0.0, f32::max)
-            }
+            Self::Scaled { scale, .. } => *scale,
+            Self::Illuminant { scale, .. } => scale * observer::d65_bound(),
+            Self::Table(table) => table.bounds().1,
+            Self::Blackbody(body) => body.bound(),
         }
     }
 
@@ -101,6 +97,7 @@ impl SpectralFunction {
     pub fn luminance(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => observer::luminance(rgb.map(f64::from)),
+            Self::Table(table) => observer::luminance(observer::table_to_rgb(table, true)),
             _ => {
                 let lit = |λ: &Wavelengths, s: Spectrum| observer::luminance(λ.to_rgb(s * Spectrum(λ.d65)));
                 over_the_visible(|λ| lit(λ, self.eval(λ))) / over_the_visible(|λ| lit(λ, Spectrum::ONE))
@@ -129,4 +126,63 @@ fn visible() -> impl Iterator<Item = Wavelengths> {
 /// The mean of an estimate over the wavelengths of [`visible`].
 fn over_the_visible(estimate: impl Fn(&Wavelengths) -> f64) -> f64 {
     visible().map(|λ| estimate(&λ)).sum::<f64>() / STEPS as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::upsample::Upsampler;
+    use super::*;
+    use proptest::prelude::*;
+
+    fn tabulated(nodes: &[(f32, f32)]) -> SpectralFunction {
+        let (nm, values) = nodes.iter().copied().unzip();
+        SpectralFunction::Table(Arc::new(Tabulated::new(nm, values).expect("increasing")))
+    }
+
+    fn any() -> impl Strategy<Value = SpectralFunction> {
+        let table = prop::collection::vec((300.0f32..900.0, 0.0f32..9.0), 2..12).prop_map(|mut nodes| {
+            nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+            nodes.dedup_by_key(|node| node.0);
+            nodes.push((901.0, 0.0));
+            tabulated(&nodes)
+        });
+        let color = (prop::array::uniform3(0.0f32..1.0), 0.1f32..9.0)
+            .prop_map(|(rgb, scale)| (Upsampler::shared().fit(rgb), scale));
+        let body = (500.0f64..20_000.0, 300.0f32..600.0).prop_map(|(kelvin, from)| Blackbody {
+            kelvin,
+            scale: 1e-4,
+            range: (from, from + 250.0),
+        });
+        prop_oneof![
+            table,
+            color.clone().prop_map(|(color, _)| SpectralFunction::Sigmoid(color)),
+            color.clone().prop_map(|(color, scale)| SpectralFunction::Scaled { scale, color }),
+            color.prop_map(|(color, scale)| SpectralFunction::Illuminant { scale, color }),
+            body.prop_map(|body| SpectralFunction::Blackbody(Arc::new(body))),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn no_value_is_above_the_bound(function in any()) {
+            for step in 0..1000 {
+                let u = (f64::from(step) + 0.5) / 8000.0;
+                let λ = Wavelengths::sample_uniform(u, 300.0, 900.0);
+                prop_assert!(function.eval(&λ).0.into_iter().all(|value| value <= function.bound() * (1.0 + f32::EPSILON)));
+            }
+        }
+    }
+
+    /// A line may be as narrow as a file says, and must not fall between wavelengths that are looked at.
+    #[test]
+    fn no_line_is_overlooked() {
+        for i in 0..400 {
+            let at = 400.0 + i as f32;
+            let line = tabulated(&[(at - 0.01, 0.0), (at, 8.0), (at + 0.01, 0.0)]);
+            assert_eq!(line.bound(), 8.0);
+            assert!((line.mean() / (0.08 / 470.0) - 1.0).abs() < 0.01, "{at}: {}", line.mean());
+        }
+        let ramp = tabulated(&[(260.0, 0.0), (460.0, 2.0), (930.0, 2.0)]);
+        assert!((ramp.mean() - (100.0 * 1.5 + 370.0 * 2.0) / 470.0).abs() < 1e-9);
+    }
 }

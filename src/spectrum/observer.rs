@@ -65,6 +65,11 @@ pub fn d65(λ: f32) -> f32 {
     TABLES.d65[i] * (1.0 - t) + TABLES.d65[i + 1] * t
 }
 
+/// The largest value of [`d65`].
+pub fn d65_bound() -> f32 {
+    TABLES.d65.iter().copied().fold(0.0, f32::max)
+}
+
 /// The colour matching functions taken to linear sRGB, and D65 of luminance 1, lane by lane: r̄, ḡ, b̄, D65.
 ///
 /// Interpolation and change of basis commute, so this is [`xyz_to_rgb`] of [`xyz`], by one look-up in a

@@ -59,8 +59,8 @@ impl UnderD65 {
     }
 
     /// Largest value, if the texture of reflectances reaches 1.
-    pub fn peak(&self) -> f32 {
-        color::white_illuminant(1.0).peak() * self.scale
+    pub fn bound(&self) -> f32 {
+        color::white_illuminant(1.0).bound() * self.scale
     }
 
     pub fn varies(&self) -> bool {

@@ -59,14 +59,14 @@ impl AnyTexture {
         } else {
             Self::Constant(color::parse(element, loader, usage)?)
         };
-        let peak = match &texture {
-            Self::Constant(function) => function.peak(),
-            Self::UnderD65(product) => product.peak(),
+        let most = match &texture {
+            Self::Constant(function) => function.bound(),
+            Self::UnderD65(product) => product.bound(),
             // Looked at texel by texel, and side by side.
             Self::Bitmap(_) | Self::Checkerboard(_) => 0.0,
         };
-        if usage == Usage::Reflectance && peak > 1.0 {
-            let message = format!("values up to {peak} are no reflectance");
+        if usage == Usage::Reflectance && most > 1.0 {
+            let message = format!("values up to {most} are no reflectance");
             return Err(SceneError::at(&element.span, message, "expected 0 to 1"));
         }
         Ok(texture)

@@ -100,7 +100,7 @@ impl AnyVolume {
     /// No value in a box, in the coordinates of the unit cube, is above this, at any wavelength.
     pub fn majorant(&self, lo: DVec3, hi: DVec3) -> f64 {
         match self {
-            Self::Constant(constant) => f64::from(constant.value.peak()),
+            Self::Constant(constant) => f64::from(constant.value.bound()),
             Self::Grid(grid) => grid.majorant(lo, hi),
         }
     }

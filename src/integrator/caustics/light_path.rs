@@ -180,7 +180,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
-                path.by_emitter = density_of_finding(scene, path.end, &vertex, (to_light, t)) / back.pdf;
+                let found = density_of_finding(scene, path.end, &vertex, sample.wi, (to_light, t));
+                path.by_emitter = found / back.pdf;
             }
         }
         if path.throughput.is_zero() {

@@ -60,7 +60,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
         if side.traits.has_density {
             if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
-                *gathers = vertex.gathers(scene);
+                *gathers = vertex.gathers(scene, vertex.wo);
             }
             here.by_emitters(emitter_samples, gathers, shared, shadows);
         }

@@ -148,7 +148,7 @@ impl<'a> Walk<'a> {
         let λ = self.path.λ;
         let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
         let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
-        let gathers = vertex.gathers(self.scene);
+        let gathers = vertex.gathers(self.scene, vertex.wo);
         if side.traits.has_density && !last {
             self.gather::<F, _>(&vertex, &gathers, shape.interface.as_deref(), numbers);
         }

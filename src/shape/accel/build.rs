@@ -58,13 +58,19 @@ impl Accel {
         let trying = Trying::decide(shapes, &instances, limits);
         let (mut items, mut tried): (Vec<Item>, [Vec<Item>; Kind::COUNT]) = Default::default();
         items.reserve_exact(shapes.iter().map(|shape| shape.primitives() as usize).sum::<usize>());
-        let mut bounds = NOTHING;
+        let (mut bounds, mut of_tree, mut of_triangles) = (NOTHING, NOTHING, NOTHING);
         let mut primitives = 0;
         for (shape, geometry) in shapes.iter().enumerate() {
             bounds = union(bounds, geometry.bounds());
+            if let Geometry::Mesh(_) = geometry {
+                of_triangles = union(of_triangles, geometry.bounds());
+            }
             let list = match trying.as_ref().and_then(|trying| trying.kind(shapes, shape)) {
                 Some(kind) => &mut tried[kind as usize],
-                None => &mut items,
+                None => {
+                    of_tree = union(of_tree, geometry.bounds());
+                    &mut items
+                }
             };
             let together = if let Geometry::Cube(_) = geometry { Cube::FACES } else { 1 };
             for local in (0..geometry.primitives()).step_by(together as usize) {
@@ -74,13 +80,16 @@ impl Accel {
         }
         for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
             bounds = union(bounds, instance.bounds());
+            of_tree = union(of_tree, instance.bounds());
             items.push(Item { shape: (shapes.len() + i) as u32, local: 0, primitive: primitives });
             primitives = instance.number(primitives);
         }
-        let space = if primitives == 0 {
-            Space::new(DVec3::ZERO, DVec3::ZERO)
-        } else {
-            Space::new(bounds.0, bounds.1)
+        // A ground that is far larger than all else must not widen the boxes of a tree that it is not in.
+        let inner = if items.is_empty() { bounds } else { of_tree };
+        let half_extent = |(lo, hi): Bounds| (0.5 * hi - 0.5 * lo).max_element();
+        let space = match primitives {
+            0 => Space::new((DVec3::ZERO, DVec3::ZERO), 0.0),
+            _ => Space::new(inner, half_extent(bounds)),
         };
         let mut accel = Self {
             space,
@@ -96,7 +105,7 @@ impl Accel {
             instances,
             primitives,
             bounds,
-            near: NEAR * (bounds.1 - bounds.0).max_element(),
+            near: NEAR * 2.0 * half_extent(of_triangles).max(0.0),
         };
         accel.keep(shapes, &tried);
         if items.is_empty() {

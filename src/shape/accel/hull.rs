@@ -14,11 +14,14 @@ pub struct Hull {
     /// Pairs of axes, each with the normals of two lines that point inwards; zero where the point is in the
     /// projected box.
     tangents: [(usize, usize, [[f32; 2]; 2]); 3],
+    /// How far outside a tangent a box must lie to be beside the hull.
+    lost: f32,
 }
 
-/// A bound of the rounding error when a box is tested against a tangent in unit coordinates. The point and
-/// the normal are rounded to `f32`, by 2⁻²⁵ each, with |nₐ| + |n_b| = 1 and at most 2 between point and
-/// corner; two differences, two products and a sum lose 2⁻²⁴ of at most 2 each.
+/// A bound of the rounding error when a box is tested against a tangent, for a hull within the unit cube. The
+/// point and the normal are rounded to `f32`, by 2⁻²⁵ each, with |nₐ| + |n_b| = 1 and at most 2 between point
+/// and corner; two differences, two products and a sum lose 2⁻²⁴ of at most 2 each. A corner farther away
+/// than the hull is large lies far inside of a tangent, or is not asked for: its box is beside the hull's.
 const LOST: f32 = 1.0 / (1 << 20) as f32;
 
 impl Hull {
@@ -45,9 +48,13 @@ impl Hull {
             }
             (a, b, normals)
         };
+        let lo: [f32; 3] = std::array::from_fn(|axis| lo[axis].min(near[axis]));
+        let hi: [f32; 3] = std::array::from_fn(|axis| hi[axis].max(far[axis]));
+        let size = lo.iter().chain(&hi).fold(1.0, |size: f32, x| size.max(x.abs()));
         Self {
-            lo: std::array::from_fn(|axis| lo[axis].min(near[axis])),
-            hi: std::array::from_fn(|axis| hi[axis].max(far[axis])),
+            lo,
+            hi,
+            lost: LOST * size,
             to: at.map(|x| x as f32),
             tangents: [tangent(0, 1), tangent(1, 2), tangent(2, 0)],
         }
@@ -77,7 +84,7 @@ impl Hull {
                     (plane(usize::from(n >= 0.0), axis) - F32x8::splat(self.to[axis])) * F32x8::splat(n)
                 };
                 // Without a sum of eight lanes: x ≥ −y − lost.
-                let rest = F32x8::splat(-LOST) - part(*b, normal[1]);
+                let rest = F32x8::splat(-self.lost) - part(*b, normal[1]);
                 met &= rest.at_most(part(*a, normal[0]));
             }
         }

@@ -1,14 +1,17 @@
-//! The coordinates of the boxes: the scene moved and scaled by a power of two into the unit cube.
+//! The coordinates of the boxes: what the tree holds, moved and scaled by a power of two into the unit cube.
 
-use crate::math::{DVec3, Ray};
+use crate::math::{Bounds, DVec3, Ray};
 
-/// Boxes are widened by this fraction of the scene. It covers the error of a ray that is rounded to `f32` in
+/// Boxes are widened by this fraction of what the tree holds. It covers the error of a ray that is rounded to `f32` in
 /// unit coordinates: 2⁻²⁵ of its origin, and 2⁻²⁴ of its direction over a length of at most 2√3, together
-/// below 2⁻²².
+/// below 2⁻²²; and where a ray comes from [`FAR`], what moving its origin to the cube loses.
 pub const PADDING: f32 = 1.0 / (1 << 21) as f32;
 
 /// The relative rounding error of a slab test, twice over (Ize 2013): (1 + 2γ₃) rounded up.
 const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
+
+/// No ray comes from farther away within the scene, in unit coordinates: moving its origin by so much loses 2⁻²³.
+const FAR: f64 = (1u64 << 28) as f64;
 
 /// The map from world to unit coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -35,9 +38,10 @@ pub struct LocalRay {
 }
 
 impl Space {
-    pub fn new(lo: DVec3, hi: DVec3) -> Self {
+    /// For what lies between two corners, in a scene that extends as far as `half_extent` from its middle.
+    pub fn new((lo, hi): Bounds, half_extent: f64) -> Self {
         let centre = 0.5 * lo + 0.5 * hi;
-        let extent = (0.5 * hi - 0.5 * lo).max_element();
+        let extent = (0.5 * hi - 0.5 * lo).max_element().max(half_extent / FAR);
         let exponent = if extent > 0.0 { libm::ilogb(extent) + 1 } else { 0 };
         // Scenes at the very ends of the exponent range keep a finite scale.
         Self { centre, scale: libm::scalbn(1.0, -exponent.clamp(-1000, 1000)) }

@@ -1,7 +1,8 @@
 //! The choice of primitives that every ray tests, outside the tree, where that is faster.
 
 use super::Instance;
-use crate::math::bounds::corners;
+use crate::math::Bounds;
+use crate::math::bounds::{NOTHING, corners, union};
 use crate::math::ray::position_error;
 use crate::shape::{Geometry, Patch};
 use std::collections::BTreeSet;
@@ -35,12 +36,17 @@ impl Kind {
     pub const COUNT: usize = Self::Triangle as usize + 1;
 }
 
-/// Which shapes every ray tests, outside the tree: all that are no meshes.
+/// Which shapes every ray tests, outside the tree.
 pub struct Trying {
     /// Indices of the patches that are of [`Kind::OuterPatch`].
     outer: BTreeSet<usize>,
-    /// Whether meshes are tested too.
-    all: bool,
+    which: Which,
+}
+
+enum Which {
+    All,
+    NoMeshes,
+    Only(BTreeSet<usize>),
 }
 
 impl Trying {
@@ -48,41 +54,74 @@ impl Trying {
     pub fn decide(shapes: &[&Geometry], instances: &[Instance], limits: Limits) -> Option<Self> {
         let is_patch = |shape: &usize| matches!(shapes[*shape], Geometry::Patch(_));
         let patches: Vec<usize> = (0..shapes.len()).filter(is_patch).collect();
+        let outer_of = |patches: &[usize]| -> BTreeSet<usize> {
+            patches.iter().copied().filter(|&p| instances.is_empty() && is_outer(shapes, p)).collect()
+        };
         let blocks = |primitives: usize| primitives.div_ceil(4);
-        if blocks(patches.len()) > limits.all.max(limits.beside) {
-            return None;
-        }
-        let outer: BTreeSet<usize> =
-            patches.iter().copied().filter(|&p| instances.is_empty() && is_outer(shapes, p)).collect();
-        let (mut cubes, mut spheres, mut cylinders, mut triangles) = (0, 0, 0, 0);
-        for shape in shapes {
-            match shape {
-                Geometry::Mesh(mesh) => triangles += mesh.triangles.len(),
-                Geometry::Cube(_) => cubes += 1,
-                Geometry::Sphere(_) => spheres += 1,
-                Geometry::Cylinder(_) => cylinders += 1,
-                Geometry::Patch(_) => {}
+        if blocks(patches.len()) <= limits.all.max(limits.beside) {
+            let outer = outer_of(&patches);
+            let count = |is_such: fn(&Geometry) -> bool| shapes.iter().filter(|s| is_such(s)).count();
+            let of_patches = blocks(outer.len()) + blocks(patches.len() - outer.len());
+            let beside = of_patches
+                + blocks(count(|shape| matches!(shape, Geometry::Cube(_))))
+                + blocks(count(|shape| matches!(shape, Geometry::Sphere(_))))
+                + blocks(count(|shape| matches!(shape, Geometry::Cylinder(_))));
+            let triangles = blocks(shapes.iter().map(|shape| triangles(shape)).sum());
+            if instances.is_empty() && beside + triangles <= limits.all && triangles <= limits.triangles {
+                return Some(Self { outer, which: Which::All });
+            }
+            if beside <= limits.beside {
+                return Some(Self { outer, which: Which::NoMeshes });
             }
         }
-        let of_patches = blocks(outer.len()) + blocks(patches.len() - outer.len());
-        let beside = of_patches + blocks(cubes) + blocks(spheres) + blocks(cylinders);
-        let blocks_of_all = beside + blocks(triangles);
-        let all =
-            instances.is_empty() && blocks_of_all <= limits.all && blocks(triangles) <= limits.triangles;
-        (all || beside <= limits.beside).then_some(Self { outer, all })
+        let vast = vast(shapes, instances, limits.beside);
+        let patches: Vec<usize> = vast.iter().copied().filter(is_patch).collect();
+        (!vast.is_empty()).then(|| Self { outer: outer_of(&patches), which: Which::Only(vast) })
     }
 
     /// The kind as which a shape is tested; `None` if it is in the tree.
     pub fn kind(&self, shapes: &[&Geometry], shape: usize) -> Option<Kind> {
-        match shapes[shape] {
-            Geometry::Patch(_) if self.outer.contains(&shape) => Some(Kind::OuterPatch),
-            Geometry::Patch(_) => Some(Kind::InnerPatch),
-            Geometry::Cube(_) => Some(Kind::Cube),
-            Geometry::Sphere(_) => Some(Kind::Sphere),
-            Geometry::Cylinder(_) => Some(Kind::Cylinder),
-            Geometry::Mesh(_) => self.all.then_some(Kind::Triangle),
-        }
+        let tried = match &self.which {
+            Which::All => true,
+            Which::NoMeshes => !matches!(shapes[shape], Geometry::Mesh(_)),
+            Which::Only(vast) => vast.contains(&shape),
+        };
+        tried.then(|| match shapes[shape] {
+            Geometry::Patch(_) if self.outer.contains(&shape) => Kind::OuterPatch,
+            Geometry::Patch(_) => Kind::InnerPatch,
+            Geometry::Cube(_) => Kind::Cube,
+            Geometry::Sphere(_) => Kind::Sphere,
+            Geometry::Cylinder(_) => Kind::Cylinder,
+            Geometry::Mesh(_) => Kind::Triangle,
+        })
     }
+}
+
+fn triangles(shape: &Geometry) -> usize {
+    if let Geometry::Mesh(mesh) = shape { mesh.triangles.len() } else { 0 }
+}
+
+/// The shapes, but for meshes, beside which all others are tiny: grounds and skies, which would make the boxes
+/// of a tree coarse that must hold them. No more than so many blocks, one of each.
+fn vast(shapes: &[&Geometry], instances: &[Instance], most_blocks: usize) -> BTreeSet<usize> {
+    /// How many times as large as all others together. Boxes are widened by 2⁻²¹ of what a tree holds.
+    const TIMES: f64 = 256.0;
+    let extent = |(lo, hi): Bounds| (0.5 * hi - 0.5 * lo).max_element();
+    let (meshes, mut others): (Vec<usize>, Vec<usize>) =
+        (0..shapes.len()).partition(|&shape| matches!(shapes[shape], Geometry::Mesh(_)));
+    others.sort_by(|a, b| extent(shapes[*a].bounds()).total_cmp(&extent(shapes[*b].bounds())));
+    let in_tree = meshes.iter().map(|&shape| shapes[shape].bounds());
+    let in_tree = in_tree.chain(instances.iter().filter(|i| i.primitives() > 0).map(Instance::bounds));
+    let mut smaller = in_tree.fold(NOTHING, union);
+    for (place, &shape) in others.iter().enumerate() {
+        let bounds = shapes[shape].bounds();
+        let is_vast = smaller.0.x <= smaller.1.x && extent(bounds) > TIMES * extent(smaller);
+        if is_vast && others.len() - place <= most_blocks {
+            return others[place..].iter().copied().collect();
+        }
+        smaller = union(smaller, bounds);
+    }
+    BTreeSet::new()
 }
 
 /// Whether everything lies on one side of the plane of a patch, as all that is in a room does of its walls.

@@ -93,8 +93,8 @@ impl LightPath {
         let primitive = hit.primitive;
         let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);
         let cos_light = point.ng.dot(to_light).abs();
-        let by_emitter = match edges {
-            1 => density_of_finding(scene, self.end, &vertex, (to_light, hit.t)),
+        let by_emitter = |to_camera| match edges {
+            1 => density_of_finding(scene, self.end, &vertex, to_camera, (to_light, hit.t)),
             _ => 0.0,
         };
         let albedo = bsdf.albedo().filter(|_| vertex.wo.z > 0.0);
@@ -103,7 +103,7 @@ impl LightPath {
             let radiance = self.throughput * self.emitted * scattered.value;
             if !radiance.is_zero() {
                 let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
-                let by_light = self.ratio * cos_light / (scattered.pdf + by_emitter);
+                let by_light = self.ratio * cos_light / (scattered.pdf + by_emitter(DVec3::Z));
                 found.push(Lit {
                     owner: self.owner,
                     source: Source { p, n, ng, primitive, albedo, lobes: None },
@@ -123,7 +123,7 @@ impl LightPath {
         let cos_camera = point.ng.dot(to_camera).abs();
         let back = bsdf.evaluate(sample.wi, vertex.wo);
         self.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
-        self.ratio *= further(sample.pdf, back.pdf + by_emitter, cos_camera, cos_light);
+        self.ratio *= further(sample.pdf, back.pdf + by_emitter(sample.wi), cos_camera, cos_light);
         self.from_matte = if albedo.is_some() { sample.pdf } else { 0.0 };
         if self.throughput.is_zero() {
             return None;

@@ -98,6 +98,22 @@ fn turned_plate(wears: &str) -> String {
     shape("obj", &steps, &format!("<string name=\"filename\" value=\"meshes/turned_plate.obj\"/>{wears}"))
 }
 
+/// A wall that mirrors one lamp to where the camera looks and another to where light goes from there: of
+/// the two, whoever chooses by what is mirrored must know which end asks.
+pub(super) fn wall_before_two_lamps(wears: &str) -> String {
+    let facing = |degrees: f64, size: f64, place| [scale([size; 3]), rotate('x', degrees), translate(place)];
+    let floor = shape("rectangle", &[scale([2.0; 3])], &diffuse(0.8));
+    let wall = shape("rectangle", &facing(90.0, 2.0, [0.0, 2.2, 2.0]), wears);
+    let lamp = |z: f64| shape("rectangle", &facing(-90.0, 0.3, [0.0, -1.0, z]), &area(5.0));
+    floor + &wall + &lamp(4.0) + &lamp(0.5)
+}
+
+/// The view down to the floor before that wall.
+pub(super) fn down_upon_the_floor() -> String {
+    let place = look_at([0.0, -6.0, 6.0], [0.0; 3], [0.0, 0.0, 1.0]);
+    pinhole(&place, 30.0, &(film(SIZE, SIZE) + INDEPENDENT))
+}
+
 /// Number of edges of the longest path by default.
 const LONGEST: i64 = 6;
 
@@ -188,6 +204,13 @@ pub fn relations() -> Vec<Relation> {
         let from = |depth: u32| format!("<integer name=\"rr_depth\" value=\"{depth}\"/>");
         replaced(relation, &from(LONGEST as u32 + 1), &from(1))
     };
+    let few_light_paths = |name, wall: String, sky: &str| {
+        let world = wall_before_two_lamps(&wall) + sky;
+        as_plain(name, 3, with_light_paths(0.25, 3), (&down_upon_the_floor(), &world))
+    };
+    let brushed = || bsdf("roughconductor", &float("alpha", 0.2));
+    let varnished = bsdf("principled", &(float("metallic", 0.8) + &float("roughness", 0.4)));
+    let veiled_metal = bsdf("blendbsdf", &(float("weight", 0.3) + &brushed() + &diffuse(0.5)));
     let dim_mirror = bsdf("conductor", &grey("specular_reflectance", 0.4));
     let hidden = |relation: Relation| {
         with_integrator(relation, "<boolean name=\"hide_emitters\" value=\"true\"/></integrator>")
@@ -215,6 +238,9 @@ pub fn relations() -> Vec<Relation> {
         relation("polished_metal", &view, &room(&ball(&polished))),
         relation("polished_metal_by_two_lamps", &view, &room(&(ball(&polished) + &second + &hanging)))
             .at_length(),
+        few_light_paths("brushed_metal_before_two_lamps", brushed(), ""),
+        few_light_paths("principled_metal_before_two_lamps", varnished, "").at_length(),
+        few_light_paths("veiled_metal_before_two_lamps_and_sky", veiled_metal, &constant(0.1)).at_length(),
         four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished))))
             .at_length(),
         relation("frosted_glass", &view, &room(&block(&frosted))),

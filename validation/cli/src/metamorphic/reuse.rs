@@ -3,7 +3,9 @@
 //! Only a subset of pixels is compared, no two of which share paths: so their variances suffice, and light
 //! that a wrong weight moves from one pixel to its neighbour shows, though no light is lost.
 
-use super::caustics::{globe, half_open, sheet, two_sided, vase, with_links};
+use super::caustics::{
+    down_upon_the_floor, globe, half_open, sheet, two_sided, vase, wall_before_two_lamps, with_links,
+};
 use super::still_life::*;
 use super::{Relation, Term, chosen};
 use crate::stage::*;
@@ -181,6 +183,11 @@ pub fn relations() -> Vec<Relation> {
     // Nearly all light travels from the lamp via the tray below it and the ceiling.
     let tray = shape("rectangle", &[scale([1.4; 3]), translate([0.0, 0.0, 1.9])], &diffuse(0.8));
     let lit_by_a_tray = lit(case("lit_walls_of_two_sides_by_a_tray", closed_room(&one_way) + &tray), 16);
+    let lit_by_one_of_two = Case {
+        light_paths: 0.0,
+        camera: down_upon_the_floor(),
+        ..limited(lit(case("lit_by_one_of_two", wall_before_two_lamps(&metal(0.4))), 16))
+    };
     let lit_at_length = [
         lit(case("lit_two_sides", room(&(screen(&both_sides) + &bare))), 8),
         lit(case("lit_by_many", room(&matte)), 16).option("integer", "rr_depth", "3"),
@@ -206,6 +213,7 @@ pub fn relations() -> Vec<Relation> {
     relations.push(lit_by_a_tray.relation().longer(3).within(0.04));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
+    relations.push(lit_by_one_of_two.relation().samples(32 * 1024).within(0.03).at_length());
     relations.push(metal_roulette.relation().samples(4096).at_length());
     relations.push(metal_beside_glass.relation().samples(4096).at_length());
     relations.push(brushed_metal.relation().samples(3 * 4096).at_length());
