@@ -51,7 +51,10 @@ pub fn parse_positive(text: &str) -> Result<f64, String> {
 pub fn parse_share(text: &str) -> Result<f64, String> {
     match text.strip_suffix('%') {
         Some(percents) => parse_positive(percents.trim_end()).map(|number| number / 100.0),
-        None => parse_positive(text),
+        None => match parse_positive(text)? {
+            number if number < 1.0 => Ok(number),
+            number => Err(format!("{number} is {}%; write {number}% if that is meant", 100.0 * number)),
+        },
     }
 }
 

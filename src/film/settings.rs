@@ -207,12 +207,9 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         width: params.integer("crop_width", right, 1..=right, "columns that are rendered")? as u32,
         height: params.integer("crop_height", bottom, 1..=bottom, "rows that are rendered")? as u32,
     };
-    for (name, about) in [
-        ("component_format", "Mitsuba's; the file always holds f32"),
-        ("file_format", "Mitsuba's; the file is always EXR"),
-    ] {
-        params.string(name, about)?;
-    }
+    let (components, files) = (["float16", "float32", "uint32"], ["openexr", "exr", "pfm", "rgbe"]);
+    params.word("component_format", &components, "Mitsuba's; the file always holds f32")?;
+    params.word("file_format", &files, "Mitsuba's; the file is always EXR")?;
     let alpha = has_alpha(params)?;
     let border = params.boolean("sample_border", false, "whether filters reach beyond the film")?;
     for name in ["compensate", "banner", "high_quality_edges"] {

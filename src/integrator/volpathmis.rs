@@ -11,5 +11,6 @@ pub const ABOUT: &str = "Accepted for Mitsuba's sake; the same as `volpath`.";
 pub const EXAMPLES: &[&str] = &[r#"<integrator type="volpathmis"/>"#];
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
+    params.boolean("use_spectral_mis", true, "Mitsuba's; ignored, for it always is")?;
     volpath::parse(params)
 }

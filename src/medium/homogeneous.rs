@@ -2,7 +2,7 @@
 
 use super::{AnyExtinction, FlightNumbers, Shares, flight};
 use crate::scene::error::SceneError;
-use crate::scene::params::{Params, Usage};
+use crate::scene::params::{MOST, Params, Usage};
 use crate::spectrum::{SpectralFunction, Spectrum, Wavelengths};
 use crate::volume::AnyVolume;
 
@@ -35,6 +35,13 @@ pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
     let sigma_t = sigma_t.constant().cloned().ok_or_else(|| {
         params.error("sigma_t", "the density varies", "expected a constant, or a `heterogeneous` medium")
     })?;
+    if f64::from(sigma_t.bound()) * scale > MOST {
+        return Err(params.error(
+            "scale",
+            "`sigma_t` × `scale` is too large",
+            "expected a product up to 1.7e38",
+        ));
+    }
     Ok(AnyExtinction::Homogeneous(Homogeneous { sigma_t, scale: scale as f32 }))
 }
 

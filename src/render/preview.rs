@@ -10,8 +10,7 @@ use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
 const CREATE_IMAGE: u8 = 4;
@@ -20,16 +19,18 @@ const UPDATE_IMAGE: u8 = 6;
 /// Rows in one packet.
 const ROWS: usize = 64;
 
-/// How long a viewer may take to answer before it is given up.
+/// How long a viewer may take to answer, and for the last frame, before it is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// A connection to a viewer. Nothing that happens to it can stop or slow a render: a viewer that is slower
-/// than the passes misses some of them.
+/// A connection to a viewer. Nothing that happens to it can stop a render, or hold it up for longer than
+/// three seconds: a viewer that is slower than the passes misses some of them.
 pub struct Preview {
-    frames: SyncSender<Vec<f32>>,
+    /// Those that are shown while there is room, and the last.
+    frames: Sender<Vec<f32>>,
     /// Whether there is room for a frame.
     free: Arc<AtomicBool>,
-    thread: JoinHandle<io::Result<()>>,
+    /// How the connection ended.
+    end: Receiver<io::Result<()>>,
 }
 
 impl Preview {
@@ -58,11 +59,12 @@ impl Preview {
         let mut stream = stream.ok_or(failure)?;
         stream.set_write_timeout(Some(PATIENCE))?;
         stream.write_all(&create(name, film, channels))?;
-        let (frames, arriving) = sync_channel::<Vec<f32>>(1);
+        let (frames, arriving) = channel::<Vec<f32>>();
+        let (ends, end) = channel();
         let (name, channels) = (name.to_owned(), channels.to_vec());
         let free = Arc::new(AtomicBool::new(true));
         let taken = free.clone();
-        let thread = std::thread::spawn(move || {
+        let serve = move || {
             for frame in arriving {
                 taken.store(true, Ordering::Relaxed);
                 for top in (0..window.height as usize).step_by(ROWS) {
@@ -71,27 +73,34 @@ impl Preview {
                 }
             }
             stream.flush()
-        });
-        Ok(Preview { frames, free, thread })
+        };
+        std::thread::spawn(move || ends.send(serve()));
+        Ok(Preview { frames, free, end })
     }
 
     /// Shows a render, unless the viewer is busy with the last one.
     pub fn show(&self, partial: &Partial) {
         if self.free.swap(false, Ordering::Relaxed) {
             // The next pass comes soon, and `finish` tells of a viewer that is gone.
-            let _ = self.frames.try_send(means(partial));
+            let _ = self.frames.send(means(partial));
         }
     }
 
-    /// Shows the end of a render, and waits until it has arrived.
+    /// Shows the end of a render, and waits until it has arrived, or its time is over.
     ///
     /// # Errors
-    /// If the viewer had gone away at some time.
+    /// If the viewer had gone away at some time, or is too slow.
     pub fn finish(self, partial: &Partial) -> io::Result<()> {
         // It fails if the thread has ended already, and then that says why.
         let _ = self.frames.send(means(partial));
         drop(self.frames);
-        self.thread.join().unwrap_or_else(|_| Err(io::Error::other("the preview failed")))
+        match self.end.recv_timeout(PATIENCE) {
+            Ok(end) => end,
+            Err(RecvTimeoutError::Timeout) => {
+                Err(io::Error::new(io::ErrorKind::TimedOut, "the viewer is too slow"))
+            }
+            Err(RecvTimeoutError::Disconnected) => Err(io::Error::other("the preview failed")),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use super::xml::{Attribute, Document, Element, find, looked_in};
 use crate::medium::{MEDIA, Medium};
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
-use crate::texture::bitmap::Pixels;
+use crate::texture::bitmap::{Pixels, Stored};
 use crate::volume::Voxels;
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashSet};
@@ -37,6 +37,8 @@ pub struct Loader<'d> {
     elements: usize,
     /// Decoded bitmaps; many materials share one.
     bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
+    /// Their texels as textures look at them: by file, whether they are raw, and whether they are numbers.
+    texels: RefCell<BTreeMap<(PathBuf, bool, bool), Stored>>,
     /// Grids that were read; several volumes may share one.
     voxels: RefCell<BTreeMap<PathBuf, Arc<Voxels>>>,
     /// Media that were read, by their elements; many shapes share one.
@@ -51,6 +53,10 @@ impl<'d> Loader<'d> {
         let mut ids = BTreeMap::new();
         collect(&document.root, &mut ids)?;
         for (name, id) in &document.aliases {
+            if ids.contains_key(name.as_str()) {
+                let message = format!("`{name}` is the id of an object already");
+                return Err(SceneError::at(&id.value_span, message, "expected another name for it in `as`"));
+            }
             if !ids.contains_key(first_name(&document.aliases, &id.value)) {
                 let message =
                     format!("`{name}` is another name for nothing: no object has the id `{}`", id.value);
@@ -69,6 +75,7 @@ impl<'d> Loader<'d> {
             repeats: Cell::new(0),
             elements: count(&document.root),
             bitmaps: RefCell::default(),
+            texels: RefCell::default(),
             voxels: RefCell::default(),
             media: RefCell::default(),
             files: RefCell::default(),
@@ -168,6 +175,11 @@ impl<'d> Loader<'d> {
     pub fn bitmap(&self, path: &Path, place: &Attribute) -> Result<Arc<Pixels>, SceneError> {
         let expected = "expected a whole OpenEXR, PNG, JPEG, BMP or Radiance picture";
         self.once(&self.bitmaps, (path, place), Pixels::read, expected)
+    }
+
+    /// The texels of a file, by whether they are raw and whether they are numbers, which `make` makes once.
+    pub fn texels(&self, key: (PathBuf, bool, bool), make: impl FnOnce() -> Stored) -> Stored {
+        self.texels.borrow_mut().entry(key).or_insert_with(make).clone()
     }
 
     /// A grid of values, read once; `place` is where its file is named.

@@ -208,6 +208,10 @@ pub fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
     let axis = params.word("fov_axis", &axes, "the axis that `fov` is along")?;
     let about = "instead of `fov`: of a lens for 35 mm film; without either it is 50mm";
     let focal = params.string("focal_length", about)?;
+    if focal.is_some() && params.has("fov_axis") {
+        let message = "`fov_axis` beside `focal_length`, which is along the diagonal";
+        return Err(params.error("fov_axis", message, "expected it beside `fov` only"));
+    }
     let (half, axis) = match (focal, fov) {
         (Some(place), Some(_)) => {
             let message = "both `fov` and `focal_length`";
@@ -215,7 +219,8 @@ pub fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
         }
         (None, Some(fov)) => (crate::math::transform::half_width(fov), axis),
         (_, None) => {
-            let length = focal.map_or("50mm", |a| a.value.as_str()).trim().trim_end_matches("mm");
+            let length = focal.map_or("50mm", |a| a.value.as_str()).trim();
+            let length = length.strip_suffix("mm").unwrap_or(length);
             let length = crate::scene::params::number(length).filter(|v| *v > 0.0);
             let length = length.ok_or_else(|| {
                 params.error("focal_length", "no focal length", "expected millimetres, such as 50mm")

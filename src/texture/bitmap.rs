@@ -5,7 +5,7 @@ use crate::image::srgb;
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::{self, Params, Usage};
-use crate::spectrum::upsample::Sigmoid;
+use crate::spectrum::upsample::{Sigmoid, Upsampler};
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Mul};
@@ -48,24 +48,32 @@ impl Pixels {
     }
 }
 
-/// The values of texels. A look at them waits for memory, so they are short.
+/// The values of texels. A look at them waits for memory, so they are short. Clones share them.
 #[derive(Clone, Debug)]
 enum Texels {
     /// One number for all wavelengths.
-    Grey(Arc<Vec<f32>>),
+    Grey(Arc<[f32]>),
     /// Linear sRGB.
-    Rgb(Vec<[f32; 3]>),
+    Rgb(Arc<[[f32; 3]]>),
     /// The same of a file with eight bits a channel, and what each of their values is.
-    Bytes(Vec<[u8; 3]>, Box<[f32; 256]>),
+    Bytes(Arc<[[u8; 3]]>, Arc<[f32; 256]>),
     /// Coefficients of reflectance spectra.
-    Reflectance(Vec<Sigmoid>),
+    Reflectance(Arc<[Sigmoid]>),
+    /// Reflectance spectra and factors upon them, where some texels are beyond 1.
+    Scaled(Arc<[(f32, Sigmoid)]>),
+}
+
+/// What textures of one file share, if they take its texels for the same.
+#[derive(Clone, Debug)]
+pub struct Stored {
+    texels: Texels,
+    /// Luminance of each texel, for textures that are used as numbers.
+    scalar: Arc<[f32]>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Bitmap {
-    texels: Texels,
-    /// Luminance of each texel, for textures that are used as numbers.
-    scalar: Arc<Vec<f32>>,
+    stored: Stored,
     width: usize,
     height: usize,
     lookup: Lookup,
@@ -104,26 +112,45 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         let message = format!("texel ({x}, {y}) of {} is {values:?}", path.display());
         return Err(SceneError::at(&place.value_span, message, expected));
     }
-    let scalar = texels().map(|i| {
-        let rgb = pixels.linear(i, raw);
-        if pixels.channels == 1 { rgb[0] } else { observer::luminance(rgb.map(|v| v as f64)) as f32 }
-    });
-    let scalar: Arc<Vec<f32>> = Arc::new(scalar.collect());
-    let texels = if pixels.channels == 1 {
-        Texels::Grey(scalar.clone())
-    } else if params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any) {
-        Texels::rgb(&pixels, raw)
-    } else if raw {
-        Texels::Grey(scalar.clone())
-    } else {
-        let upsampler = &params.loader.upsampler;
-        Texels::Reflectance(texels().map(|i| upsampler.fit(pixels.linear(i, false))).collect())
-    };
+    let numbers = params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any);
+    let upsampler = (!numbers).then_some(&*params.loader.upsampler);
+    let stored = params.loader.texels((path, raw, numbers), || Stored::new(&pixels, raw, upsampler));
     let (width, height) = (pixels.width, pixels.height);
-    Ok(AnyTexture::Bitmap(Box::new(Bitmap { texels, scalar, width, height, lookup, to_uv })))
+    Ok(AnyTexture::Bitmap(Box::new(Bitmap { stored, width, height, lookup, to_uv })))
+}
+
+impl Stored {
+    /// Texels as spectra of the upsampler, or, without one, as linear sRGB.
+    fn new(pixels: &Pixels, raw: bool, upsampler: Option<&Upsampler>) -> Self {
+        let scalar = (0..pixels.width * pixels.height).into_par_iter().map(|i| {
+            let rgb = pixels.linear(i, raw);
+            if pixels.channels == 1 { rgb[0] } else { observer::luminance(rgb.map(|v| v as f64)) as f32 }
+        });
+        let scalar: Arc<[f32]> = scalar.collect::<Vec<f32>>().into();
+        let texels = match upsampler {
+            None if pixels.channels > 1 => Texels::rgb(pixels, raw),
+            Some(upsampler) if pixels.channels > 1 && !raw => Texels::spectra(pixels, upsampler),
+            _ => Texels::Grey(scalar.clone()),
+        };
+        Self { texels, scalar }
+    }
 }
 
 impl Texels {
+    /// Reflectances, as in Mitsuba, and beyond 1 in proportion.
+    fn spectra(pixels: &Pixels, upsampler: &Upsampler) -> Self {
+        let fits = (0..pixels.width * pixels.height).into_par_iter().map(|i| {
+            let rgb = pixels.linear(i, false);
+            let scale = rgb.iter().fold(1.0f32, |scale, v| scale.max(*v));
+            (scale, upsampler.fit(rgb.map(|v| v / scale)))
+        });
+        let fits: Vec<(f32, Sigmoid)> = fits.collect();
+        match fits.iter().all(|(scale, _)| *scale == 1.0) {
+            true => Self::Reflectance(fits.into_iter().map(|(_, color)| color).collect()),
+            false => Self::Scaled(fits.into()),
+        }
+    }
+
     /// Linear sRGB, of three channels.
     fn rgb(pixels: &Pixels, raw: bool) -> Self {
         let byte = |value: f32| {
@@ -131,14 +158,14 @@ impl Texels {
             (f32::from(byte) / 255.0 == value).then_some(byte)
         };
         let bytes = |texel: &[f32]| Some([byte(texel[0])?, byte(texel[1])?, byte(texel[2])?]);
-        match pixels.values.par_chunks_exact(3).map(bytes).collect() {
+        match pixels.values.par_chunks_exact(3).map(bytes).collect::<Option<Vec<_>>>() {
             Some(texels) => {
                 let decoded = |byte: usize| pixels.decoded(byte as f32 / 255.0, raw);
-                Self::Bytes(texels, Box::new(std::array::from_fn(decoded)))
+                Self::Bytes(texels.into(), Arc::new(std::array::from_fn(decoded)))
             }
             None => {
                 let texels = (0..pixels.width * pixels.height).into_par_iter();
-                Self::Rgb(texels.map(|i| pixels.linear(i, raw)).collect())
+                Self::Rgb(texels.map(|i| pixels.linear(i, raw)).collect::<Vec<_>>().into())
             }
         }
     }
@@ -149,7 +176,7 @@ impl Texels {
         match self {
             Self::Rgb(values) => Some(values[texel]),
             Self::Bytes(texels, values) => Some(texels[texel].map(|byte| values[usize::from(byte)])),
-            Self::Grey(_) | Self::Reflectance(_) => None,
+            Self::Grey(_) | Self::Reflectance(_) | Self::Scaled(_) => None,
         }
     }
 }
@@ -181,26 +208,30 @@ impl Bitmap {
 
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         let corners = self.corners(uv);
-        match &self.texels {
+        match &self.stored.texels {
             Texels::Grey(values) => Spectrum::splat(weighted(&corners, 0.0, |texel| values[texel])),
             Texels::Rgb(_) | Texels::Bytes(..) => weighted(&corners, Spectrum::ZERO, |texel| {
-                let [r, g, b] = self.texels.linear(texel).unwrap_or_default();
+                let [r, g, b] = self.stored.texels.linear(texel).unwrap_or_default();
                 Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
             }),
             Texels::Reflectance(values) => {
                 weighted(&corners, Spectrum::ZERO, |texel| Spectrum(values[texel].eval_lanes(&λ.nm)))
             }
+            Texels::Scaled(values) => weighted(&corners, Spectrum::ZERO, |texel| {
+                let (scale, color) = &values[texel];
+                Spectrum(color.eval_lanes(&λ.nm)) * *scale
+            }),
         }
     }
 
     pub fn eval_scalar(&self, uv: DVec2) -> f64 {
-        self.corners(uv).into_iter().map(|(texel, weight)| (self.scalar[texel] * weight) as f64).sum()
+        self.corners(uv).into_iter().map(|(texel, weight)| (self.stored.scalar[texel] * weight) as f64).sum()
     }
 
     /// The three channels as numbers; `None` unless there are three that were not turned into spectra.
     pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
         let weighted = |(texel, weight): (usize, f32)| {
-            self.texels.linear(texel).map(|rgb| DVec3::from(rgb.map(f64::from)) * weight as f64)
+            self.stored.texels.linear(texel).map(|rgb| DVec3::from(rgb.map(f64::from)) * weight as f64)
         };
         self.corners(uv).into_iter().map(weighted).sum()
     }
@@ -213,7 +244,7 @@ impl Bitmap {
             return DVec2::ZERO;
         }
         let (texels, x, y) = self.square(uv);
-        let [a, b, c, d] = texels.map(|texel| self.scalar[texel] as f64);
+        let [a, b, c, d] = texels.map(|texel| self.stored.scalar[texel] as f64);
         let dx = ((b - a) * (1.0 - y) + (d - c) * y) * self.width as f64;
         let dy = ((c - a) * (1.0 - x) + (d - b) * x) * self.height as f64;
         let (u, v) = (self.to_uv.vector(DVec3::X), self.to_uv.vector(DVec3::Y));
@@ -221,11 +252,12 @@ impl Bitmap {
     }
 
     pub fn mean(&self) -> f64 {
-        self.scalar.iter().map(|&v| v as f64).sum::<f64>() / self.scalar.len() as f64
+        let scalar = &self.stored.scalar;
+        scalar.iter().map(|&v| v as f64).sum::<f64>() / scalar.len() as f64
     }
 }
 
-/// The weighted sum of the values of texels; one with weight 0 may be infinite.
+/// The weighted sum of the values of texels; one with weight 0 is not looked up.
 #[inline(always)]
 fn weighted<T: Mul<f32, Output = T> + AddAssign>(
     corners: &[(usize, f32); 4],
@@ -250,9 +282,9 @@ mod tests {
         let scalar: Vec<f32> = (0..15).map(|i| ((i * i * 7) % 11) as f32 / 11.0).collect();
         let turn = Transform::rotate(DVec3::Z, 25.0).unwrap();
         let to_uv = Transform::scale(DVec3::new(2.0, 0.5, 1.0)).unwrap().after(&turn);
-        let scalar = Arc::new(scalar);
-        let texels = Texels::Grey(scalar.clone());
-        Bitmap { texels, scalar, width: 5, height: 3, lookup: Lookup::repeated(nearest), to_uv }
+        let scalar: Arc<[f32]> = scalar.into();
+        let stored = Stored { texels: Texels::Grey(scalar.clone()), scalar };
+        Bitmap { stored, width: 5, height: 3, lookup: Lookup::repeated(nearest), to_uv }
     }
 
     #[test]
@@ -327,7 +359,7 @@ mod tests {
         let mut bitmap = picture(true);
         assert!(bitmap.eval_vector(DVec2::ZERO).is_none());
         bitmap.to_uv = Transform::IDENTITY;
-        bitmap.texels = Texels::Rgb((0..15).map(|i| [i as f32, 0.5, -(i as f32)]).collect());
+        bitmap.stored.texels = Texels::Rgb((0..15).map(|i| [i as f32, 0.5, -(i as f32)]).collect());
         assert_eq!(bitmap.eval_vector(DVec2::new(0.5, 0.5)), Some(DVec3::new(7.0, 0.5, -7.0)));
     }
 }

@@ -46,12 +46,13 @@ pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
     let to_world = params.transform("to_world", "from the unit cube, or the file's box, to the world")?;
     let raw = params.boolean("raw", false, "whether three channels are numbers and not sRGB colours")?;
     params.boolean("accel", true, "Mitsuba's hardware interpolation; ignored")?;
+    params.optional_float("max_value", "Mitsuba's; ignored, for the values are looked at")?;
     let (path, place) =
         found.ok_or_else(|| params.error("filename", "a gridvolume needs a `filename`", "add one"))?;
     let voxels = params.loader.voxels(&path, place)?;
-    if raw && voxels.channels == 3 {
+    if raw && voxels.channels == 3 && params.loader.mode == ColorMode::Spectral {
         let message = "three channels that are no colour";
-        return Err(params.error("raw", message, "expected one channel, or no `raw`"));
+        return Err(params.error("raw", message, "expected one channel, no `raw`, or RGB mode"));
     }
     let (top, expected) = match params.usage {
         Usage::Reflectance => (1.0, "expected 0 to 1"),
@@ -270,7 +271,9 @@ mod tests {
     fn grids_that_cannot_be_meant_are_refused() {
         let refused =
             |channels: u32, parameters: &str| grid(channels, parameters, ColorMode::Rgb).unwrap_err();
-        assert!(refused(3, r#"<boolean name="raw" value="true"/>"#).contains("no colour"));
+        let raw = r#"<boolean name="raw" value="true"/>"#;
+        assert!(grid(3, raw, ColorMode::Spectral).unwrap_err().contains("no colour"));
+        assert!(grid(3, raw, ColorMode::Rgb).is_ok());
         assert!(refused(1, r#"<string name="wrap_mode" value="bend"/>"#).contains("unknown wrap_mode"));
         assert!(refused(2, "").contains("2 channels"));
         assert!(grid(1, r#"<boolean name="use_grid_bbox" value="true"/>"#, ColorMode::Rgb).is_ok());

@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(long, default_value = "etalon")]
     renderer: String,
     /// Sample counts
-    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"], value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_delimiter = ',', value_name = "N,N,…", default_value = "4,16,64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
     /// Pairs of pictures
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]

@@ -21,6 +21,7 @@ use crate::study::{Ladder, Run, Settings};
 /// The arguments of the command.
 #[derive(Args)]
 pub struct Arguments {
+    /// The scene that all of them render
     scene: PathBuf,
     /// May be repeated; the others are compared with the first
     #[arg(long = "renderer", default_values = ["etalon", "mitsuba-llvm_ad_spectral"])]
@@ -29,8 +30,9 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
     /// Sample counts
-    #[arg(long, value_delimiter = ',', default_values = ["4", "16", "64"], value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_delimiter = ',', value_name = "N,N,…", default_value = "4,16,64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
+    /// Pictures of each sample count: at least three, for an interval
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
     seeds: u32,
     /// Samples of each of the four pictures of a reference; eight times the longest rung unless given
@@ -213,7 +215,11 @@ fn about(line: &Line) -> Vec<String> {
         Some(format!("{what}: {value:.4} [{low:.4}, {high:.4}] times as bright as {than}"))
     };
     let pictures = times(renderer, &format!("{mean_of}'s mean"), line.brightness);
-    let mean = times(&format!("{mean_of}'s mean"), "the first renderer's", line.mean_over_first);
+    let mean = times(
+        &format!("warning, another picture: {mean_of}'s mean"),
+        "the first renderer's",
+        line.mean_over_first,
+    );
     [slope, pictures, mean].into_iter().flatten().collect()
 }
 

@@ -5,13 +5,14 @@
 //! pass.
 
 use crate::closed_forms::{self, ClosedForm, LEVEL};
-use crate::console::{percentage, print};
+use crate::console::{percentage, positive_seconds, print};
 use crate::documents::Documents;
 use crate::references::{self, Reference};
 use crate::renderers::{self, Job, Renderer};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use validation::image::{Image, Settings, compare, load};
 use validation::statistics::{seed_for, sidak};
 use validation::{Outcome, Report, Verdict};
@@ -25,9 +26,10 @@ pub struct Arguments {
     /// Another file of renderers
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Which references it is held against: those that are spectral, or those of three channels
-    #[arg(long, default_value = "rgb", value_parser = ["rgb", "spectral"])]
-    color: String,
+    /// Which references it is held against: those that are spectral, or those of three channels. By default
+    /// as the file of renderers says of it, or those of three channels
+    #[arg(long)]
+    color: Option<renderers::ColorMode>,
     /// Samples a pixel of each picture of a reference scene
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
@@ -37,6 +39,9 @@ pub struct Arguments {
     /// Largest relative difference of a channel's mean that is none
     #[arg(long, default_value = "0.5%", value_parser = percentage)]
     margin: f64,
+    /// Seconds that one picture may take
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    timeout: Option<Duration>,
     /// Another number, other seeds
     #[arg(long, default_value_t = 0, value_parser = crate::console::number)]
     number: u64,
@@ -46,7 +51,7 @@ pub struct Arguments {
 
 /// Compares a renderer with the references, and with the closed forms of the same kind of colours.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
-    let Arguments { renderer, name, file, color, spp, seeds, margin, number, documents } = arguments;
+    let Arguments { renderer, name, file, color, spp, seeds, margin, timeout, number, documents } = arguments;
     let file = file.unwrap_or_else(renderers::file);
     let known = renderers::load(&file)?;
     let template = known.get(&renderer).ok_or_else(|| {
@@ -54,8 +59,18 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         format!("{} has no renderer {renderer:?}; known are {}", file.display(), names.join(", "))
     })?;
     documents.check_writable(&[&file], &[])?;
+    let color = match (color, template.color) {
+        (Some(asked), Some(own)) if asked != own => {
+            return Err(format!("{} says that {renderer} carries colour as {own:?}", file.display()).into());
+        }
+        (asked, own) => asked.or(own).unwrap_or(renderers::ColorMode::Rgb),
+    };
+    let color = match color {
+        renderers::ColorMode::Rgb => ColorMode::Rgb,
+        renderers::ColorMode::Spectral => ColorMode::Spectral,
+    };
     let chosen = |mode: ColorMode, other: &str| {
-        mode.name() == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))
+        mode == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))
     };
     let mut references = references::references(&references::folder())?;
     references.retain(|reference| chosen(reference.mode, &reference.name));
@@ -66,7 +81,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         return Err("there is no such scene".into());
     }
     let folder = tempfile::tempdir()?;
-    let guest = Guest { renderer: template, folder: folder.path(), number, level: sidak(LEVEL, questions) };
+    let level = sidak(LEVEL, questions);
+    let guest = Guest { renderer: template, folder: folder.path(), number, level, limit: timeout };
     let mut outcomes = vec![];
     let mut tell = |outcome: Outcome| {
         print(&outcome);
@@ -90,6 +106,8 @@ struct Guest<'a> {
     /// Level of each comparison, chosen so that a correct renderer is called different anywhere with
     /// probability 1 %.
     level: f64,
+    /// How long a picture may take.
+    limit: Option<Duration>,
 }
 
 impl Guest<'_> {
@@ -132,7 +150,8 @@ impl Guest<'_> {
             let number = self.number * u64::from(count) + u64::from(index);
             // Many programs accept no more than 31 bits.
             let seed = seed_for(name, number) as u32 >> 1;
-            self.renderer.run(&Job::new(scene, samples, seed), &out)?;
+            let job = Job { limit: self.limit, ..Job::new(scene, samples, seed) };
+            self.renderer.run(&job, &out)?;
             load(&out).map_err(|e| e.to_string())
         };
         (0..count).map(picture).collect()
@@ -153,8 +172,9 @@ mod tests {
         let number = FOLDERS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("etalon-guest-test-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let renderer = Renderer { command, mean_of: None };
-        let outcome = ask(&Guest { renderer: &renderer, folder: &folder, number: 0, level: LEVEL });
+        let renderer = Renderer { command, mean_of: None, color: None };
+        let outcome =
+            ask(&Guest { renderer: &renderer, folder: &folder, number: 0, level: LEVEL, limit: None });
         std::fs::remove_dir_all(&folder).unwrap();
         outcome
     }

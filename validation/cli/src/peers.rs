@@ -27,10 +27,16 @@ pub struct Settings<'a> {
 /// takes minutes over a pipe.
 const STEP_BY_STEP: [&str; 2] = ["jacobian", "moments"];
 
+/// Checks whose questions the protocol has no words for: other wavelengths, and parameters that tend to a limit.
+const WITHOUT_WORDS: [&str; 2] = ["spectral", "limits"];
+
 /// Starts `command` and runs every check that applies on each of its configurations, for each direction of
 /// [`ANGLES`]. `progress` gets each outcome as it becomes known.
 pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> Result<Report, PeerError> {
-    let asked: Vec<_> = CHECKS.iter().filter(|check| !STEP_BY_STEP.contains(&check.name)).collect();
+    let asked: Vec<_> = CHECKS
+        .iter()
+        .filter(|check| !STEP_BY_STEP.contains(&check.name) && !WITHOUT_WORDS.contains(&check.name))
+        .collect();
     if let Some(stranger) = settings.check.filter(|name| asked.iter().all(|check| check.name != *name)) {
         let names: Vec<_> = asked.iter().map(|check| check.name).collect();
         return Err(PeerError(format!(

@@ -46,7 +46,7 @@ enum Command {
     },
     /// Paths through random scenes, by Etalon alone: 0 values that are not finite
     Paths {
-        /// Number of paths
+        /// Number of paths, at least: scenes are followed whole
         #[arg(long, default_value_t = 100_000_000)]
         paths: u64,
         /// The first scene
@@ -101,7 +101,10 @@ fn run(command: Command) -> Result<bool, String> {
         Command::Input { format, seconds, count, first, seeds, folder, json, worker } => {
             let formats: Vec<&Format> = match &format {
                 None => FORMATS.iter().collect(),
-                Some(name) => vec![named(name).ok_or_else(|| format!("no such format: {name}"))?],
+                Some(name) => vec![named(name).ok_or_else(|| {
+                    let known: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+                    format!("no such format: {name}; known are {}", known.join(", "))
+                })?],
             };
             let time = Duration::from_secs(seconds);
             let seeds = [folders(), seeds].concat();
@@ -179,8 +182,12 @@ fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);
     let record = record.ok_or("a render stopped")?;
     written?;
-    say(format_args!("{record:?}"));
-    Ok(record.first.is_empty())
+    let fuzz::paths::Record { scenes, refused, paths, cut, not_finite, negative, first } = &record;
+    say(format_args!(
+        "{paths} paths in {scenes} scenes, {refused} more refused; {cut} cut, {not_finite} not finite, {negative} pixels negative"
+    ));
+    first.iter().for_each(|fault| say(format_args!("  {fault}")));
+    Ok(first.is_empty())
 }
 
 fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Result<bool, String> {
@@ -211,7 +218,12 @@ fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Re
         let line = serde_json::to_string(&found).map_err(|e| e.to_string())?;
         writeln!(record, "{line}").map_err(|e| format!("{}: {e}", path.display()))?;
     }
-    say(format_args!("{counts:?}"));
+    if counts.is_empty() {
+        return Err("there is no number in that range".into());
+    }
+    let counts_said: Vec<String> =
+        counts.iter().map(|(answer, count)| format!("{count} {answer:?}")).collect();
+    say(format_args!("{}", counts_said.join(", ")));
     Ok(counts.keys().all(|answer| answer.is_clean()))
 }
 

@@ -86,5 +86,13 @@ fn sound_sample(scatterer: &dyn Scatterer, wo: DVec3, u: [f64; 3]) -> Result<(),
         return if sample.delta { Ok(()) } else { sound_values(scatterer, wo, sample.wi) };
     }
     let (weight, pdf) = (sample.weight, sample.pdf);
-    Err(format!("weight {weight}, pdf {pdf}, |wi| = {length} for wo = {}, u = {u:?}", show(wo)))
+    let broken = if !unit {
+        "a direction that is not of unit length"
+    } else if pdf == 0.0 {
+        "a sample of density 0, which should be none"
+    } else {
+        "a weight or density that is negative or not finite"
+    };
+    let at = format!("for wo = {}, u = {u:?}", show(wo));
+    Err(format!("{broken}: weight {weight}, pdf {pdf}, |wi| = {length} {at}"))
 }

@@ -163,7 +163,9 @@ impl Comparison {
     fn undecided(&self) -> (Verdict, String) {
         if let Some(place) = self.faults.unknown_variance.first() {
             let count = self.faults.unknown_variance.len();
-            let message = format!("{count} values differ where no variance is known, the first at {place}");
+            let message = format!(
+                "{count} values differ that have no noise, or of which none is known, the first at {place}"
+            );
             return (Verdict::Inconclusive, message);
         }
         let means = Verdict::all(self.channels.iter().map(|channel| channel.mean.verdict));

@@ -18,11 +18,14 @@ pub struct Arguments {
     #[arg(required_unless_present = "calibrate")]
     b: Option<PathBuf>,
     /// Instead, ask the comparison itself: false alarms and power on renders of the reference scenes
-    #[arg(long, conflicts_with_all = ["a", "b", "map", "tile_map", "margin"])]
+    #[arg(long, conflicts_with_all = ["a", "b", "map", "tile_map", "margin", "rounding"])]
     calibrate: bool,
     /// Largest relative difference of a channel's mean that is none, such as 0.25%
     #[arg(long, default_value = "0.25%", value_parser = percentage)]
     margin: f64,
+    /// Largest relative difference of values without noise that is none; two renderers add up in `f32`
+    #[arg(long, default_value = "0.001%", value_parser = percentage)]
+    rounding: f64,
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -36,12 +39,12 @@ pub struct Arguments {
 
 /// Compares two images, or calibrates the comparison.
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
-    let Arguments { a, b, calibrate, margin, json, map, tile_map } = arguments;
+    let Arguments { a, b, calibrate, margin, rounding, json, map, tile_map } = arguments;
     let read: Vec<&Path> = [&a, &b].into_iter().flatten().map(PathBuf::as_path).collect();
     check_writable(&read, &[&json, &map, &tile_map])?;
     match (a, b) {
         (Some(a), Some(b)) if !calibrate => {
-            let settings = Settings::with_margin(margin);
+            let settings = Settings { rounding, ..Settings::with_margin(margin) };
             let (first, second) = (image::load_whole(&a)?, image::load_whole(&b)?);
             if first.begins != second.begins {
                 return Err(format!(

@@ -57,8 +57,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, String> {
     if arguments.document {
         return write_document();
     }
-    std::fs::create_dir_all(&arguments.scratch).map_err(|e| e.to_string())?;
-    let scratch = arguments.scratch.canonicalize().map_err(|e| e.to_string())?;
+    let told = |e: std::io::Error| format!("{}: {e}", arguments.scratch.display());
+    std::fs::create_dir_all(&arguments.scratch).map_err(told)?;
+    let scratch = arguments.scratch.canonicalize().map_err(told)?;
     let sources = super::keep(&scratch)?;
     let changes = if arguments.mutate.is_empty() {
         let bugs = bugs::catalogue(&bugs::folder())?;

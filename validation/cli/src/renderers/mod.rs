@@ -6,6 +6,7 @@ mod said;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 pub use render::{Job, Rendered, Took, read};
 use serde::Deserialize;
 
@@ -19,6 +20,16 @@ pub struct Renderer {
     /// reference of this one, which may not converge in any feasible time. By default its own converged mean
     /// is the reference.
     pub mean_of: Option<String>,
+    /// Whether it carries spectra or three channels: the same scene has another mean in each.
+    pub color: Option<ColorMode>,
+}
+
+/// How a renderer carries colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum ColorMode {
+    Rgb,
+    Spectral,
 }
 
 /// The committed file.
@@ -51,7 +62,7 @@ fn fault_of(command: &str) -> Option<String> {
     let stranger = names.filter(is_name).find(|name| !PLACEHOLDERS.contains(name));
     if let Some(stranger) = stranger {
         return Some(format!(
-            "{{{stranger}}} is no placeholder, expected one of {{{}}}",
+            "{{{stranger}}} is no placeholder, expected one of {{{}}} or {{env:NAME:default}}",
             PLACEHOLDERS.join("}, {")
         ));
     }
@@ -72,8 +83,9 @@ fn from_environment(command: &str) -> Result<String, String> {
     let mut filled = parts.next().unwrap_or_default().to_string();
     for part in parts {
         let (inside, rest) = part.split_once('}').ok_or("a brace of the command is not closed")?;
-        let (name, default) = inside.split_once(':').unwrap_or((inside, ""));
-        filled += &std::env::var(name).unwrap_or_else(|_| default.into());
+        let (name, default) = inside.split_once(':').map_or((inside, None), |(name, by)| (name, Some(by)));
+        let value = std::env::var(name).ok().or_else(|| default.map(str::to_owned));
+        filled += &value.ok_or_else(|| format!("the variable {name} is not set, and has no default"))?;
         filled += rest;
     }
     Ok(filled)
@@ -129,5 +141,9 @@ mod tests {
             format!("a {} c", env!("CARGO_PKG_NAME"))
         );
         assert!(from_environment("{env:open").is_err());
+        assert!(
+            from_environment("{env:ETALON_NO_SUCH} x").unwrap_err().contains("ETALON_NO_SUCH is not set")
+        );
+        assert_eq!(from_environment("{env:ETALON_NO_SUCH:}x").unwrap(), "x");
     }
 }

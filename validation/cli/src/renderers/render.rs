@@ -98,8 +98,13 @@ impl Renderer {
         let (wall, cpu) = (start.elapsed().as_secs_f64(), children_seconds() - busy);
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr);
-            let last = text.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("it said nothing");
-            return Err(format!("{program:?} failed ({}): {}", output.status, last.trim()));
+            let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+            let said = match (lines.next(), lines.next_back()) {
+                (None, _) => "it said nothing".to_owned(),
+                (Some(line), None) => line.to_owned(),
+                (Some(first), Some(last)) => format!("{first} … {last}"),
+            };
+            return Err(format!("{program:?} failed ({}): {said}", output.status));
         }
         if !out.exists() {
             return Err(format!("{program:?} ended well, but wrote no {}", out.display()));
@@ -177,7 +182,7 @@ mod tests {
         let job = Job::new(Path::new("a b.xml"), 1, 7);
         let out = std::env::temp_dir().join("etalon-no-such-picture.exr");
         let error = |command: &str| {
-            Renderer { command: command.into(), mean_of: None }.render(&job, &out).unwrap_err()
+            Renderer { command: command.into(), mean_of: None, color: None }.render(&job, &out).unwrap_err()
         };
         assert!(error("no-such-renderer {out}").contains("does not start"));
         assert!(error("").contains("empty"));
@@ -196,7 +201,7 @@ mod tests {
     fn a_program_that_never_ends_is_stopped() {
         let out = std::env::temp_dir().join("etalon-no-such-picture.exr");
         let job = Job { limit: Some(Duration::from_millis(200)), ..Job::new(Path::new("any.xml"), 1, 0) };
-        let renderer = |command: &str| Renderer { command: command.into(), mean_of: None };
+        let renderer = |command: &str| Renderer { command: command.into(), mean_of: None, color: None };
         let error = renderer("sleep 1000").run(&job, &out).unwrap_err();
         assert_eq!(error, "\"sleep\" took longer than the limit of 0.2 s");
         // More than a pipe holds, within a limit that does not matter.

@@ -315,7 +315,9 @@ mod tests {
             ("idle", "true {out}".to_owned()),
             ("dark", shows("dark-{seed}")),
         ];
-        let entry = |(name, command): (&str, String)| (name.to_owned(), Renderer { command, mean_of: None });
+        let entry = |(name, command): (&str, String)| {
+            (name.to_owned(), Renderer { command, mean_of: None, color: None })
+        };
         let renderers: Renderers = commands.into_iter().map(entry).collect();
         let ladder = Ladder::Samples(vec![8]);
         let settings = Settings { ladder, seeds: SEEDS, reference: 1.0, threads: 1, processor_time: false };

@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long = "renderer")]
     chosen: Vec<String>,
     /// Seconds of each rung
-    #[arg(long, value_delimiter = ',', default_values = ["1", "4", "16"], value_parser = positive_seconds)]
+    #[arg(long, value_delimiter = ',', value_name = "N,N,…", default_value = "1,4,16", value_parser = positive_seconds)]
     seconds: Vec<Duration>,
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..))]
     seeds: u32,
@@ -132,7 +132,7 @@ fn prepare(entry: &Entry, shared: Option<&Path>, bench: &Bench) -> Result<(), St
     if !source.is_file() {
         return Err(format!("there is no {}", source.display()));
     }
-    std::fs::create_dir_all(&bench.folder).map_err(|e| e.to_string())?;
+    std::fs::create_dir_all(&bench.folder).map_err(|e| format!("{}: {e}", bench.folder.display()))?;
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers/prepare_scene.py");
     let size = format!("{}x{}", entry.size[0], entry.size[1]);
     let mut command = Command::new("python3");
@@ -160,13 +160,18 @@ fn kept_settings(
                 console::write(Some(&file), || Ok(to_json(&given)?))?;
                 Ok(given)
             }
-            _ => Err(format!("{} holds pictures of other settings", folder.display()).into()),
+            _ => Err(format!(
+                "{} holds pictures of other settings, as {} says; choose another --folder",
+                folder.display(),
+                file.display()
+            )
+            .into()),
         };
     }
     if report_only {
         return Err(format!("{} holds no pictures to report on", folder.display()).into());
     }
-    std::fs::create_dir_all(folder)?;
+    std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     console::write(Some(&file), || Ok(to_json(&given)?))?;
     Ok(given)
 }
