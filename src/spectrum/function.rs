@@ -72,7 +72,20 @@ impl SpectralFunction {
     }
 
     /// The mean over the visible range, or over the channels: a weight for choosing between lobes and lights.
+    /// What no eye sees a film may have a band for, so that where all is outside it is no less than that; 0
+    /// only if the function is.
     pub fn mean(&self) -> f64 {
+        match self {
+            Self::Table(table) if self.visible_mean() == 0.0 => {
+                let (first, last) = table.range();
+                table.mean(first, last)
+            }
+            Self::Blackbody(body) if self.visible_mean() == 0.0 => body.bound().into(),
+            _ => self.visible_mean(),
+        }
+    }
+
+    fn visible_mean(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => rgb.iter().map(|&v| v as f64).sum::<f64>() / 3.0,
             Self::Table(table) => table.mean(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX),
@@ -182,6 +195,8 @@ mod tests {
             assert_eq!(line.bound(), 8.0);
             assert!((line.mean() / (0.08 / 470.0) - 1.0).abs() < 0.01, "{at}: {}", line.mean());
         }
+        let warmth = tabulated(&[(850.0, 1.0), (950.0, 3.0)]);
+        assert_eq!((warmth.mean(), tabulated(&[(400.0, 0.0), (950.0, 0.0)]).mean()), (2.0, 0.0));
         let ramp = tabulated(&[(260.0, 0.0), (460.0, 2.0), (930.0, 2.0)]);
         assert!((ramp.mean() - (100.0 * 1.5 + 370.0 * 2.0) / 470.0).abs() < 1e-9);
     }
