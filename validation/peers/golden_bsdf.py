@@ -6,6 +6,7 @@ For each `<bsdf>` example of `etalon plugins --json` that Mitsuba reads: value (
 wavelengths and density, on a fixed grid of directions. Directions are exact in single precision, so that both
 programs have the same input. An example that Mitsuba does not read is listed with the reason.
 """
+import argparse
 import json
 import math
 import subprocess
@@ -85,4 +86,5 @@ def main():
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter).parse_args()
     main()

@@ -7,6 +7,7 @@ reproducible.
 Meshes are written byte by byte, so that the readers under test get files that no renderer wrote. Images are
 written by Mitsuba's own encoders, because the reference renderer decodes them too.
 """
+import argparse
 import math
 import struct
 import zlib
@@ -257,4 +258,5 @@ def main():
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter).parse_args()
     main()

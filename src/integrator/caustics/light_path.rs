@@ -222,6 +222,10 @@ impl Caustics {
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
         let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
         let ratio = path.ratio * super::first(scattered.pdf, cos_light, seen);
+        if ratio == 0.0 {
+            // Another technique is infinitely likelier.
+            return;
+        }
         let by_emitter = linked.map_or(path.by_emitter, |linked| linked / scattered.pdf);
         let shared = power_heuristic_of_three(1.0 / ratio, by_emitter / ratio);
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));

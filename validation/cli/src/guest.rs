@@ -78,7 +78,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     cases.retain(|case| chosen(case.mode, &case.name));
     let questions = references.len() + cases.len();
     if questions == 0 {
-        return Err("there is no such scene".into());
+        return Err(format!("there is no such scene among those of --color {}", color.name()).into());
     }
     let folder = tempfile::tempdir()?;
     let level = sidak(LEVEL, questions);

@@ -64,7 +64,7 @@ enum Command {
         #[arg(long, default_value_t = 60)]
         seconds: u64,
         /// Inputs of each format, at most
-        #[arg(long, default_value_t = u64::MAX)]
+        #[arg(long, default_value_t = u64::MAX, hide_default_value = true)]
         count: u64,
         /// The first input
         #[arg(long, default_value_t = 0)]
