@@ -105,7 +105,7 @@ pub fn relations() -> Vec<Relation> {
             .at_length(),
         together("glossy", &path(4), (&glossy_things(), &lights()), None).longer(2),
         together("glossy_by_volpath", &path(4).replace("path", "volpath"), (&glossy_things(), &[]), None)
-            .samples(1024)
+            .samples(4096)
             .at_length(),
         together("shared_paths", &shared, ("", &[]), Some(one_of::<4>)).within(0.05).samples(1024),
     ]
