@@ -164,7 +164,7 @@ impl Study {
         let strangers = self.lines.iter().filter(|l| l.mean_over_first.is_some_and(misses));
         let strangers = strangers.map(|l| {
             format!(
-                "{} does not render what {first} renders, or finds other light: errors of each are those \
+                "warning: {} does not render what {first} renders, or finds other light: errors of each are those \
                  against its own mean",
                 l.renderer
             )
@@ -215,11 +215,7 @@ fn about(line: &Line) -> Vec<String> {
         Some(format!("{what}: {value:.4} [{low:.4}, {high:.4}] times as bright as {than}"))
     };
     let pictures = times(renderer, &format!("{mean_of}'s mean"), line.brightness);
-    let mean = times(
-        &format!("warning, another picture: {mean_of}'s mean"),
-        "the first renderer's",
-        line.mean_over_first,
-    );
+    let mean = times(&format!("{mean_of}'s mean"), "the first renderer's", line.mean_over_first);
     [slope, pictures, mean].into_iter().flatten().collect()
 }
 
