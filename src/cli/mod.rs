@@ -92,7 +92,7 @@ struct SceneArguments {
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = definition)]
     define: Vec<(String, String)>,
     /// What a path carries
-    #[arg(long, value_name = "spectral|rgb", default_value = "spectral", value_parser = color)]
+    #[arg(long, value_name = "spectral|rgb", default_value = "spectral")]
     color: ColorMode,
     /// Integrator to use instead of the scene's, with its default settings
     #[arg(long, value_name = "NAME", value_parser = integrator())]
@@ -237,12 +237,4 @@ fn reuse(text: &str) -> Result<u32, String> {
     }
     let pixels = text.parse().ok().filter(|pixels| PIXELS.contains(pixels));
     pixels.ok_or_else(|| "expected a power of two up to 64, or `auto`".into())
-}
-
-fn color(text: &str) -> Result<ColorMode, String> {
-    match text {
-        "spectral" => Ok(ColorMode::Spectral),
-        "rgb" => Ok(ColorMode::Rgb),
-        _ => Err("expected `spectral` or `rgb`".into()),
-    }
 }

@@ -6,7 +6,7 @@ use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
 use crate::emitter::{Choice, Gathers};
 use crate::math::Ray;
-use crate::sampler::{Numbers, PAIRS, Sampler};
+use crate::sampler::PAIRS;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::{Features, Scene};
@@ -85,7 +85,7 @@ impl Direct {
         let choice =
             if side.traits.has_density { Choice::of_several(&scene.emitters, at) } else { Choice::at(at) };
         if side.traits.has_density {
-            for u in numbers(sampler, 0, self.emitter_samples) {
+            for u in sampler.each_emitter_sample(0, self.emitter_samples, PAIRS) {
                 let counts = (emitter_count, bsdf_count);
                 let u = (u.pair(0), u.one(4));
                 let light = light::sample_emitter(scene, &vertex, &choice, u, counts, λ, |_, _, _| 0.0)
@@ -97,7 +97,8 @@ impl Direct {
                 }
             }
         }
-        for u in numbers(sampler, 1, self.bsdf_samples) {
+        // No further vertex takes emitter samples.
+        for u in sampler.each_emitter_sample(1, self.bsdf_samples, PAIRS) {
             let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, (&onward, &choice), &sample, λ, counters);
@@ -138,12 +139,4 @@ impl Direct {
         let rival = choice.density_of_samples(&scene.emitters, index as usize, found, self.emitter_samples);
         emitted * power_heuristic(pdf, rival) as f32
     }
-}
-
-/// The numbers of the samples of one technique: those of all camera samples are one sequence.
-fn numbers(sampler: &Sampler, technique: u32, count: u32) -> impl Iterator<Item = Numbers> {
-    (0..count).step_by(8).flat_map(move |first| {
-        let some = sampler.emitter_samples(technique, first, count, PAIRS);
-        (0..(count - first).min(8) as usize).map(move |i| *some.of(i))
-    })
 }

@@ -21,6 +21,11 @@ pub fn union(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
+/// Half of a box's longest side; no corner is too far away for it.
+pub fn half_extent((lo, hi): Bounds) -> f64 {
+    (0.5 * hi - 0.5 * lo).max_element()
+}
+
 /// All eight corners of a box.
 pub fn corners((lo, hi): Bounds) -> [DVec3; 8] {
     [0, 1, 2, 3, 4, 5, 6, 7]

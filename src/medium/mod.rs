@@ -32,6 +32,8 @@ pub struct Medium {
     pub samples_emitters: bool,
     /// The share of the light that a collision scatters.
     albedo: AnyVolume,
+    /// Whether any is.
+    scatters: bool,
     extinction: AnyExtinction,
 }
 
@@ -70,7 +72,8 @@ fn parse(
     let about = "whether emitters are sampled from within; in vain where only glass leads out";
     let samples_emitters = params.boolean("sample_emitters", true, about)?;
     params.boolean("has_spectral_extinction", true, "Mitsuba's; ignored, for it is looked at")?;
-    Ok(Arc::new(Medium { phase, samples_emitters, albedo, extinction }))
+    let scatters = albedo.constant().is_none_or(|albedo| albedo.bound() > 0.0);
+    Ok(Arc::new(Medium { phase, samples_emitters, albedo, scatters, extinction }))
 }
 
 /// What becomes of a path within a medium.
@@ -93,7 +96,7 @@ impl Medium {
         numbers: &mut FlightNumbers,
     ) -> Flight {
         // Where nothing is scattered, what comes through is known and nothing needs to be drawn.
-        if self.albedo.constant().is_some_and(|albedo| albedo.bound() == 0.0) {
+        if !self.scatters {
             return Flight::Through(self.transmittance((ray, length), λ, numbers));
         }
         let shares = Shares::of(carried, λ);

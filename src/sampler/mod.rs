@@ -176,6 +176,15 @@ impl Sampler {
         numbers
     }
 
+    /// The numbers of `count` emitter samples at a vertex, one after the other; see
+    /// [`Sampler::emitter_samples`].
+    pub fn each_emitter_sample(&self, depth: u32, count: u32, pairs: usize) -> impl Iterator<Item = Numbers> {
+        (0..count).step_by(8).flat_map(move |first| {
+            let some = self.emitter_samples(depth, first, count, pairs);
+            (0..(count - first).min(8) as usize).map(move |i| *some.of(i))
+        })
+    }
+
     /// One of `count` samplers that stand for this sample, those of all samples being one sequence, and the
     /// overflow of its number above 32 bits.
     #[inline]

@@ -38,7 +38,7 @@ pub struct Loader<'d> {
     /// Decoded bitmaps; many materials share one.
     bitmaps: RefCell<BTreeMap<PathBuf, Arc<Pixels>>>,
     /// Their texels as textures look at them: by file, whether they are raw, and whether they are numbers.
-    texels: RefCell<BTreeMap<(PathBuf, bool, bool), Stored>>,
+    texels: RefCell<BTreeMap<(PathBuf, bool, bool), Arc<Stored>>>,
     /// Grids that were read; several volumes may share one.
     voxels: RefCell<BTreeMap<PathBuf, Arc<Voxels>>>,
     /// Media that were read, by their elements; many shapes share one.
@@ -178,8 +178,8 @@ impl<'d> Loader<'d> {
     }
 
     /// The texels of a file, by whether they are raw and whether they are numbers, which `make` makes once.
-    pub fn texels(&self, key: (PathBuf, bool, bool), make: impl FnOnce() -> Stored) -> Stored {
-        self.texels.borrow_mut().entry(key).or_insert_with(make).clone()
+    pub fn texels(&self, key: (PathBuf, bool, bool), make: impl FnOnce() -> Stored) -> Arc<Stored> {
+        self.texels.borrow_mut().entry(key).or_insert_with(|| Arc::new(make())).clone()
     }
 
     /// A grid of values, read once; `place` is where its file is named.

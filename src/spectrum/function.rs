@@ -75,13 +75,14 @@ impl SpectralFunction {
     /// What no eye sees a film may have a band for, so that where all is outside it is no less than that; 0
     /// only if the function is.
     pub fn mean(&self) -> f64 {
+        let visible = self.visible_mean();
         match self {
-            Self::Table(table) if self.visible_mean() == 0.0 => {
+            Self::Table(table) if visible == 0.0 => {
                 let (first, last) = table.range();
                 table.mean(first, last)
             }
-            Self::Blackbody(body) if self.visible_mean() == 0.0 => body.bound().into(),
-            _ => self.visible_mean(),
+            Self::Blackbody(body) if visible == 0.0 => body.bound().into(),
+            _ => visible,
         }
     }
 

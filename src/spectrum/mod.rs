@@ -18,8 +18,12 @@ pub use function::SpectralFunction;
 pub use lanes::{LANES, Spectrum};
 pub use wavelengths::Wavelengths;
 
+use serde::Deserialize;
+use std::str::FromStr;
+
 /// Whether lanes are wavelengths or the channels R, G, B.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ColorMode {
     #[default]
     Spectral,
@@ -33,5 +37,14 @@ impl ColorMode {
             Self::Spectral => "spectral",
             Self::Rgb => "rgb",
         }
+    }
+}
+
+impl FromStr for ColorMode {
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let mode = [Self::Spectral, Self::Rgb].into_iter().find(|mode| mode.name() == word);
+        mode.ok_or("expected `spectral` or `rgb`")
     }
 }

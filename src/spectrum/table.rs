@@ -97,15 +97,14 @@ impl Tabulated {
 
     /// The mean over the wavelengths from `min` to `max` nm.
     pub fn mean(&self, min: f32, max: f32) -> f64 {
-        let nodes: Vec<(f32, f32)> = self.nodes().collect();
-        let of_piece = |piece: &[(f32, f32)]| {
-            let [(a, from), (b, to)] = [piece[0], piece[1]].map(|(λ, v)| (f64::from(λ), f64::from(v)));
+        let of_piece = |(first, last): ((f32, f32), (f32, f32))| {
+            let [(a, from), (b, to)] = [first, last].map(|(λ, v)| (f64::from(λ), f64::from(v)));
             let (begin, end) = (a.max(min.into()), b.min(max.into()));
             // A straight line has its mean in the middle.
             let middle = from + (to - from) * (0.5 * (begin + end) - a) / (b - a);
             if begin < end { (end - begin) * middle } else { 0.0 }
         };
-        nodes.windows(2).map(of_piece).sum::<f64>() / f64::from(max - min)
+        self.nodes().zip(self.nodes().skip(1)).map(of_piece).sum::<f64>() / f64::from(max - min)
     }
 
     /// The smallest and largest value.

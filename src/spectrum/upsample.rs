@@ -72,6 +72,13 @@ impl Upsampler {
         SHARED.clone()
     }
 
+    /// A colour of any brightness as a factor and a reflectance: within [0, 1] that of the colour itself, as in
+    /// Mitsuba, and beyond in proportion.
+    pub fn fit_in_proportion(&self, rgb: [f64; 3]) -> (f32, Sigmoid) {
+        let scale = rgb.iter().fold(1.0f64, |scale, v| scale.max(*v));
+        (scale as f32, self.fit(rgb.map(|v| (v / scale) as f32)))
+    }
+
     /// The reflectance of a linear sRGB colour; components are clamped to [0, 1], and no number counts as 0.
     pub fn fit(&self, rgb: [f32; 3]) -> Sigmoid {
         let rgb = rgb.map(|v| if v > 0.0 { v.min(1.0) } else { 0.0 });

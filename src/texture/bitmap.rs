@@ -48,32 +48,32 @@ impl Pixels {
     }
 }
 
-/// The values of texels. A look at them waits for memory, so they are short. Clones share them.
-#[derive(Clone, Debug)]
+/// The values of texels. A look at them waits for memory, so they are short.
+#[derive(Debug)]
 enum Texels {
-    /// One number for all wavelengths.
-    Grey(Arc<[f32]>),
+    /// One number for all wavelengths: the luminance.
+    Grey,
     /// Linear sRGB.
-    Rgb(Arc<[[f32; 3]]>),
+    Rgb(Vec<[f32; 3]>),
     /// The same of a file with eight bits a channel, and what each of their values is.
-    Bytes(Arc<[[u8; 3]]>, Arc<[f32; 256]>),
+    Bytes(Vec<[u8; 3]>, Box<[f32; 256]>),
     /// Coefficients of reflectance spectra.
-    Reflectance(Arc<[Sigmoid]>),
+    Reflectance(Vec<Sigmoid>),
     /// Reflectance spectra and factors upon them, where some texels are beyond 1.
-    Scaled(Arc<[(f32, Sigmoid)]>),
+    Scaled(Vec<(f32, Sigmoid)>),
 }
 
 /// What textures of one file share, if they take its texels for the same.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Stored {
     texels: Texels,
     /// Luminance of each texel, for textures that are used as numbers.
-    scalar: Arc<[f32]>,
+    scalar: Vec<f32>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Bitmap {
-    stored: Stored,
+    stored: Arc<Stored>,
     width: usize,
     height: usize,
     lookup: Lookup,
@@ -126,11 +126,11 @@ impl Stored {
             let rgb = pixels.linear(i, raw);
             if pixels.channels == 1 { rgb[0] } else { observer::luminance(rgb.map(|v| v as f64)) as f32 }
         });
-        let scalar: Arc<[f32]> = scalar.collect::<Vec<f32>>().into();
+        let scalar = scalar.collect();
         let texels = match upsampler {
             None if pixels.channels > 1 => Texels::rgb(pixels, raw),
             Some(upsampler) if pixels.channels > 1 && !raw => Texels::spectra(pixels, upsampler),
-            _ => Texels::Grey(scalar.clone()),
+            _ => Texels::Grey,
         };
         Self { texels, scalar }
     }
@@ -139,15 +139,11 @@ impl Stored {
 impl Texels {
     /// Reflectances, as in Mitsuba, and beyond 1 in proportion.
     fn spectra(pixels: &Pixels, upsampler: &Upsampler) -> Self {
-        let fits = (0..pixels.width * pixels.height).into_par_iter().map(|i| {
-            let rgb = pixels.linear(i, false);
-            let scale = rgb.iter().fold(1.0f32, |scale, v| scale.max(*v));
-            (scale, upsampler.fit(rgb.map(|v| v / scale)))
-        });
-        let fits: Vec<(f32, Sigmoid)> = fits.collect();
-        match fits.iter().all(|(scale, _)| *scale == 1.0) {
-            true => Self::Reflectance(fits.into_iter().map(|(_, color)| color).collect()),
-            false => Self::Scaled(fits.into()),
+        let colors = || (0..pixels.width * pixels.height).into_par_iter().map(|i| pixels.linear(i, false));
+        if colors().any(|rgb| rgb.iter().any(|v| *v > 1.0)) {
+            Self::Scaled(colors().map(|rgb| upsampler.fit_in_proportion(rgb.map(f64::from))).collect())
+        } else {
+            Self::Reflectance(colors().map(|rgb| upsampler.fit(rgb)).collect())
         }
     }
 
@@ -158,14 +154,14 @@ impl Texels {
             (f32::from(byte) / 255.0 == value).then_some(byte)
         };
         let bytes = |texel: &[f32]| Some([byte(texel[0])?, byte(texel[1])?, byte(texel[2])?]);
-        match pixels.values.par_chunks_exact(3).map(bytes).collect::<Option<Vec<_>>>() {
+        match pixels.values.par_chunks_exact(3).map(bytes).collect() {
             Some(texels) => {
                 let decoded = |byte: usize| pixels.decoded(byte as f32 / 255.0, raw);
-                Self::Bytes(texels.into(), Arc::new(std::array::from_fn(decoded)))
+                Self::Bytes(texels, Box::new(std::array::from_fn(decoded)))
             }
             None => {
                 let texels = (0..pixels.width * pixels.height).into_par_iter();
-                Self::Rgb(texels.map(|i| pixels.linear(i, raw)).collect::<Vec<_>>().into())
+                Self::Rgb(texels.map(|i| pixels.linear(i, raw)).collect())
             }
         }
     }
@@ -176,7 +172,7 @@ impl Texels {
         match self {
             Self::Rgb(values) => Some(values[texel]),
             Self::Bytes(texels, values) => Some(texels[texel].map(|byte| values[usize::from(byte)])),
-            Self::Grey(_) | Self::Reflectance(_) | Self::Scaled(_) => None,
+            Self::Grey | Self::Reflectance(_) | Self::Scaled(_) => None,
         }
     }
 }
@@ -209,7 +205,7 @@ impl Bitmap {
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         let corners = self.corners(uv);
         match &self.stored.texels {
-            Texels::Grey(values) => Spectrum::splat(weighted(&corners, 0.0, |texel| values[texel])),
+            Texels::Grey => Spectrum::splat(weighted(&corners, 0.0, |texel| self.stored.scalar[texel])),
             Texels::Rgb(_) | Texels::Bytes(..) => weighted(&corners, Spectrum::ZERO, |texel| {
                 let [r, g, b] = self.stored.texels.linear(texel).unwrap_or_default();
                 Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -282,8 +278,7 @@ mod tests {
         let scalar: Vec<f32> = (0..15).map(|i| ((i * i * 7) % 11) as f32 / 11.0).collect();
         let turn = Transform::rotate(DVec3::Z, 25.0).unwrap();
         let to_uv = Transform::scale(DVec3::new(2.0, 0.5, 1.0)).unwrap().after(&turn);
-        let scalar: Arc<[f32]> = scalar.into();
-        let stored = Stored { texels: Texels::Grey(scalar.clone()), scalar };
+        let stored = Arc::new(Stored { texels: Texels::Grey, scalar });
         Bitmap { stored, width: 5, height: 3, lookup: Lookup::repeated(nearest), to_uv }
     }
 
@@ -359,7 +354,8 @@ mod tests {
         let mut bitmap = picture(true);
         assert!(bitmap.eval_vector(DVec2::ZERO).is_none());
         bitmap.to_uv = Transform::IDENTITY;
-        bitmap.stored.texels = Texels::Rgb((0..15).map(|i| [i as f32, 0.5, -(i as f32)]).collect());
+        let texels = Texels::Rgb((0..15).map(|i| [i as f32, 0.5, -(i as f32)]).collect());
+        bitmap.stored = Arc::new(Stored { texels, scalar: vec![] });
         assert_eq!(bitmap.eval_vector(DVec2::new(0.5, 0.5)), Some(DVec3::new(7.0, 0.5, -7.0)));
     }
 }

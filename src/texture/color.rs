@@ -105,10 +105,8 @@ pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunctio
         Usage::Reflectance => SpectralFunction::Sigmoid(loader.upsampler.fit(rgb.map(|v| v as f32))),
         Usage::Unbounded if rgb[0] == rgb[1] && rgb[1] == rgb[2] => SpectralFunction::Uniform(rgb[0] as f32),
         Usage::Unbounded => {
-            // Within [0, 1] the spectrum of a reflectance, as in Mitsuba; beyond, in proportion.
-            let scale = rgb.iter().fold(1.0f64, |m, v| m.max(*v));
-            let color = loader.upsampler.fit(rgb.map(|v| (v / scale) as f32));
-            SpectralFunction::Scaled { scale: scale as f32, color }
+            let (scale, color) = loader.upsampler.fit_in_proportion(rgb);
+            SpectralFunction::Scaled { scale, color }
         }
         Usage::Emission | Usage::Vector | Usage::Any => {
             let (scale, color) = scaled(rgb);

@@ -132,11 +132,9 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             };
             let effort = (settings.emitter_samples as f64, most);
             let count = settings.emitter_samples;
-            for which in 0..count {
-                let u = match count {
-                    1 => *self.u,
-                    _ => *self.sampler.emitter_samples(state.depth, which, count, PAIRS).of(0),
-                };
+            let one = (count == 1).then_some(*self.u);
+            let several = (count > 1).then(|| self.sampler.each_emitter_sample(state.depth, count, PAIRS));
+            for u in one.into_iter().chain(several.into_iter().flatten()) {
                 for technique in links.techniques(vertex.point.p, u.one(7)) {
                     let which = (technique, u.pair(0), u.one(4));
                     let found = |proposal| shadows.push((self.index, shares), throughput, proposal);

@@ -15,7 +15,7 @@ use super::triangles::{NEAR, Triangles};
 use super::trying::{FEW, Kind, Limits, Trying};
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed, Tried};
-use crate::math::bounds::{NOTHING, around, union};
+use crate::math::bounds::{NOTHING, around, half_extent, union};
 use crate::math::{Bounds, DVec3, length};
 use crate::pages::Pages;
 use crate::shape::{Cube, Geometry, Patch};
@@ -86,7 +86,6 @@ impl Accel {
         }
         // A ground that is far larger than all else must not widen the boxes of a tree that it is not in.
         let inner = if items.is_empty() { bounds } else { of_tree };
-        let half_extent = |(lo, hi): Bounds| (0.5 * hi - 0.5 * lo).max_element();
         let space = match primitives {
             0 => Space::new((DVec3::ZERO, DVec3::ZERO), 0.0),
             _ => Space::new(inner, half_extent(bounds)),

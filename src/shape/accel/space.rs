@@ -1,5 +1,6 @@
 //! The coordinates of the boxes: what the tree holds, moved and scaled by a power of two into the unit cube.
 
+use crate::math::bounds::half_extent;
 use crate::math::{Bounds, DVec3, Ray};
 
 /// Boxes are widened by this fraction of what the tree holds. It covers the error of a ray that is rounded to `f32` in
@@ -38,10 +39,10 @@ pub struct LocalRay {
 }
 
 impl Space {
-    /// For what lies between two corners, in a scene that extends as far as `half_extent` from its middle.
-    pub fn new((lo, hi): Bounds, half_extent: f64) -> Self {
-        let centre = 0.5 * lo + 0.5 * hi;
-        let extent = (0.5 * hi - 0.5 * lo).max_element().max(half_extent / FAR);
+    /// For what lies in a box, in a scene that extends as far as `scene` from its middle.
+    pub fn new(bounds: Bounds, scene: f64) -> Self {
+        let centre = 0.5 * bounds.0 + 0.5 * bounds.1;
+        let extent = half_extent(bounds).max(scene / FAR);
         let exponent = if extent > 0.0 { libm::ilogb(extent) + 1 } else { 0 };
         // Scenes at the very ends of the exponent range keep a finite scale.
         Self { centre, scale: libm::scalbn(1.0, -exponent.clamp(-1000, 1000)) }

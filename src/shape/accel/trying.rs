@@ -1,8 +1,7 @@
 //! The choice of primitives that every ray tests, outside the tree, where that is faster.
 
 use super::Instance;
-use crate::math::Bounds;
-use crate::math::bounds::{NOTHING, corners, union};
+use crate::math::bounds::{NOTHING, corners, half_extent, union};
 use crate::math::ray::position_error;
 use crate::shape::{Geometry, Patch};
 use std::collections::BTreeSet;
@@ -106,16 +105,15 @@ fn triangles(shape: &Geometry) -> usize {
 fn vast(shapes: &[&Geometry], instances: &[Instance], most_blocks: usize) -> BTreeSet<usize> {
     /// How many times as large as all others together. Boxes are widened by 2⁻²¹ of what a tree holds.
     const TIMES: f64 = 256.0;
-    let extent = |(lo, hi): Bounds| (0.5 * hi - 0.5 * lo).max_element();
     let (meshes, mut others): (Vec<usize>, Vec<usize>) =
         (0..shapes.len()).partition(|&shape| matches!(shapes[shape], Geometry::Mesh(_)));
-    others.sort_by(|a, b| extent(shapes[*a].bounds()).total_cmp(&extent(shapes[*b].bounds())));
+    others.sort_by(|a, b| half_extent(shapes[*a].bounds()).total_cmp(&half_extent(shapes[*b].bounds())));
     let in_tree = meshes.iter().map(|&shape| shapes[shape].bounds());
     let in_tree = in_tree.chain(instances.iter().filter(|i| i.primitives() > 0).map(Instance::bounds));
     let mut smaller = in_tree.fold(NOTHING, union);
     for (place, &shape) in others.iter().enumerate() {
         let bounds = shapes[shape].bounds();
-        let is_vast = smaller.0.x <= smaller.1.x && extent(bounds) > TIMES * extent(smaller);
+        let is_vast = smaller.0.x <= smaller.1.x && half_extent(bounds) > TIMES * half_extent(smaller);
         if is_vast && others.len() - place <= most_blocks {
             return others[place..].iter().copied().collect();
         }

@@ -28,8 +28,8 @@ pub struct Arguments {
     file: Option<PathBuf>,
     /// Which references it is held against: those that are spectral, or those of three channels. By default
     /// as the file of renderers says of it, or those of three channels
-    #[arg(long)]
-    color: Option<renderers::ColorMode>,
+    #[arg(long, value_name = "spectral|rgb")]
+    color: Option<ColorMode>,
     /// Samples a pixel of each picture of a reference scene
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
@@ -61,13 +61,10 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     documents.check_writable(&[&file], &[])?;
     let color = match (color, template.color) {
         (Some(asked), Some(own)) if asked != own => {
-            return Err(format!("{} says that {renderer} carries colour as {own:?}", file.display()).into());
+            let own = own.name();
+            return Err(format!("{} says that {renderer} carries colour as {own}", file.display()).into());
         }
-        (asked, own) => asked.or(own).unwrap_or(renderers::ColorMode::Rgb),
-    };
-    let color = match color {
-        renderers::ColorMode::Rgb => ColorMode::Rgb,
-        renderers::ColorMode::Spectral => ColorMode::Spectral,
+        (asked, own) => asked.or(own).unwrap_or(ColorMode::Rgb),
     };
     let chosen = |mode: ColorMode, other: &str| {
         mode == color && name.as_ref().is_none_or(|name| other.contains(name.as_str()))

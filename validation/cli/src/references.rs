@@ -113,11 +113,13 @@ impl Reference {
     }
 }
 
+/// Relative difference of values without noise that is none: other renderers add samples up in `f32`, which
+/// leaves errors of a few ulps.
+pub const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
+
 /// Settings of the comparison with a reference.
 pub fn settings(margin: f64) -> image::Settings {
-    // Mitsuba accumulates samples in f32, so its noiseless pixels have errors of a few ulps.
-    let rounding = 64.0 * f64::from(f32::EPSILON);
-    image::Settings { rounding, ..image::Settings::with_margin(margin).with_tiles_within_noise() }
+    image::Settings { rounding: ROUNDING, ..image::Settings::with_margin(margin).with_tiles_within_noise() }
 }
 
 fn channel(channel: &etalon::image::Channel) -> image::Channel {

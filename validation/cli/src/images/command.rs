@@ -2,6 +2,7 @@
 
 use super::calibration::{EFFORT, Row, calibrate};
 use crate::console::{check_writable, percentage, say, write};
+use crate::references::ROUNDING;
 use etalon::image::write_file;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -23,9 +24,10 @@ pub struct Arguments {
     /// Largest relative difference of a channel's mean that is none, such as 0.25%
     #[arg(long, default_value = "0.25%", value_parser = percentage)]
     margin: f64,
-    /// Largest relative difference of values without noise that is none; two renderers add up in `f32`
-    #[arg(long, default_value = "0.001%", value_parser = percentage)]
-    rounding: f64,
+    /// Largest relative difference of values without noise that is none; unless given, what renderers that
+    /// add up in `f32` leave, 0.0008%
+    #[arg(long, value_parser = percentage)]
+    rounding: Option<f64>,
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -44,6 +46,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     check_writable(&read, &[&json, &map, &tile_map])?;
     match (a, b) {
         (Some(a), Some(b)) if !calibrate => {
+            let rounding = rounding.unwrap_or(ROUNDING);
             let settings = Settings { rounding, ..Settings::with_margin(margin) };
             let (first, second) = (image::load_whole(&a)?, image::load_whole(&b)?);
             if first.begins != second.begins {

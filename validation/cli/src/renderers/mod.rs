@@ -6,7 +6,7 @@ mod said;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use etalon::spectrum::ColorMode;
 pub use render::{Job, Rendered, Took, read};
 use serde::Deserialize;
 
@@ -22,14 +22,6 @@ pub struct Renderer {
     pub mean_of: Option<String>,
     /// Whether it carries spectra or three channels: the same scene has another mean in each.
     pub color: Option<ColorMode>,
-}
-
-/// How a renderer carries colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum ColorMode {
-    Rgb,
-    Spectral,
 }
 
 /// The committed file.
