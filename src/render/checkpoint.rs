@@ -5,6 +5,7 @@
 //! little-endian. It is replaced whole or not at all, so a process may die at any time.
 
 use super::Settings;
+use super::batch_means::BatchMeans;
 use super::passes::Partial;
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::{ImageError, write_file_with};
@@ -33,6 +34,7 @@ struct Head {
     non_finite: u64,
     /// Column, row, sample.
     first_non_finite: Vec<(u32, u32, u64)>,
+    means: BatchMeans,
 }
 
 /// Everything that decides the image. Two equal ones are the same render; threads and the kernel decide
@@ -128,6 +130,7 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
         cut: report.cut,
         non_finite: report.non_finite,
         first_non_finite: report.first_non_finite.iter().map(|n| (n.pixel.0, n.pixel.1, n.sample)).collect(),
+        means: partial.means.clone(),
     };
     let head = serde_json::to_vec(&head).map_err(|e| ImageError { path: None, cause: e.to_string() })?;
     write_file_with(path, |file| {
@@ -263,6 +266,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
         return Err(Refused::Damaged("something follows its end"));
     }
     partial.samples.end = head.done;
+    partial.means = head.means;
     let report = &mut partial.report;
     report.samples = (head.done - range.start) * settings.window.pixels() as u64;
     (report.rays, report.cut, report.non_finite) = (head.rays, head.cut, head.non_finite);

@@ -3,6 +3,7 @@
 //! ([`sample`], `splats`, [`spread`]), and samples add up in an order that does not matter
 //! ([`crate::film`]): nothing else here can change a pixel.
 
+pub mod batch_means;
 pub mod checkpoint;
 pub mod memory;
 pub mod passes;
@@ -160,7 +161,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         noise.add(&part.noise);
     }
     report.list_first();
-    report.quality = Some(noise.quality(settings.window));
+    report.quality = Some(noise.quality(settings.window, None));
     let provenance = provenance(scene, settings, kernel);
     Some((assemble(scene, settings.window, names, &parts, provenance), report))
 }

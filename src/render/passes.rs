@@ -4,6 +4,7 @@
 //! multiple of that length. The sums are exact, so that neither the division into passes nor the order in
 //! which tiles arrive can change a pixel: the clock may decide how long a pass is.
 
+use super::batch_means::BatchMeans;
 use super::quality::Quality;
 use super::spread::Spread;
 use super::tile::{Tile, tile};
@@ -30,6 +31,8 @@ pub struct Partial {
     pub channels: Vec<String>,
     /// The exact sums, pixel by pixel of the window.
     pub sums: Accumulators,
+    /// Means of the image over batches of samples, where these count for several pixels; else empty.
+    pub means: BatchMeans,
     /// The report so far.
     pub report: Report,
 }
@@ -42,6 +45,7 @@ impl Partial {
             samples: settings.samples.start..settings.samples.start,
             sums: Accumulators::new(settings.window.width, settings.window.height, channels.len()),
             channels,
+            means: BatchMeans::default(),
             report: Report::default(),
         }
     }
@@ -100,7 +104,8 @@ pub fn render_passes(
         let splats = pool.install(|| Splats::trace(&camera, settings.window, &pass, progress))?;
         partial.report.count(&splats.counters);
         if let Some(spread) = &mut spread {
-            let report = pool.install(|| spread.add(&pass, &splats, &mut partial.sums, progress))?;
+            let Partial { sums, means, .. } = &mut partial;
+            let report = pool.install(|| spread.add(&pass, &splats, sums, means, progress))?;
             partial.report.add(&report);
         } else {
             let shared = Mutex::new(&mut partial);

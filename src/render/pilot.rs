@@ -81,7 +81,7 @@ pub fn for_error(
         let quality = quality_of(partial);
         let relative = quality.relative_standard_error_of_mean;
         let plain = n * (relative / target) * (relative / target);
-        let r2 = 1.0 / quality.effective_pixels;
+        let r2 = quality.uncertainty;
         let uncertainty = (r2 * (1.0 + (n / plain).min(1.0)) + 4.0 * relative * relative).sqrt();
         needed = plain * (1.0 + 2.0 * uncertainty);
         let hopeless = !needed.is_finite() || plain > MOST as f64;

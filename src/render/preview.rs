@@ -182,6 +182,7 @@ mod tests {
     use super::*;
     use crate::film::Accumulators;
     use crate::render::Report;
+    use crate::render::batch_means::BatchMeans;
     use std::io::Read;
     use std::net::TcpListener;
 
@@ -194,7 +195,13 @@ mod tests {
                 sum.add(0, f64::from(1000 * c as u32 + 10 * y + x));
             }
         }
-        Partial { samples: 0..1, channels: vec!["R".into(), "λ".into()], sums, report: Report::default() }
+        Partial {
+            samples: 0..1,
+            channels: vec!["R".into(), "λ".into()],
+            sums,
+            report: Report::default(),
+            means: BatchMeans::default(),
+        }
     }
 
     /// Takes fields off the front of a packet.

@@ -1,5 +1,6 @@
 //! How well an image is known, from its pixels' variances.
 
+use super::batch_means::Scatter;
 use super::passes::Partial;
 use super::pixel;
 use crate::image::{Attribute, Image, Provenance, Window};
@@ -71,6 +72,8 @@ pub struct Quality {
     pub effective_pixels: f64,
     /// That number, if all were alike.
     pub pixels: usize,
+    /// Variance of the estimated variance of the image's mean, relative to its square.
+    pub uncertainty: f64,
 }
 
 /// Sums over pixels from which a [`Quality`] follows; those of parts of a window whose borders cut no square
@@ -132,22 +135,26 @@ impl Noise {
         self.squares += other.squares;
     }
 
-    pub fn quality(&self, window: Window) -> Quality {
+    /// What is known of the pixels of a window, and of their mean from `scatter` where that is the greater.
+    pub fn quality(&self, window: Window, scatter: Option<Scatter>) -> Quality {
         let pixels = window.pixels();
         let channels = self.channels as f64;
         let mean = self.sum.map(|sum| sum / pixels as f64);
         // Properties of what is seen, unlike light, may be negative.
         let scale = mean.iter().sum::<f64>().abs() / channels;
+        let effective_pixels =
+            if self.fourth > 0.0 { self.of_sum * self.of_sum / self.fourth } else { self.squares };
+        let (of_sum, uncertainty) = match scatter.filter(|scatter| scatter.of_sum > self.of_sum) {
+            Some(Scatter { of_sum, degrees }) => (of_sum, 2.0 / degrees),
+            None => (self.of_sum, 1.0 / effective_pixels),
+        };
         Quality {
             mean,
             relative_standard_error: (self.variance / pixels as f64 / channels).sqrt() / scale,
-            relative_standard_error_of_mean: (self.of_sum / channels).sqrt() / pixels as f64 / scale,
-            effective_pixels: if self.fourth > 0.0 {
-                self.of_sum * self.of_sum / self.fourth
-            } else {
-                self.squares
-            },
+            relative_standard_error_of_mean: (of_sum / channels).sqrt() / pixels as f64 / scale,
+            effective_pixels,
             pixels: self.squares.round() as usize,
+            uncertainty,
         }
     }
 }
@@ -159,7 +166,7 @@ impl Quality {
         C: IntoIterator<Item = V>,
         V: IntoIterator<Item = (f64, f64)>,
     {
-        Noise::of(window, correlation, channels).quality(window)
+        Noise::of(window, correlation, channels).quality(window, None)
     }
 
     /// The quality of an image; without variances nothing is known, and the errors are infinite.
@@ -176,7 +183,7 @@ impl Quality {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
-        Self::new(window, Correlation::of(scene), channels)
+        Noise::of(window, Correlation::of(scene), channels).quality(window, partial.means.scatter())
     }
 
     /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.

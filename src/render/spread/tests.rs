@@ -153,6 +153,31 @@ fn noise_is_less_by_the_square_of_the_filter_and_the_mean_knows_of_it() {
     }
 }
 
+/// A lamp whose edges lie along rows and columns, and nothing else.
+const EDGES: &str = r#"<shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><scale x="0.45" y="0.33"/><translate x="0.05" y="0.02" z="4"/></transform>
+    <emitter type="area"/></shape>"#;
+
+#[test]
+fn the_mean_knows_of_errors_that_all_pixels_share() {
+    for (filter, samples) in [(FILTERS[0], 64), (FILTERS[1], 100)] {
+        let [_, scene] = scenes(filter, EDGES);
+        let render = |seed| {
+            let settings = Settings { seed, ..Settings::of(&scene, 0..samples) };
+            let (image, report) = render(&scene, &settings, &Progress::default()).expect("it renders");
+            (report.quality.expect("it is known"), Quality::of_image(&image))
+        };
+        let seen: Vec<(Quality, Quality)> = (0..256).map(render).collect();
+        let mean = seen.iter().map(|(q, _)| q.mean[1]).sum::<f64>() / 256.0;
+        let scatter = seen.iter().map(|(q, _)| (q.mean[1] / mean - 1.0).powi(2)).sum::<f64>() / 255.0;
+        let square = |q: &Quality| q.relative_standard_error_of_mean.powi(2) / scatter / 256.0;
+        let told: f64 = seen.iter().map(|(q, _)| square(q)).sum();
+        let of_pixels: f64 = seen.iter().map(|(_, q)| square(q)).sum();
+        // Two standard deviations of the scatter's square are a sixth of it.
+        assert!((0.8..1.4).contains(&told), "{filter} {told} {of_pixels}");
+        assert!(of_pixels < 0.7, "{filter} {of_pixels}: these edges show nothing");
+    }
+}
+
 #[test]
 fn an_image_tells_that_its_samples_count_for_several_pixels() {
     let [own, spread] = scenes(FILTERS[1], BALL);
