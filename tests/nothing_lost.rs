@@ -184,6 +184,22 @@ fn a_folder_that_cannot_be_written_is_refused_and_stays_as_it_was() {
     fs::set_permissions(folder.0.path(), fs::Permissions::from_mode(0o755)).unwrap();
 }
 
+/// The image is complete and written: what cannot be printed of it changes nothing about that.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_checkpoint_stays_where_the_summary_cannot_be_printed() {
+    let folder = Folder::new(SCENE);
+    let arguments = ["render", "scene.xml", "--spp", "512", "-o", "out.exr", "--checkpoint", "c"];
+    for options in [[].as_slice(), &["--json"]] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut command =
+            folder.command(&[&arguments, ["--checkpoint-every", "0.001"].as_slice(), options].concat());
+        let Output { status, stderr, .. } = command.stdout(full).output().unwrap();
+        assert_eq!(status.code(), Some(2), "{}", text(&stderr));
+        assert_eq!(folder.names(), ["out.exr", "scene.xml"], "{options:?}");
+    }
+}
+
 #[test]
 fn the_checkpoint_of_another_version_is_refused() {
     let folder = Folder::new(SCENE);

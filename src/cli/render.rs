@@ -129,6 +129,10 @@ impl Arguments {
             pilot: pilot.map(|pilot| (pilot, pilot_seconds)),
             target_error: self.target_error,
         };
+        if !summary.interrupted() {
+            // Before anything is printed, which may fail.
+            watch.finish();
+        }
         if self.json {
             say!("{}", summary.document());
         } else if !self.quiet {
@@ -142,7 +146,6 @@ impl Arguments {
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        watch.finish();
         if report.non_finite > 0 {
             return Ok(ExitCode::from(1));
         }
