@@ -4,8 +4,8 @@
 use serde::Serialize;
 
 use super::{
-    Errors, Faults, Image, ImageError, MeanComparison, PixelFigures, TileComparison, errors,
-    maps::comparable, mean, pair::Pair, pixels, tiles,
+    DetailComparison, Errors, Faults, Image, ImageError, MeanComparison, PixelFigures, TileComparison,
+    detail, errors, maps::comparable, mean, pair::Pair, pixels, tiles,
 };
 use crate::{
     report::Outcome,
@@ -20,7 +20,7 @@ pub struct Settings {
     /// The ratio of the means must lie within 1 ± `margin`.
     pub margin: f64,
     /// A tile's difference within this margin, relative to the larger of its and the image's mean, counts as
-    /// none even if it is significant.
+    /// none even if it is significant; so does one of pixels, relative to the image's mean.
     pub tile_margin: f64,
     /// Whether a tile too noisy to decide makes the whole comparison inconclusive. If not, it suffices that
     /// no tile differs significantly.
@@ -59,6 +59,7 @@ impl Default for Settings {
 pub struct ChannelComparison {
     pub name: String,
     pub mean: MeanComparison,
+    pub detail: DetailComparison,
     pub pixels: PixelFigures,
     pub errors: Errors,
 }
@@ -86,30 +87,39 @@ pub struct Comparison {
 
 /// Compares `b` with the reference `a`, on all channels they share.
 ///
-/// Half of the level goes to the means (shared by channels), half to the tiles. Different if either rejects
-/// and the difference is not inside its margin, or if [`Faults`] contains a failure; equivalent if all
-/// intervals lie inside their margins, or the values are identical, and both have the same channels; else
-/// inconclusive. Errors: different sizes, no common channel.
+/// A third of the level goes to the means (shared by channels), one to the tiles, one to finer detail.
+/// Different if any of them rejects and the difference is not inside its margin, or if [`Faults`] contains a
+/// failure; equivalent if all intervals of means and tiles lie inside their margins, or the values are
+/// identical, and both have the same channels; else inconclusive. Detail that noise may hide is no obstacle;
+/// [`DetailComparison::rms_bound`] says how much. Errors: different sizes, no common channel.
 pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, ImageError> {
     let (pairs, uncompared) = comparable(a, b)?;
     let faults = Faults::find(&pairs, settings.rounding);
-    let half = sidak(settings.level, 2);
-    let each = sidak(half, pairs.len());
+    let third = sidak(settings.level, 3);
+    let each = sidak(third, pairs.len());
+    let (level, margin, tile_size) = (settings.level, settings.tile_margin, settings.tile_size.max(1));
+    let limits = detail::Limits { level, corrected: sidak(each, 2), margin, tile_size };
     let channel = |pair: &Pair| ChannelComparison {
         name: pair.name.to_string(),
         mean: mean::compare(pair, settings.level, each, settings.margin),
-        pixels: pixels::figures(pair, settings.tile_size.max(1)),
+        detail: detail::compare(pair, limits),
+        pixels: pixels::figures(pair, tile_size),
         errors: errors::errors(pair),
     };
     let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
-    let tiles = tiles::compare(&pairs, settings, half);
+    let tiles = tiles::compare(&pairs, settings, third);
     let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, least_of);
-    let p_values = [smallest_of(means, channels.len()), smallest_of(tiles.smallest_p_value, tiles.tested)];
+    let details = channels.iter().flat_map(|channel| [channel.detail.p_value, channel.detail.worst_p_value]);
+    let p_values = [
+        smallest_of(means, channels.len()),
+        smallest_of(tiles.smallest_p_value, tiles.tested),
+        smallest_of(details.fold(1.0, least_of), 2 * channels.len()),
+    ];
     let identical = pairs.iter().all(|pair| pair.pixels().all(|(_, _, pixel)| pixel.a == pixel.b));
     let mut comparison = Comparison {
         verdict: Verdict::Inconclusive,
         message: String::new(),
-        p_value: smallest_of(least_of(p_values[0], p_values[1]), 2),
+        p_value: smallest_of(p_values.into_iter().fold(1.0, least_of), 3),
         more_samples: None,
         identical,
         faults,
@@ -156,7 +166,9 @@ impl Comparison {
             1 => worst.to_string(),
             count => format!("{count} tiles, the worst {worst}"),
         });
-        let findings: Vec<String> = mean.into_iter().chain(tile).collect();
+        let details = self.channels.iter().filter(|channel| channel.detail.different);
+        let detail = details.max_by(|a, b| a.detail.rms.total_cmp(&b.detail.rms)).map(describe_detail);
+        let findings: Vec<String> = mean.into_iter().chain(tile).chain(detail).collect();
         (!findings.is_empty()).then(|| (Verdict::Different, findings.join("; ")))
     }
 
@@ -216,6 +228,20 @@ impl Comparison {
 
 fn percent(share: f64) -> f64 {
     100.0 * share
+}
+
+fn describe_detail(channel: &ChannelComparison) -> String {
+    let DetailComparison { rms, worst, single, .. } = &channel.detail;
+    let worst = worst.as_ref().map(|(place, z)| format!("{place}, {z:.0} standard errors"));
+    let worst = worst.unwrap_or_default();
+    if *single {
+        return format!("one pixel at least is not the same: {worst}");
+    }
+    format!(
+        "pixels of channel {} differ by {:.3} % of the mean more than noise explains (rms), the worst {worst}",
+        channel.name,
+        percent(*rms)
+    )
 }
 
 fn describe_mean(channel: &ChannelComparison) -> String {

@@ -1,17 +1,19 @@
 //! Comparison of two noisy images of the same scene.
 //!
 //! [`Image`] holds means and the variances of those means; [`compare`] returns a [`Verdict`](crate::Verdict)
-//! with the place and the channel of a difference. The verdict is based on two levels whose false positive
+//! with the place and the channel of a difference. The verdict is based on three levels whose false positive
 //! rates are controlled:
 //!
 //! - **image**: the ratio of the means of each channel, with its confidence interval against a margin
 //!   (`mean.rs`);
-//! - **tiles**: the difference of each 16×16 tile's mean, Šidák-corrected over tiles × channels (`tiles.rs`).
+//! - **tiles**: the difference of each 16×16 tile's mean, Šidák-corrected over tiles × channels (`tiles.rs`);
+//! - **detail**: the mean square of what noise does not explain of the differences of pixels, and the worst
+//!   of them (`detail.rs`).
 //!
-//! Single pixels are *reported* (`pixels.rs`) but do not decide: a pixel's mean is far from normal in the
-//! tail that a correction for 10⁶ tests requires, so a firefly would make a correct renderer fail. Three
-//! conditions fail at any pixel, because they need no statistics: a value that is not finite, a variance that
-//! is not a number or negative, and two noiseless values that differ.
+//! Scores of single pixels are *reported* (`pixels.rs`) but do not decide: a pixel's mean is far from normal
+//! in the tail that a correction for 10⁶ tests requires, so a firefly would make a correct renderer fail.
+//! Three conditions fail at any pixel, because they need no statistics: a value that is not finite, a
+//! variance that is not a number or negative, and two noiseless values that differ.
 //!
 //! The noise of different pixels must be independent: use a box filter, or filter importance sampling.
 //! Reconstruction filters that share samples between pixels make tile variances too small; `pixels.rs`
@@ -20,6 +22,7 @@
 #[cfg(test)]
 mod calibration;
 mod compare;
+mod detail;
 mod errors;
 mod load;
 mod maps;
@@ -33,6 +36,7 @@ mod synthetic;
 mod tiles;
 
 pub use compare::{ChannelComparison, Comparison, Settings, compare};
+pub use detail::DetailComparison;
 pub use errors::Errors;
 pub use load::{Loaded, from_exr, load, load_whole};
 pub use maps::{difference_map, tile_map};
