@@ -253,4 +253,12 @@ fn a_sample_that_is_not_finite_is_counted_and_its_path_is_shown() {
     let beside =
         folder.command(&["replay", "scene.xml", "--color", "rgb", "--pixel", "0,0", "--sample", "0"]);
     assert!(!text(&{ beside }.output().unwrap().stdout).contains("inf"));
+    // Nor does it pass in a merged file.
+    for (part, samples) in [("a.exr", "0..4"), ("b.exr", "4..8")] {
+        folder.start(&["--samples", samples, "--color", "rgb", "-o", part]).wait().unwrap();
+    }
+    let merged = folder.command(&["merge", "a.exr", "b.exr", "-o", "ab.exr"]).output().unwrap();
+    let error = text(&merged.stderr);
+    assert!(merged.status.code() == Some(1) && error.contains("pixels are not finite"), "{error}");
+    assert!(folder.path("ab.exr").exists());
 }

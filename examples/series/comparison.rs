@@ -55,7 +55,7 @@ pub fn run(studio: &Studio, path: &Path) -> Result<Vec<(String, Rgb8)>, Box<dyn 
         100.0 * distance(&|pixel| glass[pixel])
     );
     closed_form(1.5);
-    let (signed, of_schlick, of_exact) = (show(&difference), image::develop(&a)?.0, image::develop(&b)?.0);
+    let (signed, of_schlick, of_exact) = (show(&difference), image::develop(&a)?, image::develop(&b)?);
     studio.write("fresnel-schlick", &a, &of_schlick)?;
     studio.write("fresnel-exact", &b, &of_exact)?;
     studio.write("fresnel-difference", &difference, &signed)?;

@@ -51,7 +51,7 @@ impl Studio {
         let start = Instant::now();
         let image = self.render(&scene, self.samples, scene.sensor.sampler.seed)?;
         println!("{caption}: {:.1} s", start.elapsed().as_secs_f64());
-        let (picture, _) = image::develop(&image)?;
+        let picture = image::develop(&image)?;
         self.write(name, &image, &picture)?;
         Ok((caption.into(), picture))
     }

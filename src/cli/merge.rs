@@ -1,6 +1,6 @@
 //! `etalon merge`
 
-use super::Outcome;
+use super::{NOT_FINITE, Outcome};
 use etalon::image;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,8 +28,13 @@ impl Arguments {
         // Both can be made before one is written.
         let picture = self.png.as_ref().map(|_| image::develop(&merged)).transpose()?;
         image::write_exr(&self.output, &merged)?;
-        if let (Some(path), Some((picture, _))) = (&self.png, &picture) {
+        if let (Some(path), Some(picture)) = (&self.png, &picture) {
             image::write_png(path, picture)?;
+        }
+        let not_finite = merged.not_finite();
+        if not_finite > 0 {
+            eprintln!("warning: {not_finite} pixels are not finite; the renders of the parts listed samples");
+            return Ok(ExitCode::from(NOT_FINITE));
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -20,11 +20,14 @@ use etalon::scene::registry::Entry;
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Exit code for input or usage that cannot be used.
 pub const BAD_INPUT: u8 = 2;
+
+/// Exit code of an image that is written, but has samples that are not finite.
+const NOT_FINITE: u8 = 1;
 
 /// Exit code for an error that was asked for and is not attained.
 const UNATTAINED: u8 = 3;
@@ -189,7 +192,7 @@ impl SceneArguments {
 
     /// Arguments of a command line that give the same scene.
     fn words(&self) -> Vec<String> {
-        let mut words = vec![self.scene.display().to_string()];
+        let mut words = vec![shown(&self.scene)];
         let mut say = |option: &str, value: Option<String>| {
             words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));
         };
@@ -208,6 +211,14 @@ impl SceneArguments {
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));
         words
+    }
+}
+
+/// A path as an argument: one that begins like an option is none where it begins with its folder.
+fn shown(path: &Path) -> String {
+    match path.display().to_string() {
+        name if name.starts_with('-') => format!("./{name}"),
+        name => name,
     }
 }
 

@@ -5,7 +5,7 @@ mod go_on;
 use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
 use super::watch::Watch;
-use super::{INTERRUPTED, Outcome, SceneArguments, UNATTAINED, quoted, say};
+use super::{INTERRUPTED, NOT_FINITE, Outcome, SceneArguments, UNATTAINED, quoted, say};
 use etalon::image::{self, Image, Window};
 use etalon::render::passes::Partial;
 use etalon::render::pilot::{self, NoCount, Pilot};
@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Threads, at most 1024; one for each processor by default
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Print nothing but errors
+    /// Print nothing but warnings and errors
     #[arg(long)]
     quiet: bool,
     /// Print a JSON document about the render to standard output
@@ -147,7 +147,7 @@ impl Arguments {
             return Ok(ExitCode::from(INTERRUPTED));
         }
         if report.non_finite > 0 {
-            return Ok(ExitCode::from(1));
+            return Ok(ExitCode::from(NOT_FINITE));
         }
         Ok(ExitCode::from(if summary.attained() == Some(false) { UNATTAINED } else { 0 }))
     }
@@ -197,11 +197,24 @@ impl Arguments {
             return checkpoint::refuse_to_replace(path).map(|()| None);
         }
         if !path.exists() {
-            eprintln!("{}: there is no checkpoint yet; the render begins at the beginning", path.display());
+            if !self.quiet {
+                eprintln!(
+                    "{}: there is no checkpoint yet; the render begins at the beginning",
+                    path.display()
+                );
+            }
             return Ok(None);
         }
         if self.asks_pilot() {
-            settings.samples = checkpoint::samples(path)?;
+            let samples = checkpoint::samples(path)?;
+            if samples.start != 0 {
+                let cause = format!(
+                    "the checkpoint cannot be resumed: it is of samples {}..{}, and those that a pilot chooses begin with 0; use --samples",
+                    samples.start, samples.end
+                );
+                return Err(image::ImageError { path: Some(path.clone()), cause });
+            }
+            settings.samples = samples;
         }
         checkpoint::load(path, scene, settings).map(Some)
     }
@@ -248,7 +261,7 @@ impl Arguments {
     fn write(&self, image: &Image) -> Result<(), image::ImageError> {
         image::write_exr(&self.output, image)?;
         match &self.png {
-            Some(path) => image::write_png(path, &image::develop(image)?.0),
+            Some(path) => image::write_png(path, &image::develop(image)?),
             None => Ok(()),
         }
     }

@@ -108,6 +108,12 @@ impl Image {
         Image { full, crop, channels, provenance: Some(provenance), accumulators }
     }
 
+    /// How many pixels have a channel whose mean is not finite.
+    pub fn not_finite(&self) -> usize {
+        let finite = |i: &usize| self.channels.iter().all(|channel| channel.mean[*i].is_finite());
+        (0..self.crop.pixels()).filter(|i| !finite(i)).count()
+    }
+
     /// The channel with this name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)

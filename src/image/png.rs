@@ -55,30 +55,23 @@ pub fn check_developable(names: &[String]) -> Result<(), ImageError> {
     }
 }
 
-/// The picture of an image's channels `R G B`, and how many pixels of it are not finite; these are shown in
-/// magenta.
+/// The picture of an image's channels `R G B`. Pixels that are not finite are magenta.
 ///
 /// # Errors
 /// If the image lacks one of the channels.
-pub fn develop(image: &Image) -> Result<(Rgb8, usize), ImageError> {
+pub fn develop(image: &Image) -> Result<Rgb8, ImageError> {
     let plane = |name: &str| {
         let channel = image.channel(name).filter(|channel| channel.mean.len() == image.crop.pixels());
         channel.ok_or_else(|| ImageError::new(format!("the image has no channel `{name}`")))
     };
     let [r, g, b] = SHOWN;
     let (red, green, blue) = (plane(r)?, plane(g)?, plane(b)?);
-    let mut bad = 0;
-    let mut pixel = |i: usize| {
+    let pixel = |i: usize| {
         let linear = [red.mean[i], green.mean[i], blue.mean[i]];
-        if linear.iter().all(|value| value.is_finite()) {
-            linear.map(encode_srgb)
-        } else {
-            bad += 1;
-            MAGENTA
-        }
+        if linear.iter().all(|value| value.is_finite()) { linear.map(encode_srgb) } else { MAGENTA }
     };
-    let pixels = (0..image.crop.pixels()).map(&mut pixel).collect();
-    Ok((Rgb8 { width: image.crop.width, height: image.crop.height, pixels }, bad))
+    let pixels = (0..image.crop.pixels()).map(pixel).collect();
+    Ok(Rgb8 { width: image.crop.width, height: image.crop.height, pixels })
 }
 
 /// Writes a picture to a PNG file, whole or not at all.
@@ -119,10 +112,10 @@ mod tests {
     }
 
     #[test]
-    fn values_that_are_not_finite_are_magenta_and_counted() {
+    fn values_that_are_not_finite_are_magenta() {
         let image = rgb(&[[0.0, 1.0, 0.5], [f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]]);
         let picture = Rgb8 { width: 3, height: 1, pixels: vec![[0, 255, 188], MAGENTA, MAGENTA] };
-        assert_eq!(develop(&image), Ok((picture, 2)));
+        assert_eq!(develop(&image), Ok(picture));
         let mut grey = image;
         grey.channels.truncate(1);
         assert!(develop(&grey).is_err_and(|error| error.to_string().contains("`G`")));

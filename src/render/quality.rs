@@ -6,6 +6,7 @@ use super::pixel;
 use crate::image::{Attribute, Image, Provenance, Window};
 use crate::integrator::path::reuse::correlated_edge;
 use crate::scene::Scene;
+use crate::spectrum::ColorMode;
 use std::collections::BTreeMap;
 
 /// With fewer effective pixels than this, the noise is put down to a few outlier samples.
@@ -33,15 +34,17 @@ impl Correlation {
 
     /// That of the images of a scene.
     pub fn of(scene: &Scene) -> Self {
-        Self { edge: correlated_edge(scene.integrator.reuse()), gain: scene.sensor.film.correlation() }
+        let edge = correlated_edge(scene.integrator.reuse(), scene.mode);
+        Self { edge, gain: scene.sensor.film.correlation() }
     }
 
-    /// That which an image tells.
+    /// That which an image tells: at least as much as there is, for it does not say whether it was rendered
+    /// in spectra.
     fn told(provenance: Option<&Provenance>) -> Self {
         let attribute = |name| provenance.and_then(|provenance| provenance.extra.get(name));
         let pixels = if let Some(Attribute::Integer(pixels)) = attribute(REUSE) { *pixels as u32 } else { 1 };
         let gain = if let Some(Attribute::Real(gain)) = attribute(SPREAD) { f64::from(*gain) } else { 1.0 };
-        Self { edge: correlated_edge(pixels.max(1)), gain }
+        Self { edge: correlated_edge(pixels.max(1), ColorMode::Spectral), gain }
     }
 
     /// What an image of the scene tells.

@@ -1,7 +1,7 @@
 //! The command that resumes a render that ended early.
 
 use super::Arguments;
-use crate::cli::quoted;
+use crate::cli::{quoted, shown};
 use std::ops::Range;
 
 impl Arguments {
@@ -13,13 +13,8 @@ impl Arguments {
         let mut say = |option: &str, value: Option<String>| {
             words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));
         };
-        // A name that begins like an option is none where it begins with its folder.
-        let shown = |path: &std::path::PathBuf| match path.display().to_string() {
-            name if name.starts_with('-') => format!("./{name}"),
-            name => name,
-        };
         say("-o", Some(shown(&self.output)));
-        say("--png", self.png.as_ref().map(shown));
+        say("--png", self.png.as_deref().map(shown));
         let told = self.spp.is_some() || self.asks_pilot();
         say("--spp", told.then(|| samples.end.to_string()));
         say("--samples", self.samples.as_ref().map(|s| format!("{}..{}", s.start, s.end)));
@@ -27,7 +22,7 @@ impl Arguments {
         say("--preview", self.preview.clone());
         say("--threads", Some(self.threads.to_string()).filter(|_| self.threads > 0));
         say("--checkpoint-every", self.checkpoint_every.map(|seconds| seconds.to_string()));
-        say("--checkpoint", self.checkpoint.as_ref().map(shown));
+        say("--checkpoint", self.checkpoint.as_deref().map(shown));
         let flags = [("--quiet", self.quiet), ("--json", self.json), ("--resume", true)];
         words.extend(flags.iter().filter(|(_, set)| *set).map(|(flag, _)| (*flag).to_owned()));
         quoted(&words)
@@ -61,8 +56,8 @@ mod tests {
             "etalon render a.xml -o b.exr --samples 8..400 --checkpoint ck --quiet --resume"
         );
         assert_eq!(
-            printed("a.xml -o=-b.exr --spp 400 --checkpoint=-ck"),
-            "etalon render a.xml -o ./-b.exr --spp 400 --checkpoint ./-ck --resume"
+            printed("-o=-b.exr --spp 400 --checkpoint=-ck -- -a.xml"),
+            "etalon render ./-a.xml -o ./-b.exr --spp 400 --checkpoint ./-ck --resume"
         );
     }
 }

@@ -84,8 +84,36 @@ fn an_image_whose_pixels_share_paths_knows_that_their_errors_are_correlated() {
         });
         Quality::new(settings.window, squares(edge), channels)
     };
-    assert_eq!(Quality::of_image(&image), quality(correlated_edge(16)));
+    assert_eq!(Quality::of_image(&image), quality(8));
     let ratio =
         |edge| quality(edge).relative_standard_error_of_mean / quality(1).relative_standard_error_of_mean;
     assert!(ratio(4) > 1.5, "{}", ratio(4));
+}
+
+#[test]
+fn pixels_that_share_wavelengths_are_known_to_be_correlated() {
+    // All that a white sky differs by from pixel to pixel is wavelengths, which all of a cell have in common.
+    let sky = r#"<scene version="3.0.0"><integrator type="path"><integer name="reuse" value="4"/></integrator>
+        <sensor type="perspective"><sampler type="independent"/><film type="hdrfilm"><integer name="width" value="32"/>
+            <integer name="height" value="32"/><rfilter type="box"/></film></sensor>
+        <emitter type="constant"/></scene>"#;
+    let scene = load_text("sky.xml", sky, ColorMode::Spectral).expect("it loads");
+    let quality = |seed| {
+        let settings = Settings { seed, ..Settings::of(&scene, 0..16) };
+        render(&scene, &settings, &Progress::default())
+            .and_then(|(_, report)| report.quality)
+            .expect("it renders")
+    };
+    let seen: Vec<Quality> = (0..128).map(quality).collect();
+    let relative = |c: usize| {
+        let mean = seen.iter().map(|q| q.mean[c]).sum::<f64>() / 128.0;
+        let squares = seen.iter().map(|q| (q.mean[c] - mean) * (q.mean[c] - mean)).sum::<f64>() / 127.0;
+        (mean, squares)
+    };
+    let channels = [0, 1, 2].map(relative);
+    let mean = channels.iter().map(|(mean, _)| mean).sum::<f64>() / 3.0;
+    let scatter = channels.iter().map(|(_, squares)| squares).sum::<f64>() / 3.0 / (mean * mean);
+    let told = seen.iter().map(|q| q.relative_standard_error_of_mean.powi(2)).sum::<f64>() / 128.0;
+    // The scatter's square is uncertain by √(2/127), an eighth.
+    assert!((0.7..1.4).contains(&(told / scatter)), "{told} {scatter}");
 }

@@ -1,7 +1,9 @@
 //! Which share of the light is scattered, and do sampling and evaluation agree on it?
 //!
 //! Three conditions: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the
-//! albedo, delta lobes included, is at most 1; and it is 1 if the model claims to be lossless. Weights count
+//! albedo, delta lobes included, is at most 1, by the samples and by the integral with the samples of delta
+//! lobes; and it is 1 if the model claims to be lossless, but below the surface of one that has no light
+//! there at all and does not refract. Weights count
 //! as flux (η² taken out), to which energy conservation applies. Blind to errors that value and sample share
 //! and that keep the albedo.
 
@@ -38,32 +40,44 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
 
 fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integral: Integral) -> Outcome {
     let laws = scatterer.laws();
-    // The weight outside delta lobes, and the weight including them.
+    // The weight outside delta lobes, of these, and their sum.
     let weights = || {
         let mut stream = Stream::new(seed);
         (0..effort.samples).map(move |_| match draw(scatterer, wo, &mut stream) {
-            None => [0.0, 0.0],
+            None => [0.0; 3],
             Some(sample) => {
                 let weight = sample.weight * laws.flux_factor(wo, sample.wi);
-                [if sample.delta { 0.0 } else { weight }, weight]
+                if sample.delta { [0.0, weight, weight] } else { [weight, 0.0, weight] }
             }
         })
     };
-    let [smooth, total] = Estimate::of_each(weights());
+    let [smooth, delta, total] = Estimate::of_each(weights());
     let exact = Estimate { mean: integral.value, variance: 0.0, degrees: f64::INFINITY };
     let welch = Welch::new(exact, smooth);
     // Possible error of quadrature and rounding, in units of albedo. The rounding is that of the albedo
     // itself.
-    let slack = integral.error + effort.tolerance * integral.value.abs();
+    let blur = integral.error + effort.tolerance * integral.value.abs();
     // Draws that carry or lose about 1 may be so rare that none occurs in the sample of a correct model,
     // which its variance does not show. With confidence 1 − `level` their probability is below
     // −ln(level)/samples.
-    let slack = slack - libm::log(effort.level) / effort.samples as f64;
+    let slack = blur - libm::log(effort.level) / effort.samples as f64;
     let agreement = Interval::around(welch.difference, welch.half_width(effort.level) + slack)
         .verdict(0.0, effort.albedo);
     let certain = Interval::around(total.mean, Welch::new(exact, total).half_width(effort.level) + slack);
-    let bounded = if certain.low > 1.0 + effort.tolerance { Verdict::Different } else { Verdict::Equivalent };
-    let lossless = if laws.lossless { strict(certain, effort) } else { Verdict::Equivalent };
+    // What the integral says is exact where there are no delta lobes.
+    let of_delta = Welch::new(exact, delta).half_width(effort.level);
+    let rare = if delta.mean > 0.0 { slack } else { blur };
+    let integrated = Interval::around(integral.value + delta.mean, of_delta + rare);
+    let gains = |interval: &Interval| interval.low > 1.0 + effort.tolerance;
+    let bounded =
+        if gains(&certain) || gains(&integrated) { Verdict::Different } else { Verdict::Equivalent };
+    let nothing = total.mean == 0.0 && integral.value == 0.0;
+    let one_sided = wo.z < 0.0 && laws.eta.is_none() && nothing;
+    let lossless = match (strict(certain, effort), strict(integrated, effort)) {
+        _ if !laws.lossless || one_sided => Verdict::Equivalent,
+        (Verdict::Different, _) | (_, Verdict::Different) => Verdict::Different,
+        (sampled, integrated) => sampled.min(integrated),
+    };
     let agreement = if within_noise(&welch, slack, effort.level) { agreement } else { Verdict::Different };
     let message = format!(
         "albedo {:.6} sampled, of which {:.6} ± {:.1e} outside delta lobes; {:.6} integrated{}{}",
@@ -81,9 +95,8 @@ fn judge(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, integ
         .figure("integrated", integral.value);
     // A constant weight leaves nothing to chance, and Student's distribution holds for means that are nearly
     // normal only.
-    let by_chance =
-        integral.error + effort.tolerance * integral.value.abs() <= BLURRED * welch.standard_error;
-    let normal = || nearly_normal(weights().map(|[smooth, _]| smooth), &smooth, effort.samples as f64);
+    let by_chance = blur <= BLURRED * welch.standard_error;
+    let normal = || nearly_normal(weights().map(|[smooth, ..]| smooth), &smooth, effort.samples as f64);
     if by_chance && normal() { outcome.p_value(welch.p_value()) } else { outcome }
 }
 

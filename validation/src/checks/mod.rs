@@ -5,6 +5,7 @@
 //! rejects.
 
 mod chi2;
+mod delta;
 mod finiteness;
 mod fluxes;
 mod furnace;
@@ -110,6 +111,7 @@ impl Check {
 pub static CHECKS: &[Check] = &[
     finiteness::CHECK,
     weight::CHECK,
+    delta::CHECK,
     normalisation::CHECK,
     chi2::CHECK,
     furnace::CHECK,

@@ -3,8 +3,9 @@
 //! Fixed grids do not resolve narrow lobes: at α = 0.01 all samples fall into one bin. Here a pilot sample
 //! splits the (cos θ, φ) rectangle at medians, so that every bin has about the same expected count, whatever
 //! the roughness. Within each bin splitting continues until a handful of pilot samples is left: quadrature
-//! starts from these cells, so it cannot miss a lobe that sampling finds. The pilot is independent of the
-//! tested samples, which keeps Pearson's test valid.
+//! starts from these cells, so it cannot miss a lobe that sampling finds. Nor one about the directions that
+//! lobes are usually about: cells shrink towards these too. The pilot is independent of the tested samples,
+//! which keeps Pearson's test valid.
 
 use std::f64::consts::PI;
 
@@ -26,6 +27,10 @@ const LARGEST: [f64; 2] = [0.25, PI / 4.0];
 
 /// Largest extent of a cell with points over the extent of its points.
 const LOOSE: f64 = 4.0;
+
+/// Extent of the cells about usual directions, in cos θ and φ: lobes narrower than that are as good as delta
+/// lobes.
+const FOCUS: f64 = 1e-6;
 
 /// Largest ratio of a cell's expected count, if the density were everywhere that of any one of its points, to
 /// its number of points: the rim of a narrow lobe in a cell of a broad one must not be missed.
@@ -62,7 +67,37 @@ impl Partition {
         let sphere = Cell { low: [-1.0, -PI], high: [1.0, PI] };
         let mut partition = Partition { nodes: Vec::new(), bins: Vec::new() };
         partition.cut(sphere, &mut points, Some((0, 0.0)));
+        usual(scatterer, wo).into_iter().for_each(|direction| partition.focus(direction));
         partition
+    }
+
+    /// Makes cells the smaller the nearer they are to a direction. Each step leaves a quarter of the cell
+    /// around it; halves would leave a neighbour large that has a lobe in its corner.
+    fn focus(&mut self, about: DVec3) {
+        let (at, bin) = (coordinates(about), self.locate(about));
+        let cells = &mut self.bins[bin];
+        let holds =
+            |cell: &Cell| (0..2).all(|axis| cell.low[axis] <= at[axis] && at[axis] <= cell.high[axis]);
+        let Some(place) = cells.iter().position(holds) else { return };
+        let mut inner = cells.swap_remove(place);
+        let extent = |cell: &Cell, axis: usize| cell.high[axis] - cell.low[axis];
+        while (0..2).any(|axis| extent(&inner, axis) > FOCUS) {
+            for axis in 0..2 {
+                let eighth = extent(&inner, axis) / 8.0;
+                let (low, high) = (at[axis] - eighth, at[axis] + eighth);
+                if inner.low[axis] < low && low < inner.high[axis] {
+                    let [outer, rest] = inner.split(axis, low);
+                    cells.push(outer);
+                    inner = rest;
+                }
+                if inner.low[axis] < high && high < inner.high[axis] {
+                    let [rest, outer] = inner.split(axis, high);
+                    cells.push(outer);
+                    inner = rest;
+                }
+            }
+        }
+        cells.push(inner);
     }
 
     pub fn bins(&self) -> usize {
@@ -126,6 +161,20 @@ impl Partition {
         }
         node
     }
+}
+
+/// The directions that lobes are usually about: of reflection, of light that goes straight on or back, and of
+/// refraction.
+fn usual(scatterer: &dyn Scatterer, wo: DVec3) -> Vec<DVec3> {
+    let laws = scatterer.laws();
+    let ratio = laws.index(wo) / laws.index(-wo);
+    let (x, y) = (-ratio * wo.x, -ratio * wo.y);
+    let refracted = (1.0 - x * x - y * y).sqrt();
+    let mut usual = vec![DVec3::new(-wo.x, -wo.y, wo.z), -wo, wo];
+    if laws.eta.is_some() && refracted.is_finite() {
+        usual.push(DVec3::new(x, y, -refracted.copysign(wo.z)));
+    }
+    usual
 }
 
 /// A function of a scatterer where the scatterer knows all that it is asked.
@@ -239,6 +288,38 @@ mod tests {
                 (0..2).all(|axis| cell.low[axis] <= point[axis] && point[axis] <= cell.high[axis])
             };
             assert!(bin.iter().any(|cell| inside(&cell)));
+        }
+    }
+
+    /// A Lambertian surface whose value, but not its sampling, has a lobe about the mirrored direction.
+    struct Spike(f64);
+
+    impl Scatterer for Spike {
+        fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+            let cosine = DVec3::new(-wo.x, -wo.y, wo.z).dot(wi).max(0.0);
+            Lambert { albedo: 0.5 }.value(wo, wi) + (self.0 + 1.0) / (2.0 * PI) * libm::pow(cosine, self.0)
+        }
+
+        fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+            Lambert { albedo: 0.5 }.pdf(wo, wi)
+        }
+
+        fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<crate::Sample> {
+            Lambert { albedo: 0.5 }.sample(wo, u)
+        }
+    }
+
+    #[test]
+    fn a_lobe_that_is_never_drawn_is_integrated_where_lobes_usually_are() {
+        for wo in [direction(0.7, 0.4), direction(0.2, 3.0)] {
+            for exponent in [1e3, 1e6, 1e8] {
+                let spike = Spike(exponent);
+                let partition = Partition::adapt(&spike, wo, &mut Stream::new(2), 64);
+                let all: Integral =
+                    partition.integrate(1e-4, &spike, |wi| spike.value(wo, wi)).into_iter().sum();
+                // Half by the surface, and one by the lobe.
+                assert!((all.value - 1.5).abs() < 1e-3 + all.error, "{wo} {exponent}: {all:?}");
+            }
         }
     }
 

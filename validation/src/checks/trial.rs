@@ -70,7 +70,8 @@ fn saboteurs_are_rejected() {
     let lambert = Lambert { albedo: 0.99 };
     let conductor = Conductor { alpha: 0.2, r0: 0.9 };
     let dielectric = DiffuseDielectric { eta: 1.5 };
-    let cases: [(&dyn Scatterer, Fault, &[&str]); 15] = [
+    let smooth = SmoothDielectric { eta: 1.5, reflectance: 0.3 };
+    let cases: [(&dyn Scatterer, Fault, &[&str]); 17] = [
         (&lambert, Fault::PdfScaled, &["normalisation", "furnace"]),
         (&conductor, Fault::PdfScaled, &["normalisation", "chi2", "furnace", "jacobian"]),
         (&lambert, Fault::NoCosine, &["furnace", "reciprocity"]),
@@ -86,6 +87,8 @@ fn saboteurs_are_rejected() {
         (&lambert, Fault::ValueScaled, &["weight", "furnace"]),
         (&conductor, Fault::PdfTilted, &["jacobian"]),
         (&conductor, Fault::WeightTilted, &["moments", "weight"]),
+        (&lambert, Fault::SpreadDelta, &["delta"]),
+        (&smooth, Fault::UnlikelyDelta, &["delta"]),
     ];
     for (honest, fault, checks) in cases {
         for check in checks {

@@ -1,6 +1,7 @@
 //! The messages of harness and peer: docs/peer-protocol.md.
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value;
 
 use super::{PeerError, process::beginning};
 use crate::scatterer::{DVec3, Laws, Sample};
@@ -80,9 +81,31 @@ struct Evaluated {
 #[derive(Deserialize)]
 struct Sampled {
     wi: Vec<Option<[Option<f64>; 3]>>,
-    weight: Vec<Option<f64>>,
-    pdf: Vec<Option<f64>>,
-    delta: Vec<bool>,
+    // Whatever they hold where there is no sample.
+    weight: Vec<Value>,
+    pdf: Vec<Value>,
+    delta: Vec<Value>,
+}
+
+impl Sampled {
+    /// Error: there is a sample, and something of it is of another kind than it should be.
+    fn sample(&self, i: usize) -> Result<Option<Sample>, PeerError> {
+        let Some(wi) = self.wi[i] else { return Ok(None) };
+        let strange = |name: &str, value: &Value, kind: &str| {
+            PeerError(format!("the peer's \"{name}\" has {value} where there is a sample; expected {kind}"))
+        };
+        let quantity = |name: &str, value: &Value| match value {
+            Value::Null => Ok(f64::NAN),
+            _ => value.as_f64().ok_or_else(|| strange(name, value, "a number or null")),
+        };
+        let delta = self.delta[i].as_bool();
+        Ok(Some(Sample {
+            wi: DVec3::from(wi.map(number)),
+            weight: quantity("weight", &self.weight[i])?,
+            pdf: quantity("pdf", &self.pdf[i])?,
+            delta: delta.ok_or_else(|| strange("delta", &self.delta[i], "true or false"))?,
+        }))
+    }
 }
 
 #[derive(Deserialize)]
@@ -166,14 +189,9 @@ impl<L: Lines> Peer<L> {
             for (what, length) in lengths {
                 same_length(what, batch.len(), length)?;
             }
-            answers.extend((0..batch.len()).map(|i| {
-                Some(Sample {
-                    wi: DVec3::from(reply.wi[i]?.map(number)),
-                    weight: number(reply.weight[i]),
-                    pdf: number(reply.pdf[i]),
-                    delta: reply.delta[i],
-                })
-            }));
+            for i in 0..batch.len() {
+                answers.push(reply.sample(i)?);
+            }
         }
         Ok(answers)
     }

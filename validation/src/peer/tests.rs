@@ -127,6 +127,20 @@ fn an_answer_that_is_none_is_named() {
 }
 
 #[test]
+fn what_stands_beside_no_sample_is_nobody_s_concern() {
+    let drawn = |delta: &'static str, weight: &'static str, wi: &'static str| {
+        let reply = format!(r#"{{"wi": [{wi}], "weight": [{weight}], "pdf": [1], "delta": [{delta}]}}"#);
+        let mut peer = Peer::meet(Parrot(Box::leak(reply.into_boxed_str()))).unwrap();
+        peer.sample(0, &[(DVec3::Z, [0.5; 3])])
+    };
+    assert_eq!(drawn("null", "\"none\"", "null"), Ok(vec![None]));
+    assert!(drawn("true", "null", "[0, 0, 1]").is_ok_and(|s| s[0].is_some_and(|s| s.weight.is_nan())));
+    let error = |delta, weight| drawn(delta, weight, "[0, 0, 1]").unwrap_err().to_string();
+    assert!(error("null", "1").contains("\"delta\" has null"), "{}", error("null", "1"));
+    assert!(error("true", "\"none\"").contains("expected a number or null"));
+}
+
+#[test]
 fn null_is_not_a_number_and_is_judged() {
     let mut peer = Peer::meet(Parrot(r#"{"value": [null, 1], "pdf": [1, 1]}"#)).unwrap();
     let answers = peer.evaluate(0, &[[DVec3::Z; 2]; 2]).unwrap();

@@ -33,6 +33,10 @@ pub enum Fault {
     PdfTilted,
     /// Weights have the factor 1 + 0.02 wi.x; value and density are right.
     WeightTilted,
+    /// Samples of a lobe that is spread are said to be of a delta lobe, outside which there is nothing.
+    SpreadDelta,
+    /// Delta lobes are drawn more often than their pdf says.
+    UnlikelyDelta,
 }
 
 pub struct Sabotaged<'a> {
@@ -49,6 +53,7 @@ impl Scatterer for Sabotaged<'_> {
             Fault::NoRadianceScaling => value * self.laws().flux_factor(wo, wi),
             Fault::TooBright => 1.03 * value,
             Fault::ValueScaled => 1.01 * value,
+            Fault::SpreadDelta => 0.0,
             _ => value,
         }
     }
@@ -59,6 +64,7 @@ impl Scatterer for Sabotaged<'_> {
             Fault::PdfScaled => 1.02 * pdf,
             Fault::PdfTilted => pdf * (1.0 + 1e-5 * wi.x),
             Fault::GrazingNan if wi.z.abs() < 1e-8 => f64::NAN,
+            Fault::SpreadDelta => 0.0,
             _ => pdf,
         }
     }
@@ -75,6 +81,8 @@ impl Scatterer for Sabotaged<'_> {
             Fault::ValueScaled => return Some(honest),
             Fault::DrawsLost if u[0] < 0.01 => return None,
             Fault::DrawsLost => return Some(honest),
+            Fault::SpreadDelta => (sample.pdf, sample.delta) = (1.0, true),
+            Fault::UnlikelyDelta => sample.pdf *= 0.9,
             _ => {
                 sample.pdf = self.pdf(wo, honest.wi);
                 sample.weight = self.value(wo, honest.wi) / sample.pdf;

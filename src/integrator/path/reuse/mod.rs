@@ -45,6 +45,7 @@ mod rivals;
 mod shared;
 
 use crate::sampler::SampleId;
+use crate::spectrum::ColorMode;
 pub use exchange::Exchange;
 pub use light_sources::LightSources;
 pub use rivals::{Contested, Rivals, Tail};
@@ -59,9 +60,10 @@ pub const AUTO: u32 = 0;
 /// How many pixels can share their paths; 1 is none.
 pub const PIXELS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Edge in pixels of the squares beyond which no two pixels have anything in common, if `pixels` share.
-pub fn correlated_edge(pixels: u32) -> u32 {
-    1 << pixels.ilog2().div_ceil(2)
+/// Edge in pixels of the squares beyond which no two pixels have anything in common, if `pixels` share: in
+/// spectra all pixels of a cell have the same wavelengths.
+pub fn correlated_edge(pixels: u32, mode: ColorMode) -> u32 {
+    if pixels > 1 && mode == ColorMode::Spectral { CELL } else { 1 << pixels.ilog2().div_ceil(2) }
 }
 
 /// The pixels of a sample that can share what they find with `pixel`, as far as they are on the film: those

@@ -31,7 +31,7 @@ fn groups_are_runs_of_a_cell_and_part_the_film() {
                 for (of, group) in cell.iter().zip(groups) {
                     assert_eq!((of.sample, group.sample, group.corner()), (sample, sample, corner));
                     assert_eq!(seen.insert(of.pixel, group), None);
-                    let edge = correlated_edge(pixels);
+                    let edge = correlated_edge(pixels, ColorMode::Rgb);
                     let partners = cell.iter().filter(|other| super::group(**other, pixels) == group);
                     let near = |a: u32, b: u32| a / edge == b / edge;
                     assert!(

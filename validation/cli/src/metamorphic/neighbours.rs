@@ -6,6 +6,7 @@ use super::caustics::{glass, globe, with_links};
 use super::reuse::{Case, one_of, walls};
 use super::still_life::INDEPENDENT;
 use crate::stage::*;
+use etalon::spectrum::ColorMode;
 use validation::image::Image;
 
 /// The margin is large because few pixels are compared; misplaced light would amount to tens of per cent.
@@ -31,14 +32,14 @@ fn slope(columns: f64) -> f64 {
     (columns - half) / half * HALF_ANGLE.to_radians().tan()
 }
 
-/// One pixel per group of the last column.
-fn last_column(image: &Image) -> Image {
-    let wanted = |column: usize, row: usize| column == image.width - 1 && row % 4 == 3;
-    super::chosen(image, (1, image.height / 4), wanted)
+/// One pixel of the last column in each square of this edge, within which errors are correlated.
+fn last_column<const EDGE: usize>(image: &Image) -> Image {
+    let wanted = |column: usize, row: usize| column == image.width - 1 && row % EDGE == EDGE - 1;
+    super::chosen(image, (1, image.height / EDGE), wanted)
 }
 
 fn case(name: &'static str, world: String) -> Case {
-    Case { pixels: 16, camera: camera(), view: Some(last_column), ..Case::new(name, world) }
+    Case { pixels: 16, camera: camera(), view: Some(last_column::<4>), ..Case::new(name, world) }
 }
 
 /// Two rooms, separated by a wall along the view direction, one on each side of the image. The right one is
@@ -75,7 +76,8 @@ fn two_panes() -> Relation {
     let panes = pane(-0.5, edge, &glass("")) + &pane(edge, 0.5, flint);
     let bulb = sphere([-0.5, 0.0, 1.0], 0.4, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, flint);
     let case = case("two_panes", walls(&diffuse(0.7)) + &panes + &bulb);
-    Case { integrator: path(7), light_paths: 0.0, ..case }.relation().in_spectra().samples(8192)
+    let (mode, view) = (ColorMode::Spectral, Some(last_column::<8> as fn(&Image) -> Image));
+    Case { integrator: path(7), light_paths: 0.0, mode, view, ..case }.relation().samples(16_384)
 }
 
 /// A floor of rough metal that reflects light, arriving from a wall at grazing angles, upwards.

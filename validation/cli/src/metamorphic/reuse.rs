@@ -10,6 +10,7 @@ use super::still_life::*;
 use super::{Relation, Term, chosen};
 use crate::stage::*;
 use etalon::integrator::path::reuse::correlated_edge;
+use etalon::spectrum::ColorMode;
 use validation::image::Image;
 
 /// One pixel of each square with this edge length.
@@ -42,6 +43,7 @@ pub(super) struct Case {
     pub shared_light_paths: u32,
     pub camera: String,
     pub world: String,
+    pub mode: ColorMode,
     /// The pixels to compare; by default one of each group.
     pub view: Option<fn(&Image) -> Image>,
 }
@@ -56,6 +58,7 @@ impl Case {
             shared_light_paths: 0,
             camera: camera(),
             world,
+            mode: ColorMode::Rgb,
             view: None,
         }
     }
@@ -74,7 +77,7 @@ impl Case {
                 .concat()
                 + &float("light_paths", self.light_paths);
             let integrator = self.integrator.replace("</integrator>", &(more + "</integrator>"));
-            let one = match correlated_edge(self.pixels) {
+            let one = match correlated_edge(self.pixels, self.mode) {
                 0..=2 => one_of::<2>,
                 3..=4 => one_of::<4>,
                 _ => one_of::<8>,
@@ -84,7 +87,8 @@ impl Case {
                 ..Term::new(scene(&[&integrator, &self.camera, &self.world]))
             }]
         };
-        Relation::expectation(self.name, side(1), side(self.pixels)).samples(2048)
+        let relation = Relation::expectation(self.name, side(1), side(self.pixels)).samples(2048);
+        if self.mode == ColorMode::Spectral { relation.in_spectra() } else { relation }
     }
 }
 
@@ -233,8 +237,10 @@ pub fn relations() -> Vec<Relation> {
         ..case("roulette_of_colours", closed_room(pure) + &ball(pure))
     };
     relations.push(colours.option("integer", "rr_depth", "2").relation().samples(16_384));
-    relations.push(case("dispersion", room(&ball(&flint))).relation().in_spectra().samples(4096).at_length());
-    relations
-        .push(case("spectra", closed_room(checks) + &matte).relation().in_spectra().longer(4).at_length());
+    let spectral = |case| Case { mode: ColorMode::Spectral, ..case };
+    let dispersion = spectral(case("dispersion", room(&ball(&flint))));
+    relations.push(dispersion.relation().samples(65_536).at_length());
+    let spectra = spectral(case("spectra", closed_room(checks) + &matte));
+    relations.push(spectra.relation().samples(65_536).at_length());
     relations
 }
