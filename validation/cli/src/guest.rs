@@ -10,6 +10,7 @@ use crate::documents::Documents;
 use crate::references::{self, Reference};
 use crate::renderers::{self, Job, Renderer};
 use etalon::spectrum::ColorMode;
+use std::cell::OnceCell;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -79,7 +80,14 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
     let folder = tempfile::tempdir()?;
     let level = sidak(LEVEL, questions);
-    let guest = Guest { renderer: template, folder: folder.path(), number, level, limit: timeout };
+    let guest = Guest {
+        renderer: template,
+        folder: folder.path(),
+        number,
+        level,
+        limit: timeout,
+        heeds_seeds: OnceCell::new(),
+    };
     let mut outcomes = vec![];
     let mut tell = |outcome: Outcome| {
         print(&outcome);
@@ -105,7 +113,12 @@ struct Guest<'a> {
     level: f64,
     /// How long a picture may take.
     limit: Option<Duration>,
+    /// Whether its pictures of different seeds differ, once that is known.
+    heeds_seeds: OnceCell<bool>,
 }
+
+/// A reference scene that no renderer renders without noise.
+const NOISY: &str = "cornell.xml";
 
 impl Guest<'_> {
     /// Compares a reference scene with the stored image.
@@ -122,6 +135,9 @@ impl Guest<'_> {
             let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
             match comparison.uncompared.first() {
                 Some(lost) => Err(format!("there is no channel {lost}")),
+                None if !comparison.identical => {
+                    self.noise_is_known(&pictures).map(|()| comparison.outcome())
+                }
                 None => Ok(comparison.outcome()),
             }
         };
@@ -135,9 +151,31 @@ impl Guest<'_> {
             std::fs::write(&scene, case.standing_alone()).map_err(|e| e.to_string())?;
             let samples = u32::try_from(case.samples).map_err(|e| e.to_string())?;
             let pictures = self.pictures(&case.name, &scene, samples, seeds)?;
-            Ok(case.judge_images(&pictures, self.level))
+            self.noise_is_known(&pictures).map(|()| case.judge_images(&pictures, self.level))
         };
         judged().unwrap_or_else(|why: String| unable("closed form", &why)).of(&case.name)
+    }
+
+    /// Error: the pictures are all the same, and so are others of a scene with noise: then they are one
+    /// picture, whose noise would pass for an error, or an error for noise.
+    fn noise_is_known(&self, pictures: &[Image]) -> Result<(), String> {
+        let same = |pictures: &[Image]| pictures.windows(2).all(|pair| pair[0] == pair[1]);
+        if !same(pictures) {
+            let _known = self.heeds_seeds.set(true);
+            return Ok(());
+        }
+        let heeds = match self.heeds_seeds.get() {
+            Some(known) => *known,
+            None => {
+                let noisy = references::folder().join("scenes").join(NOISY);
+                !same(&self.pictures("whether seeds have an effect", &noisy, 1, 2)?)
+            }
+        };
+        if *self.heeds_seeds.get_or_init(|| heeds) {
+            Ok(())
+        } else {
+            Err("its pictures of different seeds are the same: the seed has no effect, so their noise is unknown".into())
+        }
     }
 
     /// Renders pictures with different seeds.
@@ -163,15 +201,17 @@ fn unable(check: &str, why: &str) -> Outcome {
 mod tests {
     use super::*;
 
-    /// The outcome for a renderer with this command.
-    fn verdict_on(command: String, ask: impl Fn(&Guest) -> Outcome) -> Outcome {
+    /// The outcome for a renderer with this command, of which is known, or not, whether it heeds seeds.
+    fn verdict_on(command: String, heeds_seeds: Option<bool>, ask: impl Fn(&Guest) -> Outcome) -> Outcome {
         static FOLDERS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let number = FOLDERS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("etalon-guest-test-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let renderer = Renderer { command, mean_of: None, color: None };
-        let outcome =
-            ask(&Guest { renderer: &renderer, folder: &folder, number: 0, level: LEVEL, limit: None });
+        let heeds_seeds = heeds_seeds.map_or(OnceCell::new(), OnceCell::from);
+        let guest =
+            Guest { renderer: &renderer, folder: &folder, number: 0, level: LEVEL, limit: None, heeds_seeds };
+        let outcome = ask(&guest);
         std::fs::remove_dir_all(&folder).unwrap();
         outcome
     }
@@ -186,11 +226,11 @@ mod tests {
         let asked = reference("camera-x::rgb");
         let copying = |name: &str| {
             let command = format!("cp {:?} {{out}}", reference(name).image);
-            verdict_on(command, |guest| guest.meets(&asked, 1, 4, 0.005))
+            verdict_on(command, Some(true), |guest| guest.meets(&asked, 1, 4, 0.005))
         };
         assert_eq!(copying("camera-x::rgb").verdict, Verdict::Equivalent);
         assert_eq!(copying("camera-y::rgb").verdict, Verdict::Different);
-        let failing = verdict_on("false".into(), |guest| guest.meets(&asked, 1, 4, 0.005));
+        let failing = verdict_on("false".into(), None, |guest| guest.meets(&asked, 1, 4, 0.005));
         assert_eq!(failing.verdict, Verdict::Inconclusive);
         assert!(failing.message.starts_with("not rendered: \"false\" failed"), "{}", failing.message);
     }
@@ -202,6 +242,10 @@ mod tests {
         assert!(sky.standing_alone().starts_with(&format!("<scene version=\"3.0.0\">{place}")));
         // Any other picture is wrong.
         let command = format!("cp {:?} {{out}}", reference("camera-x::rgb").image);
-        assert_eq!(verdict_on(command, |guest| guest.knows(&sky, 4)).verdict, Verdict::Different);
+        let verdict = |known| verdict_on(command.clone(), known, |guest| guest.knows(&sky, 4));
+        assert_eq!(verdict(Some(true)).verdict, Verdict::Different);
+        // But not by a program that makes the same picture of whatever seed.
+        let deaf = verdict(None);
+        assert!(deaf.verdict == Verdict::Inconclusive && deaf.message.contains("the seed has no effect"));
     }
 }

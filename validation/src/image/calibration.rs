@@ -32,9 +32,10 @@ fn false_alarms(noise: Noise, samples: [usize; 2]) -> f64 {
     share
 }
 
-/// Fails outside the range of shares that 1000 trials at exactly 1 % leave once in 290 runs of the suite.
+/// Fails outside the range of shares that 1000 trials leave once in 200 runs of the suite, at 1 % or, since
+/// the third of the level that details have is hardly used, at two thirds of it.
 fn assert_calibrated(share: f64) {
-    assert!((0.003..=0.021).contains(&share), "{share}");
+    assert!((0.002..=0.021).contains(&share), "{share}");
 }
 
 #[test]
@@ -55,6 +56,12 @@ fn level_is_kept_with_unequal_budgets() {
 #[test]
 fn fireflies_do_not_raise_the_alarm() {
     assert!(false_alarms(Noise::Firefly, [64, 16]) <= 0.021);
+}
+
+#[test]
+fn an_image_that_has_missed_what_is_rare_is_not_different() {
+    assert!(false_alarms(Noise::Lognormal, [64, 8]) <= 0.021);
+    assert!(false_alarms(Noise::Lognormal, [8, 64]) <= 0.021);
 }
 
 /// Scales the pixels that `selected` accepts by their column and row.

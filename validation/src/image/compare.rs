@@ -101,7 +101,13 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
     let limits = detail::Limits { level, corrected: sidak(each, 2), margin, tile_size };
     let channel = |pair: &Pair| ChannelComparison {
         name: pair.name.to_string(),
-        mean: mean::compare(pair, settings.level, each, settings.margin),
+        mean: mean::compare(
+            pair,
+            tiles::noise_ratio_of(pair, tile_size),
+            settings.level,
+            each,
+            settings.margin,
+        ),
         detail: detail::compare(pair, limits),
         pixels: pixels::figures(pair, tile_size),
         errors: errors::errors(pair),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::pair::Pair;
+use super::{pair::Pair, tiles::informed};
 use crate::statistics::{
     Estimate, Interval, Verdict, Welch,
     distributions::student_quantile,
@@ -76,10 +76,18 @@ impl Sums {
 
 /// Compares the means of `pair`: equivalent if the interval of the ratio at `level` lies within 1 ± `margin`,
 /// else different if equality is rejected at `corrected`, the level left after correction for the other tests
-/// of the same images.
-pub(super) fn compare(pair: &Pair, level: f64, corrected: f64, margin: f64) -> MeanComparison {
+/// of the same images. b is typically `ratio` times as noisy as a; what either has missed of rare events the
+/// other's variance tells, as of tiles.
+pub(super) fn compare(
+    pair: &Pair,
+    ratio: Option<f64>,
+    level: f64,
+    corrected: f64,
+    margin: f64,
+) -> MeanComparison {
     let sums = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
-    let (a, b) = (sums.a.estimate(sums.count), sums.b.estimate(sums.count));
+    let (a, b) = informed(sums.a, sums.b, ratio);
+    let (a, b) = (a.estimate(sums.count), b.estimate(sums.count));
     let welch = Welch::new(a, b);
     let quantile = student_quantile(level, welch.degrees);
     let interval = fieller(a, b, quantile);

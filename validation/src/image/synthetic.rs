@@ -13,6 +13,9 @@ pub enum Noise {
     /// 20 with probability 1/40, else 20/39, as of a light that is rarely hit; standard deviation 3, skewness
     /// 6.
     Firefly,
+    /// Log-normal, with a deviation of 2.5 of the logarithm: the standard deviation is 23, and half of all
+    /// light comes by one sample in 160.
+    Lognormal,
 }
 
 impl Noise {
@@ -27,6 +30,7 @@ impl Noise {
                     20.0 / 39.0
                 }
             }
+            Noise::Lognormal => libm::exp(2.5 * stream.normal() - 3.125),
         }
     }
 }

@@ -116,12 +116,17 @@ fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
 /// low *and* a variance that does not include the event; against a converged reference it would differ by
 /// many of its own standard errors although nothing is wrong. The image with more information tells how large
 /// the variance should be.
-fn informed(side: Side, other: Side, ratio: f64) -> Side {
+fn informed_by(side: Side, other: Side, ratio: f64) -> Side {
     if other.variance * ratio <= side.variance {
         return side;
     }
     let squared_variance = other.squared_variance * ratio * ratio;
     Side { mean: side.mean, variance: other.variance * ratio, squared_variance }
+}
+
+/// Both sides, informed by each other, b being `ratio` times as noisy as a.
+pub(super) fn informed(a: Side, b: Side, ratio: Option<f64>) -> (Side, Side) {
+    ratio.map_or((a, b), |ratio| (informed_by(a, b, 1.0 / ratio), informed_by(b, a, ratio)))
 }
 
 /// Tests every tile at the Šidák level at which all tests together have the level `corrected`; equivalent if
@@ -154,8 +159,7 @@ fn test(
     settings: &Settings,
 ) -> Tile {
     let Sums { count, a, b } = raw.sums;
-    let (a_informed, b_informed) =
-        ratio.map_or((a, b), |ratio| (informed(a, b, 1.0 / ratio), informed(b, a, ratio)));
+    let (a_informed, b_informed) = informed(a, b, ratio);
     let welch = Welch::new(a_informed.estimate(count), b_informed.estimate(count));
     let scale = image.max((a.mean + b.mean).abs() / (2.0 * count));
     let p_value = welch.p_value();

@@ -60,15 +60,43 @@ impl Process {
     }
 }
 
-/// How a program ended, if it does within this time; it is killed if it does not.
+/// How a program ended, if it does within this time; if it does not, it is killed, with all that it has
+/// started, as far as the system tells what that is (`/proc`).
 pub fn ends_or_is_killed(child: &mut Child, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
     let ended = ends_within(child, limit);
     if !matches!(ended, Ok(Some(_))) {
-        // Either fails only if the program has ended meanwhile.
+        // Known before it ends: afterwards they are nobody's. All fail only if what they kill has ended.
+        let started = descendants(child.id());
         let _ended = child.kill();
+        let kill =
+            |id: &u32| Command::new("kill").args(["-KILL", &id.to_string()]).stderr(Stdio::null()).status();
+        started.iter().for_each(|id| drop(kill(id)));
         let _ended = child.wait();
     }
     ended
+}
+
+/// The programs that one has started, and that these have started, by the parents that Linux tells
+/// (`proc(5)`, field 4 of `stat`; the name of the program, in parentheses, may contain spaces).
+fn descendants(of: u32) -> Vec<u32> {
+    let parent = |id: u32| {
+        let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+        stat.rsplit_once(')')?.1.split_whitespace().nth(1)?.parse().ok()
+    };
+    let names = std::fs::read_dir("/proc").into_iter().flatten().flatten().map(|entry| entry.file_name());
+    let all: Vec<(u32, u32)> = names
+        .filter_map(|name| name.to_str()?.parse().ok())
+        .filter_map(|id| Some((id, parent(id)?)))
+        .collect();
+    let mut found = vec![of];
+    let mut next = 0;
+    while next < found.len() {
+        let children = all.iter().filter(|(_, parent)| *parent == found[next]).map(|(id, _)| *id);
+        let children: Vec<u32> = children.filter(|id| !found.contains(id)).collect();
+        found.extend(children);
+        next += 1;
+    }
+    found.split_off(1)
 }
 
 /// How a program ended, if it does within this time.

@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::mpsc::channel;
 use std::thread::spawn;
 use std::time::{Duration, Instant};
 
@@ -112,22 +113,41 @@ impl Renderer {
         let said = Said::of(&String::from_utf8_lossy(&output.stdout))?;
         let seconds = said.seconds.unwrap_or(wall);
         let planning = said.planning.unwrap_or(0.0);
+        if seconds + planning > LOOSE * wall {
+            let said = seconds + planning;
+            return Err(format!("{program:?} says that it rendered for {said} s, but ran for {wall:.3} s"));
+        }
         let cpu_seconds = said.cpu_seconds.unwrap_or(cpu.max(1e-3));
         Ok(Took { seconds, planning, cpu_seconds, startup: (wall - planning - seconds).max(0.0) })
     }
 }
 
-/// What a command prints until it ends; it is killed if that is not within the limit.
+/// How much longer than it ran a program may say that it rendered: clocks differ.
+const LOOSE: f64 = 1.01;
+
+/// How long a pipe is read after the program has ended: what that has left running may hold it open.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// What a command prints until it ends; it is killed, with all that it has started, if that is not within the
+/// limit.
 fn output(command: &mut Command, limit: Option<Duration>) -> Result<Output, String> {
     /// Reads beside the wait, so that no full pipe stops the program.
     fn all_of(mut pipe: impl Read + Send + 'static) -> impl FnOnce() -> Vec<u8> {
-        let reader = spawn(move || {
-            let mut text = vec![];
+        let (pieces, said) = channel();
+        spawn(move || {
+            let mut piece = [0; 1 << 16];
             // What cannot be read was not said.
-            let _read = pipe.read_to_end(&mut text);
-            text
+            while let Ok(length) = pipe.read(&mut piece) {
+                if length == 0 || pieces.send(piece[..length].to_vec()).is_err() {
+                    break;
+                }
+            }
         });
-        move || reader.join().unwrap_or_default()
+        move || {
+            let end = Instant::now() + GRACE;
+            let next = || said.recv_timeout(end.saturating_duration_since(Instant::now())).ok();
+            std::iter::from_fn(next).flatten().collect()
+        }
     }
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(|e| format!("does not start: {e}"))?;
@@ -209,5 +229,44 @@ mod tests {
         let job = Job { limit: Some(Duration::from_secs(1000)), ..job };
         let error = renderer(many).run(&job, &out).unwrap_err();
         assert!(error.ends_with("last words"), "{error}");
+    }
+
+    #[test]
+    fn what_a_program_has_started_neither_outlives_it_nor_is_waited_for() {
+        let folder = std::env::temp_dir().join(format!("etalon-descendants-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (out, alive) = (folder.join("out.exr"), folder.join("alive"));
+        let renderer = |command: String| Renderer { command, mean_of: None, color: None };
+        let run = |command: String, limit: u64| {
+            let job =
+                Job { limit: Some(Duration::from_millis(limit)), ..Job::new(Path::new("any.xml"), 1, 0) };
+            renderer(command).run(&job, &out)
+        };
+        // A script that waits for a program of its own.
+        let script = format!("sh -c 'sh -c \"sleep 3; touch {}\"; true'", alive.display());
+        assert!(run(script, 500).unwrap_err().contains("took longer"));
+        // One that leaves a program running, which holds its output open.
+        let start = Instant::now();
+        let took =
+            run("sh -c 'echo picture > {out}; sleep 20 & echo {\\\"seconds\\\": 0.001}'".into(), 600_000);
+        assert!(start.elapsed() < Duration::from_secs(10), "it was waited for");
+        assert_eq!(took.unwrap().seconds, 0.001);
+        std::thread::sleep(Duration::from_secs(4).saturating_sub(start.elapsed()));
+        assert!(!alive.exists(), "a program outlived the one that had started it");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn nobody_renders_for_longer_than_it_runs() {
+        let out = std::env::temp_dir().join(format!("etalon-never-{}.exr", std::process::id()));
+        let says = |seconds: &str| {
+            let command = format!("sh -c 'echo picture > {{out}}; echo {{\\\"seconds\\\": {seconds}}}'");
+            Renderer { command, mean_of: None, color: None }.run(&Job::new(Path::new("any.xml"), 1, 0), &out)
+        };
+        assert!(says("0.0001").is_ok());
+        let error = says("5000").unwrap_err();
+        assert!(error.contains("says that it rendered for 5000 s, but ran for"), "{error}");
+        assert!(says("1e-300").unwrap_err().contains("which is no time"));
+        std::fs::remove_file(&out).unwrap();
     }
 }

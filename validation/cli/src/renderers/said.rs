@@ -24,7 +24,8 @@ impl Said {
             },
         };
         Ok(Said {
-            seconds: number("seconds", |s| s > 0.0)?,
+            // No clock tells less.
+            seconds: number("seconds", |s| s >= 1e-9)?,
             planning: number("plan_seconds", |s| s >= 0.0)?,
             // A clock of hundredths may say that nothing passed.
             cpu_seconds: number("cpu_seconds", |s| s >= 0.0)?.filter(|s| *s > 0.0),

@@ -1,6 +1,7 @@
 //! Renders the missing pictures of a study of a scene, and keeps everything in a folder, so that it can be
 //! interrupted at any time.
 //!
+//! - `origin.json`: the scene file and the command of each renderer, which must stay the same;
 //! - `schedule.json`: each renderer's sample counts, or why it cannot render the scene;
 //! - `references/`: the pictures of each renderer's converged mean;
 //! - `runs.jsonl`: a line for every picture, in the order of rendering;
@@ -12,6 +13,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
 use validation::converge::{Errors, Picture, Reference, errors, reference};
 
 use super::{Ladder, REFERENCES, Run, Settings, seed};
@@ -22,6 +24,14 @@ use crate::report::machine;
 
 /// A renderer's sample counts, one per rung, or why it has none.
 pub type Schedule = BTreeMap<String, Result<Vec<u32>, String>>;
+
+/// What a folder's pictures are of.
+#[derive(Default, Serialize, Deserialize)]
+struct Origin {
+    /// The scene file.
+    scene: Option<String>,
+    commands: BTreeMap<String, String>,
+}
 
 /// The folder of a scene, with the study's renderers and settings.
 pub struct Bench<'a> {
@@ -42,6 +52,7 @@ impl Bench<'_> {
         for folder in ["references", "pictures"] {
             std::fs::create_dir_all(self.folder.join(folder)).map_err(|e| e.to_string())?;
         }
+        self.check_origin(names)?;
         let mut schedule = self.schedule()?;
         let (mut tried, mut references) = (BTreeSet::new(), BTreeMap::new());
         for name in names {
@@ -58,7 +69,10 @@ impl Bench<'_> {
             if !references.contains_key(of) {
                 progress(&format!("{of}: reference"));
                 let longest = counts.last().copied().unwrap_or(1);
-                match self.reference(of, (f64::from(longest) * self.settings.reference).round() as u32) {
+                let found = self
+                    .reference(of, (f64::from(longest) * self.settings.reference).round() as u32)
+                    .and_then(|found| self.has_size_of(of, names).map(|()| found));
+                match found {
                     Ok(found) => drop(references.insert(of, found)),
                     Err(why) => drop(schedule.insert(of.to_string(), Err(why))),
                 }
@@ -78,7 +92,7 @@ impl Bench<'_> {
         progress: &dyn Fn(&str),
     ) -> Result<Vec<(String, String)>, String> {
         let mut failed: Vec<(String, String)> = vec![];
-        let done = self.runs()?;
+        let (done, mut added) = (self.runs()?, vec![]);
         let last = self.settings.ladder.count() - 1;
         for k in 0..self.settings.seeds {
             for rung in 0..=last {
@@ -94,7 +108,20 @@ impl Bench<'_> {
                         continue;
                     }
                     progress(&format!("{name}: seed {k}, rung {rung}"));
-                    let (took, errors) = match self.picture(name, (counts[rung], k), reference) {
+                    let found = self.picture(name, (counts[rung], k), reference).and_then(|found| {
+                        let same = |run: &Run| {
+                            (run.renderer.as_str(), run.seed, run.errors) == (name, k, found.1)
+                                && run.samples != counts[rung]
+                        };
+                        match done.iter().chain(&added).find(|run| same(run)) {
+                            Some(run) => Err(format!(
+                                "its picture is that of {} samples: their number has no effect",
+                                run.samples
+                            )),
+                            None => Ok(found),
+                        }
+                    });
+                    let (took, errors) = match found {
                         Ok(found) => found,
                         Err(why) => {
                             let why = format!("seed {k}, {} samples: {why}", counts[rung]);
@@ -107,7 +134,7 @@ impl Bench<'_> {
                         let kept = self.folder.join("pictures").join(format!("{name}.exr"));
                         std::fs::rename(self.out(), kept).map_err(|e| e.to_string())?;
                     }
-                    self.add(&Run {
+                    let run = Run {
                         renderer: name.to_string(),
                         seed: k,
                         rung,
@@ -115,11 +142,60 @@ impl Bench<'_> {
                         took,
                         errors,
                         with: machine::in_short(),
-                    })?;
+                    };
+                    self.add(&run)?;
+                    added.push(run);
                 }
             }
         }
         Ok(failed)
+    }
+
+    /// Keeps what the folder's pictures are of. Error: it holds pictures of another scene, or of a renderer with
+    /// another command.
+    fn check_origin(&self, names: &[&str]) -> Result<(), String> {
+        let file = self.folder.join("origin.json");
+        let mut kept: Origin = if file.is_file() { files::json(&file)? } else { Origin::default() };
+        let text = std::fs::read(&self.scene).unwrap_or_default();
+        let scene = String::from_utf8_lossy(&text).into_owned();
+        let folder = self.folder.display();
+        if kept.scene.as_ref().is_some_and(|kept| *kept != scene) {
+            return Err(format!(
+                "{folder} holds pictures of another scene; choose another folder, or remove it"
+            ));
+        }
+        kept.scene = Some(scene);
+        for name in names {
+            let Some(renderer) = self.renderers.get(*name) else { continue };
+            let command = kept.commands.entry((*name).to_owned()).or_insert_with(|| renderer.command.clone());
+            if *command != renderer.command {
+                return Err(format!(
+                    "{folder} holds pictures of {name} by another command, `{command}`; choose another folder, or remove it"
+                ));
+            }
+        }
+        self.keep("origin.json", &kept)
+    }
+
+    /// Whether a renderer's reference has the size of that of the first which has one.
+    fn has_size_of(&self, name: &str, names: &[&str]) -> Result<(), String> {
+        let size = |name: &str| {
+            let file = self.reference_file(name, 0);
+            Ok::<_, String>(if file.is_file() { Some(read(&file)?).map(|(_, w, h)| (w, h)) } else { None })
+        };
+        for first in names.iter().map(|first| mean_of(self.renderers, first)) {
+            if let (Some((width, height)), Some(own)) = (size(first)?, size(name)?) {
+                return if own == (width, height) {
+                    Ok(())
+                } else {
+                    Err(format!(
+                        "its pictures have {} × {} pixels, those of {first} {width} × {height}",
+                        own.0, own.1
+                    ))
+                };
+            }
+        }
+        Ok(())
     }
 
     /// A picture of so many samples, by number. Error: it cannot be rendered, or is not of the reference's size.
@@ -239,8 +315,8 @@ impl Bench<'_> {
         self.folder.join("picture.exr")
     }
 
-    fn keep(&self, name: &str, schedule: &Schedule) -> Result<(), String> {
-        let text = || Ok(validation::report::to_json(schedule)?);
+    fn keep(&self, name: &str, what: &impl Serialize) -> Result<(), String> {
+        let text = || Ok(validation::report::to_json(what)?);
         console::write(Some(&self.folder.join(name)), text).map_err(|e| e.to_string())
     }
 
@@ -273,21 +349,18 @@ mod tests {
 
     const SEEDS: u32 = 3;
 
-    /// A folder with a picture of each seed that a study asks for, and one under half the light.
+    /// A folder with a picture of each seed that a study asks for, one under half the light, and a smaller one.
     fn pictures() -> PathBuf {
         let folder = std::env::temp_dir().join(format!("etalon-bench-pictures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let ball = stage::sphere([0.0; 3], 1.0, &stage::diffuse(0.5));
-        let camera = stage::pinhole(
-            &stage::look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]),
-            40.0,
-            &stage::film(8, 8),
-        );
-        let under = |radiance: f64| {
+        let under = |radiance: f64, size: u32| {
+            let place = stage::look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]);
+            let camera = stage::pinhole(&place, 40.0, &stage::film(size, size));
             let lamp = stage::sphere([0.0, -3.0, 3.0], 0.5, &stage::area(radiance));
             stage::load(&stage::scene(&[&stage::path(3), &camera, &ball, &lamp]), ColorMode::Rgb).unwrap()
         };
-        let scenes = [("", under(4.0)), ("dark-", under(2.0))];
+        let scenes = [("", under(4.0, 8)), ("dark-", under(2.0, 8)), ("small-", under(4.0, 4))];
         let asked = [("trial", 1), ("reference", REFERENCES), ("picture", SEEDS)];
         for seed in asked.into_iter().flat_map(|(what, count)| (0..count).map(move |k| seed(what, k))) {
             for (name, scene) in &scenes {
@@ -314,6 +387,7 @@ mod tests {
             ("same", shows(&seed("trial", 0).to_string())),
             ("idle", "true {out}".to_owned()),
             ("dark", shows("dark-{seed}")),
+            ("small", shows("small-{seed}")),
         ];
         let entry = |(name, command): (&str, String)| {
             (name.to_owned(), Renderer { command, mean_of: None, color: None })
@@ -328,13 +402,29 @@ mod tests {
             settings: &settings,
             limit: None,
         };
-        let names = ["steady", "late", "same", "idle", "dark"];
+        let names = ["steady", "late", "same", "idle", "dark", "small"];
         let failed = bench.measure(&names, &|_| ()).unwrap();
         let (runs, schedule) = (bench.runs().unwrap(), bench.schedule().unwrap());
         let lines = lines(&bench, &names, &runs).unwrap();
+        // More samples that change nothing; another scene, and another command, in the same folder.
+        let longer = Settings { ladder: Ladder::Samples(vec![4, 8]), ..settings.clone() };
+        let two =
+            Bench { folder: pictures.join("two"), settings: &longer, scene: bench.scene.clone(), ..bench };
+        let deaf = two.measure(&["steady"], &|_| ()).unwrap();
+        let scene = pictures.join("other.xml");
+        std::fs::write(&scene, "<scene/>").unwrap();
+        let moved = Bench { scene, folder: two.folder.clone(), ..two }.measure(&["steady"], &|_| ());
+        let mut others = renderers.clone();
+        others.insert("steady".into(), Renderer { command: "true".into(), mean_of: None, color: None });
+        let renamed =
+            Bench { renderers: &others, folder: two.folder.clone(), scene: two.scene.clone(), ..two };
+        let renamed = renamed.measure(&["steady"], &|_| ());
         std::fs::remove_dir_all(&pictures).unwrap();
+        assert!(deaf[0].1.ends_with("that of 4 samples: their number has no effect"), "{deaf:?}");
+        assert!(moved.unwrap_err().contains("pictures of another scene"));
+        assert!(renamed.unwrap_err().contains("pictures of steady by another command"));
         let of = |name: &str| runs.iter().filter(|run| run.renderer == name).count();
-        assert_eq!(names.map(of), [3, 1, 0, 0, 3]);
+        assert_eq!(names.map(of), [3, 1, 0, 0, 3, 0]);
         assert_eq!(failed.len(), 1);
         assert!(
             failed[0].0 == "late" && failed[0].1.starts_with("seed 1, 8 samples: \"sh\" failed"),
@@ -347,6 +437,7 @@ mod tests {
         assert!((over.value - 0.5).abs() < 1e-6 && misses(over), "{over:?}");
         assert!(lines[0].mean_over_first.is_none());
         assert!(why("same").contains("the seed has no effect"), "{}", why("same"));
+        assert_eq!(why("small"), "its pictures have 4 × 4 pixels, those of steady 8 × 8");
         assert!(why("idle").starts_with("\"true\" ended well, but wrote no "), "{}", why("idle"));
     }
 
