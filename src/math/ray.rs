@@ -80,13 +80,6 @@ pub fn rounding(size: f64) -> f64 {
     size * TEN_ROUNDINGS
 }
 
-/// Length of the shadow ray between two computed surface points, `distance` apart: so much shorter that
-/// neither point's own surface occludes it.
-#[inline]
-pub fn way_between(distance: f64, p: DVec3, q: DVec3) -> f64 {
-    free_way(distance, position_error(p) + position_error(q))
-}
-
 /// Length of the shadow ray between two points, `distance` apart, whose errors sum to `errors`.
 #[inline]
 pub fn free_way(distance: f64, errors: f64) -> f64 {

@@ -3,6 +3,7 @@
 use super::Shape;
 use super::owners::Owners;
 use crate::math::frame::unit;
+use crate::math::ray::position_error;
 use crate::math::{DVec3, Ray, Transform};
 use crate::shape::accel::{Accel, Instance};
 use crate::shape::{Geometry, Hit, SurfacePoint};
@@ -125,6 +126,18 @@ impl Instances {
     pub fn shape_index(&self, primitive: u32) -> usize {
         let (_, group, local) = self.find(primitive);
         group.shapes_before + group.owners.of(local)
+    }
+
+    /// See [`Scene::point_error`](super::Scene::point_error): that of the group's point, placed, and that of
+    /// placing it.
+    pub fn point_error(&self, primitive: u32, p: DVec3) -> f64 {
+        let (to_world, group, local) = self.find(primitive);
+        let m = to_world.matrix;
+        let axes = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.truncate().abs());
+        let at = to_world.inverted().point(p).abs();
+        let terms = axes[0] * at.x + axes[1] * at.y + axes[2] * at.z + m.w_axis.truncate().abs();
+        let stretch = (axes[0] + axes[1] + axes[2]).max_element();
+        stretch * group.shape_of(local).0.geometry.point_error() + position_error(terms)
     }
 
     /// The shape that a primitive belongs to, and its number there.

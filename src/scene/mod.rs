@@ -261,6 +261,15 @@ impl Scene {
         }
     }
 
+    /// A bound of the rounding error of a point `p` of a primitive, which may be that of numbers far larger than
+    /// `p`: a ball of earth is centred far below.
+    pub fn point_error(&self, primitive: u32, p: DVec3) -> f64 {
+        if self.instances.have(primitive) {
+            return self.instances.point_error(primitive, p);
+        }
+        self.own_shape_of(primitive).0.geometry.point_error()
+    }
+
     /// How many pixels (in px²) the film sees for each unit of area across a camera ray at its point `p`.
     pub fn pixels_per_area(&self, ray: &Ray, p: DVec3) -> f64 {
         let (width, height) = self.sensor.film.size;

@@ -60,7 +60,9 @@ impl Mesh {
             }
             None => (Some(smooth_normals(&positions, &triangles, side)), flip),
         };
-        Self { positions, triangles, normals, uvs, flipped, areas: Discrete::default(), error: 0.0 }
+        let (lo, hi) = around(positions.iter().map(|&p| double(p)));
+        let error = position_error(lo.abs().max(hi.abs()));
+        Self { positions, triangles, normals, uvs, flipped, areas: Discrete::default(), error }
     }
 
     /// The vertices of a triangle.
@@ -151,8 +153,6 @@ impl Mesh {
     /// Builds the table that [`Mesh::sample_area`] needs; only meshes that emit have it.
     pub fn prepare_sampling(&mut self) {
         self.areas = Discrete::new((0..self.triangles.len() as u32).map(|i| self.triangle_area(i)));
-        let (lo, hi) = self.bounds();
-        self.error = position_error(lo.abs().max(hi.abs()));
     }
 
     /// See [`Geometry::point_error`](super::Geometry::point_error).

@@ -197,7 +197,7 @@ impl Geometry {
     }
 
     /// A bound of the rounding error of points on it: that of the numbers they are computed from, which may
-    /// be larger than the points themselves. Meshes have it only if they emit.
+    /// be larger than the points themselves.
     #[inline]
     pub fn point_error(&self) -> f64 {
         match self {

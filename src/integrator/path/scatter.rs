@@ -41,7 +41,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let bsdf = material.at(point, &path.λ);
         let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, wo);
         if F & Features::REUSE != 0 && settings.reuse > 1 {
-            shared.arrive(&vertex, settings, state, &path.λ);
+            shared.arrive(scene, &vertex, settings, state, &path.λ);
             state.tail.arrive(shared.source.as_ref(), &vertex);
         }
         let here = Gather::<_, F> {

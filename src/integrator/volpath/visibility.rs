@@ -45,7 +45,9 @@ pub fn between<const F: u32>(
         if let Some(interface) = shape.interface.as_deref() {
             medium = interface.towards(ray.direction.dot(point.ng));
         }
-        ray = Ray::leaving(point.p, ray.direction, ray.end - hit.t, hit.primitive);
+        // On along the same line: the computed point may lie off it by the rounding of something large, and the
+        // ray would end in what it leads to.
+        ray = Ray::leaving(ray.at(hit.t), ray.direction, ray.end - hit.t, hit.primitive);
     }
     Spectrum::ZERO
 }

@@ -78,6 +78,11 @@ impl<'a> Walk<'a> {
                 }
                 Flight::Through(weight) => self.throughput *= weight,
             }
+            if hit.is_none() && self.ray.end.is_finite() {
+                // Beyond the camera's `far_clip` nothing is seen, but the medium goes on.
+                let beyond = Ray { origin: self.ray.at(self.ray.end), ..self.ray };
+                self.throughput *= medium.transmittance((&beyond, f64::INFINITY), &self.path.λ, &mut numbers);
+            }
             if self.throughput.is_zero() {
                 return None;
             }

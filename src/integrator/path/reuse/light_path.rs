@@ -106,7 +106,15 @@ impl LightPath {
                 let by_light = self.ratio * cos_light / (scattered.pdf + by_emitter(DVec3::Z));
                 found.push(Lit {
                     owner: self.owner,
-                    source: Source { p, n, ng, primitive, albedo, lobes: None },
+                    source: Source {
+                        p,
+                        error: scene.point_error(primitive, p),
+                        n,
+                        ng,
+                        primitive,
+                        albedo,
+                        lobes: None,
+                    },
                     edges,
                     radiance,
                     scale: self.scale / cos_light,

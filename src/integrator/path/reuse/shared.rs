@@ -7,7 +7,7 @@ use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::integrator::light::Vertex;
 use crate::integrator::wavefront;
-use crate::math::ray::{Ends, way_between};
+use crate::math::ray::{Ends, free_way};
 use crate::math::{DVec3, Origin, Ray, length};
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
@@ -17,6 +17,8 @@ use crate::spectrum::{Spectrum, Wavelengths};
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
     pub p: DVec3,
+    /// A bound of the rounding error of `p`.
+    pub error: f64,
     /// Shading normal (world, unit length), on the side that is seen.
     pub n: DVec3,
     pub primitive: u32,
@@ -32,7 +34,7 @@ pub struct Receiver {
 impl Receiver {
     /// The shadow ray to a source.
     pub fn ray_to(&self, source: &Source) -> Ray {
-        between(Origin { p: self.p, primitive: self.primitive }, source.p)
+        between((Origin { p: self.p, primitive: self.primitive }, self.error), (source.p, source.error))
     }
 }
 
@@ -40,6 +42,8 @@ impl Receiver {
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
     pub p: DVec3,
+    /// A bound of the rounding error of `p`.
+    pub error: f64,
     /// Shading normal (world), on the side where the path came from, which is the side that scatters.
     pub n: DVec3,
     /// Geometric normal (world), on either side; densities by area are about it.
@@ -54,15 +58,17 @@ pub struct Source {
 impl Source {
     /// The shadow ray to another source.
     pub fn ray_to(&self, other: &Source) -> Ray {
-        between(Origin { p: self.p, primitive: self.primitive }, other.p)
+        between((Origin { p: self.p, primitive: self.primitive }, self.error), (other.p, other.error))
     }
 }
 
-fn between(Origin { p, primitive }: Origin, end: DVec3) -> Ray {
+/// The shadow ray between two points with these errors: so much shorter that neither point's own surface
+/// occludes it.
+fn between((Origin { p, primitive }, error): (Origin, f64), (end, end_error): (DVec3, f64)) -> Ray {
     let way = end - p;
     let distance = length(way);
-    let ray = Ray::leaving(p, way / distance, way_between(distance, p, end), primitive);
-    Ray { ends: Ends::OnSurfaces, ..ray }
+    let ray = Ray::leaving(p, way / distance, free_way(distance, error + end_error), primitive);
+    Ray { start: error, ends: Ends::OnSurfaces, ..ray }
 }
 
 /// Traces shadow rays between receivers and sources, and counts them as such.
@@ -108,6 +114,7 @@ impl Shared {
     /// shared.
     pub fn arrive<B: Bsdf>(
         &mut self,
+        scene: &Scene,
         vertex: &Vertex<B>,
         settings: &Path,
         state: &mut State,
@@ -124,7 +131,8 @@ impl Shared {
                 let weight = state.throughput * albedo.unwrap_or(Spectrum::ONE);
                 if !weight.is_zero() && !λ.is_collapsed() {
                     let (p, n, edges) = (point.p, vertex.to_world(DVec3::Z), state.depth);
-                    self.receiver = Some(Receiver { p, n, primitive, weight, lobes: lobes(), edges });
+                    let error = scene.point_error(primitive, p);
+                    self.receiver = Some(Receiver { p, error, n, primitive, weight, lobes: lobes(), edges });
                 }
                 false
             }
@@ -133,7 +141,8 @@ impl Shared {
                 if faces && (albedo.is_some() || goes_on) {
                     let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
                     let (albedo, lobes) = (albedo.unwrap_or(Spectrum::ONE), lobes());
-                    self.source = Some(Source { p, n, ng, primitive, albedo, lobes });
+                    let error = scene.point_error(primitive, p);
+                    self.source = Some(Source { p, error, n, ng, primitive, albedo, lobes });
                 }
                 albedo.is_some() && faces
             }

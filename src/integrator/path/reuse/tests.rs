@@ -52,7 +52,15 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     let receiver = |x: f64, edges: u32| {
         let (p, n) = (DVec3::new(x, 0.0, 0.0), DVec3::Z);
         Shared {
-            receiver: Some(Receiver { p, n, primitive: 0, weight: Spectrum::ONE, lobes: None, edges }),
+            receiver: Some(Receiver {
+                p,
+                error: 0.0,
+                n,
+                primitive: 0,
+                weight: Spectrum::ONE,
+                lobes: None,
+                edges,
+            }),
             ..Shared::NOTHING
         }
     };
@@ -63,6 +71,7 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
     let mut facing = |path: usize, n: DVec3| {
         let source = Source {
             p: DVec3::new(0.0, 0.0, 2.0),
+            error: 0.0,
             n,
             ng: n,
             primitive: 1,
@@ -121,6 +130,7 @@ fn sources_do_not_hide_themselves() {
         let group = [0, 1, 2, 3].map(|j| Shared {
             receiver: Some(Receiver {
                 p: place(j, 0.0),
+                error: scene.point_error(0, place(j, 0.0)),
                 n: up,
                 primitive: 0,
                 weight: Spectrum::ONE,
@@ -129,6 +139,7 @@ fn sources_do_not_hide_themselves() {
             }),
             source: Some(Source {
                 p: place(j + 4, 2.0),
+                error: scene.point_error(1, place(j + 4, 2.0)),
                 n: -up,
                 ng: -up,
                 primitive: 1,

@@ -34,12 +34,32 @@ pub fn relations() -> Vec<Relation> {
         same("blend_with_itself", &blend(0.4, &matte, &matte)),
         same("twosided", &twosided),
         same("twosided_twice", &bsdf("twosided", &(matte.clone() + &matte))),
+        large_veil(&null),
         same("blend_of_greys", &blend(0.25, &diffuse(0.6), &diffuse(1.0))),
         same(
             "texture_of_one_colour",
             &matte.replace("<rgb name=\"reflectance\" value=\"0.7\"/>", ONE_COLOUR),
         ),
     ]
+}
+
+/// A floor under a lamp, and between them a surface that nothing is seen of, so large that its points are rounded
+/// by more than a shadow ray ends before the lamp.
+fn large_veil(wears: &str) -> Relation {
+    let turn = || rotate('x', 33.7) + &rotate('z', 20.0);
+    let level = |half: f64, height: f64, more: &str| {
+        let steps = [scale([half, half, 1.0]), rotate('x', -90.0), translate([0.37, height, 0.21]), turn()];
+        shape("rectangle", &steps, more)
+    };
+    let steps = [scale([0.3, 0.3, 1.0]), rotate('x', 90.0), translate([0.0, 1.2, 0.0]), turn()];
+    let lamp = shape("rectangle", &steps, &area(5.0));
+    let place = look_at([1.2, 0.3, 2.0], [0.0; 3], [0.0, 1.0, 0.0]) + &turn();
+    let camera = pinhole(&place, 60.0, &(film(16, 16) + INDEPENDENT));
+    let volpath = "<integrator type=\"volpath\"><integer name=\"max_depth\" value=\"3\"/></integrator>";
+    let room = camera + volpath + &level(2.0, 0.0, "") + &lamp;
+    let veiled = room.clone() + &level(1e5, 0.8, wears);
+    let side = |room: &str| vec![Term::new(scene(&[room]))];
+    Relation::expectation("large_veil", side(&room), side(&veiled)).longer(8)
 }
 
 const ONE_COLOUR: &str = "<texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" value=\"0.7\"/>\

@@ -92,6 +92,30 @@ impl Case {
     }
 }
 
+/// A room between balls as large as grounds are, lit by a lamp at one of them: points of these are computed from
+/// numbers a thousand times as large as they are.
+fn large_balls() -> Case {
+    const RADIUS: f64 = 1000.0;
+    let wall = |centre: Point| sphere(centre, RADIUS, &diffuse(0.8));
+    let balls = [
+        [0.0, -RADIUS, 0.0],
+        [0.0, RADIUS + 2.5, 0.0],
+        [-RADIUS - 2.0, 0.0, 0.0],
+        [RADIUS + 2.5, 0.0, 0.0],
+        [0.0, 0.0, -RADIUS - 2.0],
+    ];
+    let steps = [scale([0.15; 3]), rotate('x', -90.0), translate([-0.8, 2.0, -0.6])];
+    let lamp = shape("disk", &steps, &area(50.0));
+    let place = look_at([1.2, 1.0, 2.0], [0.0, 0.8, 0.0], [0.0, 1.0, 0.0]);
+    Case {
+        camera: pinhole(&place, 60.0, &(film(16, 16) + INDEPENDENT)),
+        integrator: path(6),
+        light_paths: 0.0,
+        shared_light_paths: 4,
+        ..Case::new("large_balls", balls.map(wall).concat() + &lamp)
+    }
+}
+
 /// The relation for an integrator in a closed room, with `light_paths` light paths per camera path.
 pub(super) fn shared(name: &'static str, integrator: &str, light_paths: f64, things: &str) -> Relation {
     let world = closed_room(&diffuse(0.7)) + things;
@@ -242,5 +266,6 @@ pub fn relations() -> Vec<Relation> {
     relations.push(dispersion.relation().samples(65_536).at_length());
     let spectra = spectral(case("spectra", closed_room(checks) + &matte));
     relations.push(spectra.relation().samples(65_536).at_length());
+    relations.push(large_balls().relation().samples(4096));
     relations
 }
