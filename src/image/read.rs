@@ -14,6 +14,7 @@ pub fn pixels(path: &Path) -> Result<Pixels, String> {
         // Many writers sign Radiance files in their own way, so their name counts as well.
         _ if begin == RADIANCE => hdr_pixels(path)?,
         "hdr" | "rgbe" => hdr_pixels(path)?,
+        "exr" => return Err("it does not begin as an OpenEXR file does".into()),
         _ => other_pixels(path)?,
     };
     if pixels.width == 0 || pixels.height == 0 {

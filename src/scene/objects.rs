@@ -9,6 +9,7 @@ use super::xml::Element;
 use super::{Interface, Shape, Side};
 use crate::bsdf::{AnyMaterial, Material, Traits};
 use crate::emitter::{AnyEmitter, EMITTERS, select};
+use crate::math::bounds::half_extent;
 use crate::math::{DVec3, Ray, Transform};
 use crate::shape::{Declared, Geometry, SHAPES};
 use std::collections::BTreeMap;
@@ -258,16 +259,25 @@ fn check_count(primitives: u64, element: &Element) -> Result<(), SceneError> {
     Err(SceneError::at(&element.span, message, format!("expected fewer than {}", Ray::FREE)))
 }
 
-/// Refuses shapes whose coordinates overflow.
+/// Refuses shapes whose coordinates overflow, and such as are too small for them.
 fn check_extent((lo, hi): (DVec3, DVec3), primitives: u32, element: &Element) -> Result<(), SceneError> {
     /// The largest coordinate whose square is still finite in f64 and which f32 vertices can hold.
     const LARGEST: f64 = 1e37;
+    /// Of a size whose fourth power, a squared area, is still a normal `f64`.
+    const SMALLEST: f64 = 1e-76;
     let largest = lo.abs().max(hi.abs()).max_element();
     if primitives > 0 && (largest.is_nan() || largest >= LARGEST) {
         return Err(SceneError::at(
             &element.span,
             "the shape's coordinates overflow",
             "expected a smaller shape",
+        ));
+    }
+    if primitives > 0 && half_extent((lo, hi)) < SMALLEST {
+        return Err(SceneError::at(
+            &element.span,
+            "the shape is as good as a point, or is one after rounding",
+            "expected a larger shape",
         ));
     }
     Ok(())

@@ -192,8 +192,13 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
         None => SamplerSettings::default(),
         Some(element) => construct(SAMPLERS, element, params.loader, Usage::Unbounded)?,
     };
-    params.float("shutter_open", 0.0, "Mitsuba's; nothing moves")?;
-    params.float("shutter_close", 0.0, "Mitsuba's; nothing moves")?;
+    let open = params.float("shutter_open", 0.0, "Mitsuba's; nothing moves")?;
+    let close = params.float("shutter_close", 0.0, "Mitsuba's; nothing moves")?;
+    if close < open {
+        let name = if params.has("shutter_close") { "shutter_close" } else { "shutter_open" };
+        let expected = "expected `shutter_close` not to be before `shutter_open`";
+        return Err(params.error(name, "the shutter closes before it opens", expected));
+    }
     let medium = params.any_medium("what the camera is in, for `volpath`")?;
     Ok(Common { to_world, near, far, film, sampler, medium })
 }
@@ -208,8 +213,8 @@ pub fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
     let axis = params.word("fov_axis", &axes, "the axis that `fov` is along")?;
     let about = "instead of `fov`: of a lens for 35 mm film; without either it is 50mm";
     let focal = params.string("focal_length", about)?;
-    if focal.is_some() && params.has("fov_axis") {
-        let message = "`fov_axis` beside `focal_length`, which is along the diagonal";
+    if fov.is_none() && params.has("fov_axis") {
+        let message = "`fov_axis` without `fov`: a `focal_length` is along the diagonal";
         return Err(params.error("fov_axis", message, "expected it beside `fov` only"));
     }
     let (half, axis) = match (focal, fov) {

@@ -28,9 +28,12 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         color::check_range(&rgb, &value.value_span, Usage::Emission)?;
         return Ok(AnyTexture::Constant(color::from_rgb(rgb, Usage::Emission, params.loader)));
     }
-    let about = "a texture or spectrum to multiply, from 0 to 1";
+    let about = "a texture or spectrum to multiply";
     if let Some((element, _)) = params.one_nested("texture", about, AnyTexture::is_object)? {
-        let texture = AnyTexture::parse(element, params.loader, Usage::Reflectance)?;
+        // Pictures of light may be brighter than white.
+        let light = params.usage != Usage::Reflectance;
+        let usage = if light { Usage::Unbounded } else { Usage::Reflectance };
+        let texture = AnyTexture::parse(element, params.loader, usage)?;
         return Ok(AnyTexture::UnderD65(Box::new(UnderD65 { texture, scale: scale as f32 })));
     }
     Ok(AnyTexture::default_value(scale, Usage::Emission, params.loader.mode))

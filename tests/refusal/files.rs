@@ -45,11 +45,14 @@ fn meshes_that_are_damaged_are_refused() {
     }
     mesh_refused("ply", &ply("0", "0", 0.0, 2)[..160], &["m:"]);
     mesh_refused("ply", b"hello", &["line 1", "ply"]);
+    let cornered = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_index\nproperty list uchar float texcoord\nend_header\n\
+        0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1\n";
+    mesh_refused("ply", cornered, &["`texcoord`", "at every corner"]);
     mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["line 4", "position 4"]);
     mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", &["line 4"]);
     mesh_refused("obj", b"v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", &["line 2", "nan"]);
     mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0 nan\nf 1 2 3\n", &["line 3", "nan"]);
-    mesh_refused("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\n", &["line 5", "2 corners"]);
     mesh_refused("obj", b"", &["no triangles"]);
     mesh_refused("serialized", b"\x1c\x04\x04\x00", &["byte 0"]);
 }

@@ -4,6 +4,22 @@ use super::{Folder, all_refused, refused, scene};
 use std::time::Instant;
 
 #[test]
+fn shapes_that_are_points_and_shutters_that_close_first_are_refused() {
+    for kind in ["rectangle", "disk", "cube", "cylinder"] {
+        let body = format!(
+            "<shape type=\"{kind}\">\n<transform name=\"to_world\"><scale value=\"1e-150\"/></transform></shape>"
+        );
+        all_refused(&[("<shape", &body, &["as good as a point", "expected a larger shape"])]);
+    }
+    let shutter = "<sensor type=\"perspective\">\n<float name=\"shutter_open\" value=\"1\"/></sensor>";
+    let document = format!("<scene version=\"3.0.0\">{shutter}</scene>");
+    refused(&document, "shutter_open", &["the shutter closes before it opens"]);
+    let axis = "<sensor type=\"perspective\">\n<string name=\"fov_axis\" value=\"y\"/></sensor>";
+    let document = format!("<scene version=\"3.0.0\">{axis}</scene>");
+    refused(&document, "fov_axis", &["`fov_axis` without `fov`"]);
+}
+
+#[test]
 fn numbers_out_of_range_are_refused() {
     let sphere =
         |value: &str| format!("<shape type=\"sphere\">\n<float name=\"radius\" value=\"{value}\"/></shape>");

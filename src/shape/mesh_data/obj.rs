@@ -71,10 +71,10 @@ impl Reader {
                 while let Some(word) = words.next().filter(|word| word[0] != b'#') {
                     face.push(self.corner(word)?);
                 }
-                if face.len() < 3 {
-                    return Err(format!("a face of {} corners, expected three or more", face.len()));
+                // As in Mitsuba, what has no area is none.
+                if face.len() >= 3 {
+                    self.face(face)?;
                 }
-                self.face(face)?;
             }
             _ => {}
         }
@@ -292,7 +292,7 @@ mod tests {
                 "`99999999999999999999` is no corner of a face",
             ),
             ("v 0 0 0\nv 1 0 0 1 nan", Place::Line(2), "`nan` is not a finite number"),
-            ("v 0 0 0\nf 1 1\n", Place::Line(2), "a face of 2 corners, expected three or more"),
+            ("v 0 0 0\nf 1 1\n", Place::File, "the mesh has no triangles"),
             ("v 0 0 0\n", Place::File, "the mesh has no triangles"),
             ("", Place::File, "the mesh has no triangles"),
         ] {

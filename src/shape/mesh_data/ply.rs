@@ -140,6 +140,13 @@ fn read_faces(
     let is_corners = |property: &Property| {
         matches!(property.name.as_str(), "vertex_index" | "vertex_indices") && property.length.is_some()
     };
+    let at_corners = ["texcoord", "texcoords"];
+    if let Some(property) = element.properties.iter().find(|p| at_corners.contains(&p.name.as_str())) {
+        return Err(MeshError::file(format!(
+            "the element `face` has `{}`, texture coordinates of its own at every corner; expected `u` and `v` of vertices",
+            property.name
+        )));
+    }
     let Some(corners) = element.properties.iter().position(is_corners) else {
         return Err(MeshError::file("the element `face` has no list `vertex_index` or `vertex_indices`"));
     };
