@@ -82,9 +82,9 @@ impl Partition {
         let mut inner = cells.swap_remove(place);
         let extent = |cell: &Cell, axis: usize| cell.high[axis] - cell.low[axis];
         while (0..2).any(|axis| extent(&inner, axis) > FOCUS) {
-            for axis in 0..2 {
+            for (axis, middle) in at.into_iter().enumerate() {
                 let eighth = extent(&inner, axis) / 8.0;
-                let (low, high) = (at[axis] - eighth, at[axis] + eighth);
+                let (low, high) = (middle - eighth, middle + eighth);
                 if inner.low[axis] < low && low < inner.high[axis] {
                     let [outer, rest] = inner.split(axis, low);
                     cells.push(outer);
@@ -314,7 +314,7 @@ mod tests {
         for wo in [direction(0.7, 0.4), direction(0.2, 3.0)] {
             for exponent in [1e3, 1e6, 1e8] {
                 let spike = Spike(exponent);
-                let partition = Partition::adapt(&spike, wo, &mut Stream::new(2), 64);
+                let partition = Partition::adapt(&spike, wo, &mut Stream::named("spike", 0), 64);
                 let all: Integral =
                     partition.integrate(1e-4, &spike, |wi| spike.value(wo, wi)).into_iter().sum();
                 // Half by the surface, and one by the lobe.
