@@ -10,7 +10,8 @@
 //! - [`shape`], [`bsdf`], [`medium`], [`phase`], [`texture`], [`volume`], [`emitter`], [`sensor`],
 //!   [`sampler`]: the models, one file each.
 //! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
-//! - [`render`]: the organisation of a render; but for its plan, nothing in it can change a pixel.
+//! - [`render`]: makes samples and schedules them: tiles, passes, threads, checkpoints. However the work is
+//!   divided, pixels are the same; only [`render::plan`], which chooses settings by pilots, chooses which.
 //! - [`film`], [`image`]: sums that no order can change, and the files made of them.
 //! - [`math`], [`spectrum`]: what all of them share.
 

@@ -194,6 +194,15 @@ impl Table {
         for with in self.with() {
             text += &format!("- rendered with: {with}\n");
         }
+        let lines = self.scenes.iter().flat_map(|s| s.lines.iter().map(move |line| (s, line)));
+        for (scene, line) in lines {
+            if let Some(mean) = line.mean_over_first.filter(|mean| misses(*mean)) {
+                text += &format!(
+                    "- another scene: {}, {}: its mean is {:.3} of ours\n",
+                    scene.name, line.renderer, mean.value
+                );
+            }
+        }
         let missing = self.scenes.iter().flat_map(|s| s.missing.iter().map(move |m| (s, m)));
         missing.fold(text, |text, (s, (name, why))| text + &format!("- missing: {}, {name}: {why}\n", s.name))
     }
