@@ -13,7 +13,7 @@ mod watch;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use etalon::integrator::INTEGRATORS;
-use etalon::integrator::links::Where;
+use etalon::integrator::links::LinkPolicy;
 use etalon::integrator::path::reuse::{AUTO, PIXELS};
 use etalon::sampler::SAMPLERS;
 use etalon::scene::registry::Entry;
@@ -117,7 +117,7 @@ struct SceneArguments {
     shared_light_paths: Option<u32>,
     /// Where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help;
     /// `guided`: there, along ways that these have shown
-    #[arg(long, value_name = "WHERE", value_parser = Where::NAMES)]
+    #[arg(long, value_name = "WHERE", value_parser = LinkPolicy::ALL.map(|(name, _)| name))]
     links: Option<String>,
     /// Size of the film instead of the scene's, such as 640x480; all of it is rendered, whatever crop the
     /// scene has

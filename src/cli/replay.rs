@@ -3,7 +3,7 @@
 use super::size::parse_pixel;
 use super::{Outcome, SceneArguments, say};
 use etalon::integrator::{CameraPath, kernel_for};
-use etalon::render::sample::Camera;
+use etalon::render::sample::SampleMaker;
 use std::process::ExitCode;
 
 /// Prints one sample as it was rendered, bit for bit: what it adds to each channel, and the vertices of its
@@ -27,8 +27,8 @@ impl Arguments {
         if x < film.x || y < film.y || x >= film.x + film.width || y >= film.y + film.height {
             return Err(format!("the pixel {x},{y} is not on the film").into());
         }
-        let camera = Camera::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features()));
-        let replay = camera.replay(self.pixel, self.sample);
+        let maker = SampleMaker::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features()));
+        let replay = maker.replay(self.pixel, self.sample);
         let CameraPath { ray, λ, radiance, .. } = replay.path;
         say!("pixel {x},{y} sample {}", self.sample);
         say!("wavelengths {:?} nm", λ.nm);
@@ -46,7 +46,7 @@ impl Arguments {
             say!("  radiance so far {:?}", event.radiance.0);
         }
         say!("radiance {:?}", radiance.0);
-        match camera.place_in_pixels(self.sample) {
+        match maker.place_in_pixels(self.sample) {
             None => say!("filter weight {:?}", replay.weight),
             Some([x, y]) => {
                 say!("counts for all pixels whose filters reach {:?}, {:?} within its own", x.ξ, y.ξ)
@@ -55,7 +55,7 @@ impl Arguments {
         for (number, added) in &replay.light_paths {
             say!("light path {number} adds {added:?}");
         }
-        for (name, value) in camera.channel_names().iter().zip(&replay.values) {
+        for (name, value) in maker.channel_names().iter().zip(&replay.values) {
             say!("channel {name} {value:?}");
         }
         Ok(ExitCode::SUCCESS)

@@ -7,7 +7,7 @@
 //! scattering would not find by itself.
 
 use super::tree::{Cluster, SeenTree, Tree};
-use super::{AnyEmitter, Gathers, MapPlace, Receiver, View};
+use super::{AnyEmitter, GatherPoint, Gathers, MapPlace, View};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3};
 use crate::shape::Geometry;
@@ -63,7 +63,7 @@ enum Place {
 /// The choice between all emitters at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Choice<'a> {
-    pub at: Receiver<'a>,
+    pub at: GatherPoint<'a>,
     /// What is expected, if it is remembered.
     known: Option<Estimates<'a>>,
 }
@@ -154,7 +154,7 @@ impl Emitters {
     }
 
     #[inline]
-    fn estimates<'a>(&self, at: Receiver<'a>) -> Estimates<'a> {
+    fn estimates<'a>(&self, at: GatherPoint<'a>) -> Estimates<'a> {
         let near = self.near.as_ref().map(|(tree, _)| tree.seen_from(at)).filter(|seen| seen.total() > 0.0);
         let (mut count, mut total) = (0.0, 0.0);
         let far = self.far.iter().filter_map(|(_, distant)| distant.irradiance_of(at.gathers));
@@ -169,13 +169,13 @@ impl Emitters {
 impl<'a> Choice<'a> {
     /// The choice by one sample, or its probability.
     #[inline(always)]
-    pub fn at(at: Receiver<'a>) -> Self {
+    pub fn at(at: GatherPoint<'a>) -> Self {
         Self { at, known: None }
     }
 
     /// The same choice by several samples, for which what is expected is remembered.
     #[inline(never)]
-    pub fn of_several(emitters: &Emitters, at: Receiver<'a>) -> Self {
+    pub fn of_several(emitters: &Emitters, at: GatherPoint<'a>) -> Self {
         Self { at, known: emitters.chosen_by_place().then(|| emitters.estimates(at)) }
     }
 

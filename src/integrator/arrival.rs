@@ -2,7 +2,7 @@
 //! emitter samples could have found it as well.
 
 use super::light::power_heuristic;
-use crate::emitter::{Choice, Gathers, Receiver, View};
+use crate::emitter::{Choice, GatherPoint, Gathers, View};
 use crate::math::Ray;
 use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -24,7 +24,7 @@ impl Arrival {
     /// The density in sr⁻¹ of all emitter samples at the previous vertex together, if that of one that has
     /// chosen this emitter is `pdf`.
     #[inline]
-    pub fn density_of_samples(&self, scene: &Scene, from: Receiver, emitter: usize, pdf: f64) -> f64 {
+    pub fn density_of_samples(&self, scene: &Scene, from: GatherPoint, emitter: usize, pdf: f64) -> f64 {
         Choice::at(from).density_of_samples(&scene.emitters, emitter, pdf, self.emitter_samples)
     }
 }
@@ -46,7 +46,7 @@ pub fn environment(
 pub fn surroundings(
     scene: &Scene,
     view: &View,
-    (from, arrival): (Receiver, &Arrival),
+    (from, arrival): (GatherPoint, &Arrival),
     λ: &Wavelengths,
 ) -> Spectrum {
     let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };

@@ -1,7 +1,8 @@
 //! Integrators: estimators of the radiance along camera rays.
 //!
 //! *How to add one*: write `integrator/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line
-//! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`].
+//! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`], whose methods then ask what it answers: how it finds
+//! radiance, and which channels it adds. One that is around another answers by [`AnyIntegrator::nested`].
 
 mod aov;
 mod arrival;
@@ -203,18 +204,16 @@ fn radiance<const F: u32>(
                 path.radiance = direct.radiance::<F>(scene, path, counters);
             }
         }
-        AnyIntegrator::Depth(_) => {}
         AnyIntegrator::VolPath(volpath) => {
             for path in paths {
                 path.radiance = volpath.radiance::<F>(scene, path, counters);
             }
         }
-        AnyIntegrator::Aov(aov) => {
-            if let Some(nested) = &aov.nested {
+        AnyIntegrator::Depth(_) | AnyIntegrator::Aov(_) | AnyIntegrator::Moment(_) => {
+            if let Some(nested) = integrator.nested() {
                 radiance::<F>(scene, nested, paths, counters);
             }
         }
-        AnyIntegrator::Moment(moment) => radiance::<F>(scene, &moment.nested, paths, counters),
     }
 }
 
@@ -230,14 +229,27 @@ impl AnyIntegrator {
         }
     }
 
+    /// The integrator that this one is around, and which finds its radiance.
+    pub fn nested(&self) -> Option<&Self> {
+        match self {
+            Self::Aov(aov) => aov.nested.as_ref(),
+            Self::Moment(moment) => Some(&moment.nested),
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Depth(_) => None,
+        }
+    }
+
+    /// The same, to be settled.
+    fn nested_mut(&mut self) -> Option<&mut Self> {
+        match self {
+            Self::Aov(aov) => aov.nested.as_mut(),
+            Self::Moment(moment) => Some(&mut moment.nested),
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Depth(_) => None,
+        }
+    }
+
     /// The settings of the path tracer that fills the colours, if one does.
     pub fn path(&self) -> Option<&Path> {
-        match self {
-            Self::Path(path) => Some(path),
-            Self::Aov(aov) => aov.nested.as_ref()?.path(),
-            Self::Moment(moment) => moment.nested.path(),
-            Self::Direct(_) | Self::Depth(_) | Self::VolPath(_) => None,
-        }
+        if let Self::Path(path) = self { Some(path) } else { self.nested()?.path() }
     }
 
     /// The integrator for a scene where no medium and no surface lets light straight through: there media
@@ -258,30 +270,20 @@ impl AnyIntegrator {
 
     /// The settings of [`path`](Self::path), to be settled.
     pub fn path_mut(&mut self) -> Option<&mut Path> {
-        match self {
-            Self::Path(path) => Some(path),
-            Self::Aov(aov) => aov.nested.as_mut()?.path_mut(),
-            Self::Moment(moment) => moment.nested.path_mut(),
-            Self::Direct(_) | Self::Depth(_) | Self::VolPath(_) => None,
-        }
+        if let Self::Path(path) = self { Some(path) } else { self.nested_mut()?.path_mut() }
     }
 
     /// Whether the image has colours, and not only auxiliary channels.
     pub fn has_radiance(&self) -> bool {
         match self {
-            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Moment(_) => true,
-            Self::Depth(_) => false,
-            Self::Aov(aov) => aov.nested.as_ref().is_some_and(|n| n.has_radiance()),
+            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) => true,
+            Self::Depth(_) | Self::Aov(_) | Self::Moment(_) => self.nested().is_some_and(Self::has_radiance),
         }
     }
 
     /// Whether texture coordinates are needed even where no texture is.
     pub fn needs_uv(&self) -> bool {
-        match self {
-            Self::Aov(_) => true,
-            Self::Moment(moment) => moment.nested.needs_uv(),
-            Self::Path(_) | Self::Direct(_) | Self::VolPath(_) | Self::Depth(_) => false,
-        }
+        matches!(self, Self::Aov(_)) || self.nested().is_some_and(Self::needs_uv)
     }
 
     /// Names of the channels besides the colours.

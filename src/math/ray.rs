@@ -2,6 +2,10 @@
 
 use glam::DVec3;
 
+/// No primitive: of a ray that starts in free space, of a hit of nothing, of an empty lane. All smaller numbers
+/// are primitives'.
+pub const NO_PRIMITIVE: u32 = u32::MAX;
+
 /// A half-line in world space, with the primitive it starts on.
 ///
 /// A ray never meets the planar primitive it starts on again, and meets a quadric it starts on only at the
@@ -42,7 +46,7 @@ pub struct Origin {
 
 impl Ray {
     /// The `from` of a ray that starts in free space.
-    pub const FREE: u32 = u32::MAX;
+    pub const FREE: u32 = NO_PRIMITIVE;
 
     /// A ray from a point in free space.
     pub fn free(origin: DVec3, direction: DVec3) -> Self {

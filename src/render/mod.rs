@@ -26,7 +26,7 @@ use passes::{Partial, render_passes};
 use quality::{Correlation, Noise, Quality};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use sample::Camera;
+use sample::SampleMaker;
 use splats::Splats;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -144,13 +144,13 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
         return Some(done.finished(scene, settings));
     }
     let kernel = settings.kernel(scene);
-    let camera = Camera::new(scene, settings.seed, kernel);
-    let names = camera.channel_names();
+    let maker = SampleMaker::new(scene, settings.seed, kernel);
+    let names = maker.channel_names();
     let pool = pool(settings.threads).ok()?;
     let windows: Vec<Window> = tiles(settings.window).collect();
     let (samples, correlation) = (&settings.samples, Correlation::of(scene));
     let part = |window| {
-        let tile = tile(&camera, window, &Splats::default(), names.len(), samples, progress)?;
+        let tile = tile(&maker, window, &Splats::default(), names.len(), samples, progress)?;
         Some(Part::of(tile, names.len(), samples.end - samples.start, correlation))
     };
     let parts: Vec<Part> = pool.install(|| windows.into_par_iter().map(part).collect::<Option<_>>())?;

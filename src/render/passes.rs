@@ -11,7 +11,7 @@ use super::tile::{Tile, tile};
 use super::{Progress, Report, Settings, pixel, provenance, tiles};
 use crate::film::{Accumulators, BLOCK};
 use crate::image::{Channel, Image, Window};
-use crate::render::sample::Camera;
+use crate::render::sample::SampleMaker;
 use crate::render::splats::{self, Splats};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ pub struct Partial {
 impl Partial {
     /// A render that has not begun.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
-        let channels = Camera::new(scene, settings.seed, settings.kernel(scene)).channel_names();
+        let channels = SampleMaker::new(scene, settings.seed, settings.kernel(scene)).channel_names();
         Self {
             samples: settings.samples.start..settings.samples.start,
             sums: Accumulators::new(settings.window.width, settings.window.height, channels.len()),
@@ -89,19 +89,19 @@ pub fn render_passes(
     mut after_pass: impl FnMut(&Partial) -> ControlFlow<()>,
 ) -> Option<Partial> {
     let kernel = settings.kernel(scene);
-    let camera = Camera::new(scene, settings.seed, kernel);
+    let maker = SampleMaker::new(scene, settings.seed, kernel);
     let pool = super::pool(settings.threads).ok()?;
     let windows: Vec<Window> = tiles(settings.window).collect();
     let mut partial = partial;
     (partial.report.kernel, partial.report.threads) = (kernel.name, pool.current_num_threads());
     let spreads = scene.sensor.film.spread.is_some();
-    let mut spread = spreads.then(|| Spread::new(&camera, settings.window, partial.channels.len()));
+    let mut spread = spreads.then(|| Spread::new(&maker, settings.window, partial.channels.len()));
     let mut longest = BLOCK;
     while partial.samples.end < settings.samples.end {
         let pass = next_pass(partial.samples.end, settings.samples.end, longest);
         let begin = Instant::now();
         let channels = partial.channels.len();
-        let splats = pool.install(|| Splats::trace(&camera, settings.window, &pass, progress))?;
+        let splats = pool.install(|| Splats::trace(&maker, settings.window, &pass, progress))?;
         partial.report.count(&splats.counters);
         if let Some(spread) = &mut spread {
             let Partial { sums, means, .. } = &mut partial;
@@ -111,7 +111,7 @@ pub fn render_passes(
             let shared = Mutex::new(&mut partial);
             pool.install(|| {
                 windows.par_iter().try_for_each(|&window| {
-                    let done = tile(&camera, window, &splats, channels, &pass, progress)?;
+                    let done = tile(&maker, window, &splats, channels, &pass, progress)?;
                     shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
                     Some(())
                 })
@@ -119,7 +119,7 @@ pub fn render_passes(
         }
         partial.report.list_first();
         partial.samples.end = pass.end;
-        let many = (pass.end - pass.start) * camera.light_paths() >= splats::MANY;
+        let many = (pass.end - pass.start) * maker.light_paths() >= splats::MANY;
         if begin.elapsed() < PASS && !many {
             longest *= 2;
         }

@@ -1,6 +1,6 @@
 //! Replay of one sample: its vertices and its contributions.
 
-use super::sample::Camera;
+use super::sample::SampleMaker;
 use super::spread::Spread;
 use crate::image::Window;
 use crate::integrator::path::reuse;
@@ -22,7 +22,7 @@ pub struct Replay {
     pub values: Vec<f64>,
 }
 
-impl Camera<'_> {
+impl SampleMaker<'_> {
     /// Makes a sample as it was made in the image. Its vertices are those of its own path; what it shares
     /// with others is in its radiance only.
     pub fn replay(&self, pixel: (u32, u32), sample: u64) -> Replay {
@@ -81,12 +81,12 @@ mod tests {
             let window = scene.sensor.film.crop;
             let settings = Settings::of(&scene, 0..1);
             let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
-            let camera = Camera::new(&scene, 0, kernel_for(scene.features()));
+            let maker = SampleMaker::new(&scene, 0, kernel_for(scene.features()));
             let mut thrown = 0;
             for (i, (x, y)) in
                 (0..window.height).flat_map(|y| (0..window.width).map(move |x| (x, y))).enumerate()
             {
-                let replay = camera.replay((x, y), 0);
+                let replay = maker.replay((x, y), 0);
                 let shown: Vec<f32> = image.channels.iter().map(|channel| channel.mean[i]).collect();
                 let again: Vec<f32> = replay.values.iter().map(|value| *value as f32).collect();
                 assert_eq!(shown, again, "{x} {y}, shared by {reuse}");

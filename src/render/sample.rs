@@ -24,7 +24,7 @@ pub fn channel_names(film: &Film, integrator: &AnyIntegrator) -> Vec<String> {
 }
 
 /// Everything that makes samples of a scene.
-pub struct Camera<'a> {
+pub struct SampleMaker<'a> {
     scene: &'a Scene,
     seed: u32,
     kernel: &'a KernelEntry,
@@ -35,7 +35,7 @@ pub struct Camera<'a> {
     band_range: Option<(f32, f32)>,
 }
 
-impl<'a> Camera<'a> {
+impl<'a> SampleMaker<'a> {
     pub fn new(scene: &'a Scene, seed: u32, kernel: &'a KernelEntry) -> Self {
         let film = &scene.sensor.film;
         let band_range = (!film.bands.is_empty()).then(|| {
@@ -49,6 +49,11 @@ impl<'a> Camera<'a> {
     /// The names of the channels that are filled; see [`channel_names`].
     pub fn channel_names(&self) -> Vec<String> {
         channel_names(&self.scene.sensor.film, &self.scene.integrator)
+    }
+
+    /// How many there are of these.
+    pub fn channels(&self) -> usize {
+        self.color_channels() + self.extra
     }
 
     /// The values of camera samples: for each all channels, weighted by the reconstruction filter unless that
@@ -272,7 +277,7 @@ mod tests {
                 <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
                     <rfilter type="box"/></film><sampler type="independent"/></sensor></scene>"#;
         let scene = load_text("scene.xml", text, ColorMode::Spectral).unwrap();
-        let camera = Camera::new(&scene, 0, kernel_for(scene.features()));
+        let maker = SampleMaker::new(&scene, 0, kernel_for(scene.features()));
         let which: Vec<_> = (0..SAMPLES).map(|sample| SampleId { pixel: (0, 0), sample }).collect();
         let drawn = |path: &CameraPath| {
             let (lens, way) = (path.ray.origin, path.ray.direction);
@@ -280,7 +285,7 @@ mod tests {
             let sharp = lens + way * (2.0 / way.z);
             [lens.x, lens.y, sharp.x, sharp.y, f64::from(path.λ.nm[0])]
         };
-        let drawn: Vec<[f64; 5]> = camera.generate(&which).0.iter().map(drawn).collect();
+        let drawn: Vec<[f64; 5]> = maker.generate(&which).0.iter().map(drawn).collect();
         let mean = |f: &dyn Fn(&[f64; 5]) -> f64| drawn.iter().map(f).sum::<f64>() / SAMPLES as f64;
         let means: [f64; 5] = std::array::from_fn(|i| mean(&|v| v[i]));
         let covariance = |i: usize, j: usize| mean(&|v| (v[i] - means[i]) * (v[j] - means[j]));

@@ -5,7 +5,7 @@
 //! function of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances)
 //! holds for both together.
 
-use super::sample::Camera;
+use super::sample::SampleMaker;
 use super::{Progress, number_of};
 use crate::image::Window;
 use crate::integrator::Counters;
@@ -48,8 +48,13 @@ struct Part {
 impl Splats {
     /// Traces the light paths of a range of samples; there are no splats if the scene has no light paths.
     /// `None` if told to stop.
-    pub fn trace(camera: &Camera, window: Window, samples: &Range<u64>, progress: &Progress) -> Option<Self> {
-        let per_sample = camera.light_paths();
+    pub fn trace(
+        maker: &SampleMaker,
+        window: Window,
+        samples: &Range<u64>,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let per_sample = maker.light_paths();
         let numbers = samples.start * per_sample..samples.end * per_sample;
         let chunks: Vec<u64> = numbers.clone().step_by(CHUNK as usize).collect();
         let part = |&first: &u64| {
@@ -59,7 +64,7 @@ impl Splats {
             }
             let Part { pixels, samples: offsets, values, counters } = &mut part;
             let chunk = first..numbers.end.min(first + CHUNK);
-            camera.trace_light(chunk, counters, |number, pixel, channels| {
+            maker.trace_light(chunk, counters, |number, pixel, channels| {
                 if let Some(at) = number_of(window, pixel) {
                     pixels.push(at as u32);
                     offsets.push((number / per_sample - samples.start) as u32);
@@ -69,7 +74,7 @@ impl Splats {
             Some(part)
         };
         let parts = chunks.par_iter().map(part).collect::<Option<Vec<Part>>>()?;
-        let channels = camera.color_channels();
+        let channels = maker.color_channels();
         Some(Self { begin: samples.start, ..Self::sorted(&parts, window, channels) })
     }
 

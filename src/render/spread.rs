@@ -11,7 +11,7 @@
 //! window makes a few numbers at a time.
 
 use super::batch_means::BatchMeans;
-use super::sample::Camera;
+use super::sample::SampleMaker;
 use super::splats::Splats;
 use super::tile::{BATCH, add, batches};
 use super::{Progress, Report, cut, number_of};
@@ -33,7 +33,7 @@ const MOST: usize = 16;
 
 /// The samples of a window.
 pub struct Spread<'a> {
-    camera: &'a Camera<'a>,
+    maker: &'a SampleMaker<'a>,
     film: &'a Film,
     window: Window,
     /// The pixels that count for any of the window.
@@ -58,13 +58,13 @@ impl Lost {
 }
 
 impl<'a> Spread<'a> {
-    pub fn new(camera: &'a Camera<'a>, window: Window, channels: usize) -> Self {
-        let film = camera.film();
+    pub fn new(maker: &'a SampleMaker<'a>, window: Window, channels: usize) -> Self {
+        let film = maker.film();
         let reach = film.spread.as_ref().map_or(0, |spread| spread.reach());
         let around = around(window, film.crop, reach);
         let size = channels * (around.height * window.width) as usize;
         let together = (TOGETHER / (size * size_of::<f64>())).clamp(1, MOST);
-        Self { camera, film, window, around, reach, channels, columns: vec![0.0; together * size] }
+        Self { maker, film, window, around, reach, channels, columns: vec![0.0; together * size] }
     }
 
     /// Adds these samples of all pixels of the window to their sums and to the image's means, and what light
@@ -95,7 +95,7 @@ impl<'a> Spread<'a> {
                         (self.window.x..).zip(pixels.zip(sums.chunks_exact_mut(self.channels)))
                     {
                         let id = SampleId { pixel: (x, y), sample };
-                        add(self.camera, splats, id, values, sums, &mut report);
+                        add(self.maker, splats, id, values, sums, &mut report);
                         of_row[n].iter_mut().zip(values).for_each(|(sum, value)| *sum += *value);
                     }
                 }
@@ -166,12 +166,12 @@ impl<'a> Spread<'a> {
         let (channels, width) = (self.channels, band.width as usize);
         let mut row_by_row = vec![0.0; channels * band.pixels()];
         let mut values = vec![0.0; channels * BATCH];
-        batches(self.camera, band, &(sample..sample + 1), |which| {
+        batches(self.maker, band, &(sample..sample + 1), |which| {
             if progress.stop.load(Ordering::Relaxed) {
                 return None;
             }
             let values = &mut values[..channels * which.len()];
-            self.camera.samples(which, &mut counters, values);
+            self.maker.samples(which, &mut counters, values);
             for (&id, values) in which.iter().zip(values.chunks_exact(channels)) {
                 let Some(at) = number_of(band, id.pixel) else { continue };
                 if values.iter().all(|value| value.is_finite()) {
@@ -182,7 +182,7 @@ impl<'a> Spread<'a> {
             }
             Some(())
         })?;
-        let place = self.camera.place_in_pixels(sample)?;
+        let place = self.maker.place_in_pixels(sample)?;
         let weights = |x: u32| self.film.weights((x, self.window.y), place).map(|[columns, _]| columns);
         let weights: Vec<_> = (self.window.x..).take(self.window.width as usize).map(weights).collect();
         let shift = self.window.x - self.around.x;
@@ -201,7 +201,7 @@ impl<'a> Spread<'a> {
 
     /// Sums the nth of the samples that were traced, whose number is `sample`, along the columns at row `y`.
     fn gather(&self, (n, sample): (usize, u64), y: u32, lost: &[Lost], sums: &mut [f64]) {
-        let place = self.camera.place_in_pixels(sample);
+        let place = self.maker.place_in_pixels(sample);
         let weights = place.and_then(|place| self.film.weights((self.window.x, y), place));
         let columns = &self.columns[n * self.size()..];
         sums.fill(0.0);

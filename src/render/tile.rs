@@ -1,6 +1,6 @@
 //! The part of an image that one thread makes at a time.
 
-use super::sample::Camera;
+use super::sample::SampleMaker;
 use super::splats::Splats;
 use super::{LISTED, Progress, Report, number_of, pixel};
 use crate::film::ChannelAccumulator;
@@ -25,7 +25,7 @@ pub struct Tile {
 
 /// Renders the samples of a window. `None` if told to stop.
 pub fn tile(
-    camera: &Camera,
+    maker: &SampleMaker,
     window: Window,
     splats: &Splats,
     channels: usize,
@@ -36,17 +36,17 @@ pub fn tile(
     let mut tile = Tile { window, sums, report: Report::default() };
     let mut counters = Counters::default();
     let mut values = vec![0.0; channels * BATCH];
-    batches(camera, window, samples, |which| {
+    batches(maker, window, samples, |which| {
         if progress.stop.load(Ordering::Relaxed) {
             return None;
         }
         let values = &mut values[..channels * which.len()];
-        camera.samples(which, &mut counters, values);
+        maker.samples(which, &mut counters, values);
         let before = tile.report.samples;
         for (&id, values) in which.iter().zip(values.chunks_exact_mut(channels)) {
             if let Some(at) = number_of(window, id.pixel) {
                 let sums = &mut tile.sums[at * channels..][..channels];
-                add(camera, splats, id, values, sums, &mut tile.report);
+                add(maker, splats, id, values, sums, &mut tile.report);
             }
         }
         progress.done.fetch_add(tile.report.samples - before, Ordering::Relaxed);
@@ -58,7 +58,7 @@ pub fn tile(
 
 /// Hands out the samples of a window in batches, with what else is needed to make them.
 pub fn batches(
-    camera: &Camera,
+    maker: &SampleMaker,
     window: Window,
     samples: &Range<u64>,
     mut make: impl FnMut(&[SampleId]) -> Option<()>,
@@ -69,7 +69,7 @@ pub fn batches(
         which.clear();
         Some(())
     };
-    if camera.reuse() == 1 {
+    if maker.reuse() == 1 {
         // Pixel by pixel, and each pixel's samples in order.
         for i in 0..window.pixels() {
             for sample in samples.clone() {
@@ -89,7 +89,7 @@ pub fn batches(
         );
         for (y, x) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))) {
             for sample in samples.clone() {
-                which.extend(reuse::cell((x * CELL, y * CELL), sample, camera.film().size));
+                which.extend(reuse::cell((x * CELL, y * CELL), sample, maker.film().size));
                 if which.len() + (CELL * CELL) as usize > BATCH {
                     make(&mut which)?;
                 }
@@ -102,7 +102,7 @@ pub fn batches(
 /// Adds a camera sample and its splats to the sums of its pixel.
 #[inline]
 pub fn add(
-    camera: &Camera,
+    maker: &SampleMaker,
     splats: &Splats,
     id: SampleId,
     values: &mut [f64],
@@ -110,7 +110,7 @@ pub fn add(
     report: &mut Report,
 ) {
     splats.add_to(id, values);
-    camera.complete(values);
+    maker.complete(values);
     let mut finite = true;
     for (sum, value) in sums.iter_mut().zip(values) {
         sum.add(id.sample, *value);

@@ -15,7 +15,7 @@ use crate::film::filter::FILTERS;
 use crate::film::{FILMS, Film};
 use crate::image::check_names;
 use crate::integrator::caustics::Caustics;
-use crate::integrator::links::{Links, Where};
+use crate::integrator::links::{LinkPolicy, Links};
 use crate::integrator::{AnyIntegrator, INTEGRATORS};
 use crate::phase::PHASES;
 use crate::render::plan;
@@ -165,10 +165,10 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let owners = Owners::new(shapes.iter().map(|s| s.geometry.primitives()));
     let instances = std::mem::take(instances).after(shapes.iter().map(|s| s.geometry.primitives()).sum());
     let caustics = Caustics::plan(&integrator, &sensor, &shapes, &instances, &emitters);
-    let wanted = integrator.path().map_or(Where::Never, |path| path.links);
-    let mut links =
-        Links::of(&shapes, &materials, mode).filter(|_| !matches!(wanted, Where::Never | Where::Guided));
-    links.iter_mut().for_each(|links| links.everywhere = wanted == Where::Everywhere);
+    let wanted = integrator.path().map_or(LinkPolicy::Never, |path| path.links);
+    let mut links = Links::of(&shapes, &materials, mode)
+        .filter(|_| !matches!(wanted, LinkPolicy::Never | LinkPolicy::Guided));
+    links.iter_mut().for_each(|links| links.everywhere = wanted == LinkPolicy::Everywhere);
     let mut scene = Scene {
         shapes,
         owners,

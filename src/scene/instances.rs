@@ -3,7 +3,7 @@
 use super::Shape;
 use super::owners::Owners;
 use crate::math::frame::unit;
-use crate::math::ray::position_error;
+use crate::math::ray::{NO_PRIMITIVE, position_error};
 use crate::math::{DVec3, Ray, Transform};
 use crate::shape::accel::{Accel, Instance};
 use crate::shape::{Geometry, Hit, SurfacePoint};
@@ -75,7 +75,7 @@ impl Instances {
         self.owners = Owners::new(
             self.placements.iter().map(|&(group, _)| self.groups[group as usize].tree.primitives()),
         );
-        self.first = if self.placements.is_empty() { Ray::FREE } else { first };
+        self.first = if self.placements.is_empty() { NO_PRIMITIVE } else { first };
         self
     }
 

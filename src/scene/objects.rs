@@ -10,7 +10,8 @@ use super::{Interface, Shape, Side};
 use crate::bsdf::{AnyMaterial, Material, Traits};
 use crate::emitter::{AnyEmitter, EMITTERS, select};
 use crate::math::bounds::half_extent;
-use crate::math::{DVec3, Ray, Transform};
+use crate::math::ray::NO_PRIMITIVE;
+use crate::math::{DVec3, Transform};
 use crate::shape::{Declared, Geometry, SHAPES};
 use std::collections::BTreeMap;
 
@@ -252,11 +253,11 @@ fn declared(params: &mut Params) -> Result<Declared, SceneError> {
 
 /// Refuses more primitives than can be numbered.
 fn check_count(primitives: u64, element: &Element) -> Result<(), SceneError> {
-    if primitives < u64::from(Ray::FREE) {
+    if primitives < u64::from(NO_PRIMITIVE) {
         return Ok(());
     }
     let message = format!("{primitives} primitives, those of every instance counted");
-    Err(SceneError::at(&element.span, message, format!("expected fewer than {}", Ray::FREE)))
+    Err(SceneError::at(&element.span, message, format!("expected fewer than {NO_PRIMITIVE}")))
 }
 
 /// Refuses shapes whose coordinates overflow, and such as are too small for them.

@@ -2,7 +2,7 @@
 
 use super::Cluster;
 use crate::bsdf::Lobe;
-use crate::emitter::{Gathers, Receiver};
+use crate::emitter::{GatherPoint, Gathers};
 use crate::math::DVec3;
 use crate::math::simd::{F64x4, dot};
 
@@ -53,7 +53,7 @@ impl Children {
     /// the axis of the normals, less the angle of that cone and of the normals' own. What a lobe makes of them
     /// is no bound, but never zero.
     #[inline(always)]
-    pub fn importance(&self, Receiver { p, gathers: &Gathers { n, lobe } }: Receiver) -> Importance {
+    pub fn importance(&self, GatherPoint { p, gathers: &Gathers { n, lobe } }: GatherPoint) -> Importance {
         let (zero, one) = (F64x4::splat(0.0), F64x4::splat(1.0));
         let p = p.to_array().map(F64x4::splat);
         let way = [0, 1, 2].map(|axis| F64x4::new(self.centre[axis]) - p[axis]);

@@ -12,7 +12,7 @@ mod build;
 mod children;
 mod cluster;
 
-use super::Receiver;
+use super::GatherPoint;
 use crate::math::BELOW_ONE;
 use children::{Children, Importance, WIDTH};
 pub use cluster::Cluster;
@@ -57,7 +57,7 @@ impl Tree {
 
     /// Estimates of what each child of the root brings to a point.
     #[inline]
-    pub fn seen_from<'a>(&self, at: Receiver<'a>) -> SeenTree<'a> {
+    pub fn seen_from<'a>(&self, at: GatherPoint<'a>) -> SeenTree<'a> {
         SeenTree { at, root: self.nodes[0].children.importance(at) }
     }
 
@@ -107,7 +107,7 @@ impl Tree {
 /// A tree as seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub struct SeenTree<'a> {
-    at: Receiver<'a>,
+    at: GatherPoint<'a>,
     root: Importance,
 }
 

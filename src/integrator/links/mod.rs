@@ -54,7 +54,7 @@ const SAME: f64 = 1e-6;
 
 /// At which vertices emitters are sampled through glass and by mirrors, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Where {
+pub enum LinkPolicy {
     /// Pilots of the scene decide between the last three.
     Auto,
     Never,
@@ -66,14 +66,15 @@ pub enum Where {
     Guided,
 }
 
-impl Where {
-    /// Their names in scene files, in order.
-    pub const NAMES: [&str; 5] = ["auto", "never", "unaided", "everywhere", "guided"];
-
-    pub fn named(name: &str) -> Option<Self> {
-        let all = [Self::Auto, Self::Never, Self::Unaided, Self::Everywhere, Self::Guided];
-        all.into_iter().zip(Self::NAMES).find(|(_, known)| *known == name).map(|(one, _)| one)
-    }
+impl LinkPolicy {
+    /// Each by its name in scene files.
+    pub const ALL: [(&str, Self); 5] = [
+        ("auto", Self::Auto),
+        ("never", Self::Never),
+        ("unaided", Self::Unaided),
+        ("everywhere", Self::Everywhere),
+        ("guided", Self::Guided),
+    ];
 }
 
 /// How an emitter sample is connected.

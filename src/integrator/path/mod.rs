@@ -11,7 +11,7 @@ mod vertex;
 
 use super::AnyIntegrator;
 use super::lengths::Lengths;
-use super::links::Where;
+use super::links::LinkPolicy;
 use crate::sampler::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -55,7 +55,7 @@ pub struct Path {
     /// Settings that a pilot is to choose; see [`crate::render::plan::reuse`].
     pub free: Free,
     /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
-    pub links: Where,
+    pub links: LinkPolicy,
 }
 
 /// Which settings are left to a pilot.
@@ -91,7 +91,7 @@ impl Path {
             reuse: 1,
             shared_light_paths: 0,
             free: Free::default(),
-            links: Where::Auto,
+            links: LinkPolicy::Auto,
         }
     }
 }
@@ -132,8 +132,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         ));
     }
     let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
-    let links = params.choice("links", &Where::NAMES, about)?;
-    let links = Where::named(links).unwrap_or(Where::Auto);
+    let links = params.choice_of("links", &LinkPolicy::ALL, about)?;
     let free = Free {
         reuse: reuse == AUTO,
         shared_light_paths: shared_light_paths < 0,

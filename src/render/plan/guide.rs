@@ -7,11 +7,11 @@
 //! whether guided samples would be taken at any surface in view. Neither are samples of the image, so the
 //! choice cannot bias it; both are functions of the scene alone, so every part of a render chooses alike.
 
-use super::{all_over, pilot_camera};
+use super::{all_over, pilot_maker};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::guide::{Guide, Photon, photons};
-use crate::integrator::links::Where;
+use crate::integrator::links::LinkPolicy;
 use crate::scene::Scene;
 
 /// Light paths per pixel, with which photons are made.
@@ -35,8 +35,8 @@ const ONE_IN: u64 = 256;
 /// Makes a scene's guide if its file or a pilot asks for one.
 pub fn settle(scene: &mut Scene) {
     let Some(wanted) = scene.integrator.path().map(|path| path.links) else { return };
-    let auto = wanted == Where::Auto && !scene.links.as_ref().is_some_and(|links| links.everywhere);
-    if !auto && wanted != Where::Guided {
+    let auto = wanted == LinkPolicy::Auto && !scene.links.as_ref().is_some_and(|links| links.everywhere);
+    if !auto && wanted != LinkPolicy::Guided {
         return;
     }
     let Some(emission) = Emission::new(&scene.emitters, &scene.shapes, &scene.instances) else { return };
@@ -67,11 +67,11 @@ fn pays(scene: &mut Scene, photons: Vec<Photon>) -> bool {
 
 /// How many guided samples the camera paths of the pilot take.
 fn guided_samples(scene: &Scene) -> u64 {
-    let camera = pilot_camera(scene);
+    let maker = pilot_maker(scene);
     let mut counters = Counters::default();
     let which = all_over(scene.sensor.film.crop, CAMERA_SAMPLES);
-    let mut values = vec![0.0; camera.channel_names().len() * which.len()];
-    camera.samples(&which, &mut counters, &mut values);
+    let mut values = vec![0.0; maker.channels() * which.len()];
+    maker.samples(&which, &mut counters, &mut values);
     counters.guided
 }
 

@@ -14,10 +14,10 @@
 
 use super::cells::{Cells, first_of};
 use super::look::{Cell, Look};
-use super::{all_over, brightness, pilot_camera};
+use super::{all_over, brightness, pilot_maker};
 use crate::image::Window;
 use crate::integrator::Counters;
-use crate::integrator::links::Where;
+use crate::integrator::links::LinkPolicy;
 use crate::sampler::SampleId;
 use crate::scene::Scene;
 
@@ -54,7 +54,7 @@ const AT_ONCE: f64 = (1 << 19) as f64;
 /// Ratio of the actual variance of light paths, which are stratified over emitters and directions, to the
 /// variance of independent ones, which the sum of squares estimates. (Found by renders with other numbers of
 /// them; see the notebook.)
-const SPREAD: f64 = 0.4;
+const STRATIFIED: f64 = 0.4;
 
 /// Cost of a ray of a light path, connections with the camera included, in rays of camera paths.
 const RAY: f64 = 2.0;
@@ -65,7 +65,7 @@ pub fn settle(scene: &mut Scene) {
         return;
     }
     let mut part = part_of_light_paths(scene);
-    let auto = scene.integrator.path().is_some_and(|path| path.links == Where::Auto);
+    let auto = scene.integrator.path().is_some_and(|path| path.links == LinkPolicy::Auto);
     if let Some(links) = scene.links.as_mut().filter(|_| auto && part > MUCH) {
         links.everywhere = true;
         part = part_of_light_paths(scene);
@@ -130,7 +130,7 @@ impl Brought {
             let Tile { light, squares } = self.tile(first_of(cell.corner, self.film));
             let all = cell.light + light;
             let parts =
-                [cell.variance * (cell.light / all) * (cell.light / all), SPREAD * squares / (all * all)];
+                [cell.variance * (cell.light / all) * (cell.light / all), STRATIFIED * squares / (all * all)];
             if all > 0.0 { parts } else { [0.0; 2] }
         };
         let cells: Vec<_> = look.cells.iter().map(of_cell).collect();
@@ -203,10 +203,10 @@ fn splats(scene: &Scene, along: usize, most: u64) -> (Vec<Tile>, f64) {
     let mut tiles = vec![Tile::default(); along * along];
     let mut counters = Counters::default();
     let paths = f64::from(scene.light_paths());
-    let camera = pilot_camera(scene);
+    let maker = pilot_maker(scene);
     let (mut traced, mut next, mut places) = (0, LIGHT_PATHS, 0);
     loop {
-        camera.trace_light(traced..next, &mut counters, |_, at, values| {
+        maker.trace_light(traced..next, &mut counters, |_, at, values| {
             // As if it had been the only light path.
             let brought = paths * brightness(values);
             let tile = &mut tiles[tile(film, along, at)];
@@ -232,12 +232,12 @@ fn splats(scene: &Scene, along: usize, most: u64) -> (Vec<Tile>, f64) {
 /// The share of the light that light paths find, averaged over tiles of the image, so that a lamp in view
 /// does not outweigh everything else; zero if they were not seen to find any.
 fn part_of_light_paths(scene: &Scene) -> f64 {
-    let camera = pilot_camera(scene);
+    let maker = pilot_maker(scene);
     let film = scene.sensor.film.crop;
     let which = all_over(film, CAMERA_SAMPLES);
-    let channels = camera.channel_names().len();
+    let channels = maker.channels();
     let mut values = vec![0.0; channels * which.len()];
-    camera.samples(&which, &mut Counters::default(), &mut values);
+    maker.samples(&which, &mut Counters::default(), &mut values);
     // Per tile: the sum of samples, and their number; tiles without samples are left out.
     let mut seen = vec![(0.0, 0.0); TILES * TILES];
     for (SampleId { pixel, .. }, values) in which.iter().zip(values.chunks(channels)) {

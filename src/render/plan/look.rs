@@ -3,7 +3,7 @@
 
 use super::super::spread::neighbours;
 use super::cells::Cells;
-use super::{Camera, brightness, pilot_camera};
+use super::{SampleMaker, brightness, pilot_maker};
 use crate::film::Film;
 use crate::film::filter_weights::{Place, Weights};
 use crate::integrator::Counters;
@@ -38,7 +38,7 @@ const CAMERA_SAMPLES: u64 = 32;
 const ENOUGH: [u64; 2] = [24, 64];
 
 /// Samples of a block, of which the sums are compared: noise that stratification removes must not count.
-const BLOCK: u64 = 8;
+const LOOK_BLOCK: u64 = 8;
 
 /// Light below this share of the image's is dark: noise there is relative to that share.
 const DARK: f64 = 0.01;
@@ -86,9 +86,9 @@ impl Sight {
     /// Looks on, until the first `count` cells have been seen, which begin with those that have been. The scene
     /// has the settings that it had before.
     pub fn extend(&mut self, scene: &Scene, cells: &Cells, count: usize) {
-        let camera = pilot_camera(scene);
+        let maker = pilot_maker(scene);
         let corners: Vec<_> = cells.corners(count).skip(self.seen.len()).collect();
-        let more = corners.par_iter().map(|corner| Seen::at(scene, &camera, *corner));
+        let more = corners.par_iter().map(|corner| Seen::at(scene, &maker, *corner));
         self.seen.par_extend(more);
         self.weights = cells.weights(count).collect();
     }
@@ -127,21 +127,21 @@ impl Look {
 }
 
 impl Seen {
-    fn at(scene: &Scene, camera: &Camera, corner: (u32, u32)) -> Self {
-        const BLOCKS: u64 = CAMERA_SAMPLES / BLOCK;
+    fn at(scene: &Scene, maker: &SampleMaker, corner: (u32, u32)) -> Self {
+        const BLOCKS: u64 = CAMERA_SAMPLES / LOOK_BLOCK;
         let film = &scene.sensor.film;
-        let channels = camera.channel_names().len();
+        let channels = maker.channels();
         let pixels = |sample| cell(corner, sample, film.size);
         let of_block = |block: u64| {
-            let which: Vec<_> = (block * BLOCK..(block + 1) * BLOCK).flat_map(pixels).collect();
-            let of_sample = which.len() / BLOCK as usize;
+            let which: Vec<_> = (block * LOOK_BLOCK..(block + 1) * LOOK_BLOCK).flat_map(pixels).collect();
+            let of_sample = which.len() / LOOK_BLOCK as usize;
             let mut values = vec![0.0; channels * which.len()];
             let mut counters = Counters::default();
-            camera.samples(&which, &mut counters, &mut values);
+            maker.samples(&which, &mut counters, &mut values);
             let mut sum = Square::default();
             for (which, values) in which.chunks(of_sample).zip(values.chunks(channels * of_sample)) {
                 let square =
-                    spread(film, camera.place_in_pixels(which[0].sample), corner, square(which, values));
+                    spread(film, maker.place_in_pixels(which[0].sample), corner, square(which, values));
                 sum.as_flattened_mut().iter_mut().zip(square.as_flattened()).for_each(|(a, b)| *a += b);
             }
             (sum, cost(scene, &counters, which.len() as f64))
@@ -240,17 +240,17 @@ mod tests {
         let mut scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
         let film = &mut scene.sensor.film;
         film.spread = film.spreadable();
-        let camera = pilot_camera(&scene);
-        let channels = camera.channel_names().len();
+        let maker = pilot_maker(&scene);
+        let channels = maker.channels();
         for sample in 0..4 {
             let which: Vec<_> = cell((8, 8), sample, scene.sensor.film.size).collect();
             let mut values = vec![0.0; channels * which.len()];
-            camera.samples(&which, &mut Counters::default(), &mut values);
-            let place = camera.place_in_pixels(sample);
+            maker.samples(&which, &mut Counters::default(), &mut values);
+            let place = maker.place_in_pixels(sample);
             let square = spread(&scene.sensor.film, place, (8, 8), square(&which, &values));
             for (x, y) in [(9, 9), (11, 12), (14, 9)] {
                 let window = Window { x, y, width: 1, height: 1 };
-                let value = Spread::new(&camera, window, channels).one(sample)[1];
+                let value = Spread::new(&maker, window, channels).one(sample)[1];
                 let seen = square[(y % CELL) as usize][(x % CELL) as usize];
                 assert!((seen - value).abs() < 1e-12 * value && value > 0.0, "{seen} {value}");
             }
@@ -262,8 +262,8 @@ mod tests {
     fn variances_are_of_one_sample() {
         let text = ROOM.replace("<film", r#"<sampler type="independent"/><film"#);
         let scene = load_text("room.xml", &text, ColorMode::Rgb).expect("it loads");
-        let camera = pilot_camera(&scene);
-        let channels = camera.channel_names().len();
+        let maker = pilot_maker(&scene);
+        let channels = maker.channels();
         let variance = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (values.len() - 1) as f64
@@ -271,14 +271,14 @@ mod tests {
         let of_pixel = |SampleId { pixel, .. }| {
             let which: Vec<_> = (1000..1256).map(|sample| SampleId { pixel, sample }).collect();
             let mut values = vec![0.0; channels * which.len()];
-            camera.samples(&which, &mut Counters::default(), &mut values);
+            maker.samples(&which, &mut Counters::default(), &mut values);
             variance(&values.chunks(channels).map(brightness).collect::<Vec<_>>())
         };
         // Of one cell alone the scatter of four blocks says too little.
         let corners = || [8, 16, 24, 32].into_iter().flat_map(|x| [8, 16, 24].map(|y| (x, y)));
         let size = scene.sensor.film.size;
         let expected: f64 = corners().flat_map(|corner| cell(corner, 0, size)).map(of_pixel).sum();
-        let seen = corners().flat_map(|corner| Seen::at(&scene, &camera, corner).pixels);
+        let seen = corners().flat_map(|corner| Seen::at(&scene, &maker, corner).pixels);
         let found: f64 = seen.map(|(_, variance)| variance).sum();
         assert!((found / expected - 1.0).abs() < 0.5 && expected > 0.0, "{found} {expected}");
     }

@@ -15,7 +15,7 @@ mod race;
 pub mod reuse;
 
 use super::pixel;
-use super::sample::Camera;
+use super::sample::SampleMaker;
 use crate::image::Window;
 use crate::integrator::kernel_for;
 use crate::sampler::SampleId;
@@ -35,11 +35,11 @@ fn scattered(i: u64, count: u64) -> u64 {
     ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
 }
 
-/// The camera of a pilot that settles how a scene is to be rendered. Its seed is unlikely to be an image's,
+/// What makes the samples of a pilot that settles how a scene is to be rendered. Its seed is unlikely to be an image's,
 /// whose samples must not be those that have settled it.
-fn pilot_camera(scene: &Scene) -> Camera<'_> {
+fn pilot_maker(scene: &Scene) -> SampleMaker<'_> {
     const SEED: u32 = 0x5eed_ab1e;
-    Camera::new(scene, SEED, kernel_for(scene.features()))
+    SampleMaker::new(scene, SEED, kernel_for(scene.features()))
 }
 
 /// So many samples of pixels spread evenly over a window, for a pilot.

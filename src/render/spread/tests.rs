@@ -86,10 +86,10 @@ fn a_pixel_is_the_weighted_sum_of_the_samples_around_it() {
     for filter in FILTERS {
         let [_, scene] = scenes(filter, BALL);
         let film = &scene.sensor.film;
-        let camera = Camera::new(&scene, 1, kernel_for(scene.features()));
+        let maker = SampleMaker::new(&scene, 1, kernel_for(scene.features()));
         let settings = Settings { seed: 1, ..Settings::of(&scene, 4..5) };
         let (image, _) = render(&scene, &settings, &Progress::default()).expect("it renders");
-        let place = camera.place_in_pixels(4).expect("it is the same in all pixels");
+        let place = maker.place_in_pixels(4).expect("it is the same in all pixels");
         let reach = film.spread.as_ref().map_or(0, |spread| spread.reach());
         for i in 0..film.crop.pixels() {
             let (x, y) = pixel(film.crop, i);
@@ -98,7 +98,7 @@ fn a_pixel_is_the_weighted_sum_of_the_samples_around_it() {
             for (j, row) in rows.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
                 for (i, column) in columns.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
                     let from = (x + i as u32 - reach, y + j as u32 - reach);
-                    let path = camera.replay(from, 4).path;
+                    let path = maker.replay(from, 4).path;
                     sum += column * row * f64::from(path.radiance.0[1]);
                 }
             }

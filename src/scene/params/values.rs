@@ -145,6 +145,19 @@ impl<'d> Params<'_, 'd> {
         self.one_of(name, options, about, |option, value| option == value)
     }
 
+    /// What one of a few words, by default the first, stands for.
+    pub fn choice_of<T: Copy>(
+        &mut self,
+        name: &'static str,
+        options: &[(&'static str, T)],
+        about: &'static str,
+    ) -> Result<T, SceneError> {
+        let words: Vec<&'static str> = options.iter().map(|(word, _)| *word).collect();
+        let chosen = self.choice(name, &words, about)?;
+        let meant = words.iter().position(|word| *word == chosen).unwrap_or(0);
+        Ok(options[meant].1)
+    }
+
     /// One of a few words, by default the first, that may be written in capitals.
     pub fn word(
         &mut self,

@@ -49,7 +49,7 @@ impl Accel {
     }
 
     /// The same, with instances of other trees; their primitives come after those of the shapes. All together
-    /// must be fewer than [`Ray::FREE`](crate::math::Ray::FREE).
+    /// must be fewer than [`NO_PRIMITIVE`](crate::math::ray::NO_PRIMITIVE).
     pub fn with_instances(shapes: &[&Geometry], instances: Vec<Instance>) -> Self {
         Self::limited(shapes, instances, FEW)
     }

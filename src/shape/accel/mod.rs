@@ -35,6 +35,7 @@ mod waiting;
 mod walk;
 
 use super::Hit;
+use crate::math::ray::NO_PRIMITIVE;
 use crate::math::{Bounds, Ray};
 use crate::pages::Pages;
 use any_hit::AnyHit;
@@ -95,11 +96,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    const NONE: u32 = u32::MAX;
-
     #[inline(always)]
     fn new(ray: &Ray) -> Search<'_> {
-        Search { ray, best: Hit { t: ray.end, u: 0.0, v: 0.0, primitive: Self::NONE } }
+        Search { ray, best: Hit { t: ray.end, u: 0.0, v: 0.0, primitive: NO_PRIMITIVE } }
     }
 
     /// Takes a hit if it comes before the best: by distance, then by primitive.
@@ -112,7 +111,7 @@ impl Search<'_> {
 
     #[inline(always)]
     fn found(&self) -> bool {
-        self.best.primitive != Self::NONE
+        self.best.primitive != NO_PRIMITIVE
     }
 
     #[inline(always)]

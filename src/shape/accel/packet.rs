@@ -1,8 +1,8 @@
 //! Four rays that are tested together against one primitive after another, where there are few.
 
-use super::Search;
 use super::block::{Crossing, Rays};
 use crate::math::Ray;
+use crate::math::ray::NO_PRIMITIVE;
 use crate::math::simd::F64x4;
 use crate::shape::Hit;
 
@@ -38,10 +38,10 @@ impl Packet {
         NUMBERS + 1.0 + f64::from(primitive)
     }
 
-    /// The primitive of a lane; [`Search::NONE`] for that of nothing.
+    /// The primitive of a lane; [`NO_PRIMITIVE`] for that of nothing.
     #[inline(always)]
     pub fn primitive(lane: f64) -> u32 {
-        const { assert!(Search::NONE == 0u32.wrapping_sub(1)) };
+        const { assert!(NO_PRIMITIVE == 0u32.wrapping_sub(1)) };
         (lane.to_bits() as u32).wrapping_sub(1)
     }
 

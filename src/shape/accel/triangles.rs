@@ -5,6 +5,7 @@
 //! exactly reversed, so a ray through the edge meets at least one.
 
 use super::Search;
+use crate::math::ray::NO_PRIMITIVE;
 use crate::math::simd::F64x4;
 use crate::math::{DVec3, Ray};
 use bytemuck::{Pod, Zeroable};
@@ -61,7 +62,7 @@ pub struct Triangles {
 
 impl Triangles {
     pub fn empty() -> Self {
-        Self { vertices: [[[0.0; 4]; 3]; 3], primitives: [Search::NONE; 4] }
+        Self { vertices: [[[0.0; 4]; 3]; 3], primitives: [NO_PRIMITIVE; 4] }
     }
 
     pub fn set(&mut self, lane: usize, corners: [[f32; 3]; 3], primitive: u32) {
@@ -75,7 +76,7 @@ impl Triangles {
 
     /// Each triangle's number and corners.
     pub fn corners(&self) -> impl Iterator<Item = (u32, [DVec3; 3])> {
-        let there = (0..4).filter(|&lane| self.primitives[lane] != Search::NONE);
+        let there = (0..4).filter(|&lane| self.primitives[lane] != NO_PRIMITIVE);
         there.map(move |lane| (self.primitives[lane], [0, 1, 2].map(|i| self.corner(i, lane))))
     }
 
@@ -86,7 +87,7 @@ impl Triangles {
     /// How many there are.
     #[cfg(test)]
     pub fn count(&self) -> usize {
-        self.primitives.iter().filter(|&&primitive| primitive != Search::NONE).count()
+        self.primitives.iter().filter(|&&primitive| primitive != NO_PRIMITIVE).count()
     }
 
     pub fn holds(&self, primitive: u32) -> bool {

@@ -40,7 +40,7 @@ impl Accel {
     /// Whether these rays are better traced in turns.
     #[inline]
     pub(super) fn take_turns(&self, rays: &[Ray]) -> bool {
-        self.scattered && rays.first().is_some_and(|ray| ray.from != Search::NONE)
+        self.scattered && rays.first().is_some_and(|ray| ray.from != Ray::FREE)
     }
 
     /// Continues searches begun elsewhere, reporting in any order; results are bitwise those of single

@@ -66,7 +66,7 @@ pub fn markdown(
         let found = ratio.map_or(outcome.message.clone(), |ratio| format!("ratio of means {ratio:.5}"));
         let margin = match relation.alike {
             Alike::Bits => "bits".to_string(),
-            Alike::Expectation(margin) => format!("{} %", 100.0 * margin),
+            Alike::Expectation(margin) | Alike::Mean(margin) => format!("{} %", 100.0 * margin),
         };
         let _ = writeln!(text, "| {} | {found} | {margin} | {} |", outcome.subject, outcome.verdict);
     }

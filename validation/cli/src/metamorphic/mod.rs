@@ -135,6 +135,8 @@ pub enum Alike {
     Bits,
     /// In expectation, within this relative margin; every term has a seed of its own.
     Expectation(f64),
+    /// The same of the mean alone: of pictures that show different things.
+    Mean(f64),
 }
 
 impl Alike {
@@ -142,7 +144,7 @@ impl Alike {
     pub fn margin(self) -> f64 {
         match self {
             Self::Bits => 0.0,
-            Self::Expectation(margin) => margin,
+            Self::Expectation(margin) | Self::Mean(margin) => margin,
         }
     }
 }
@@ -229,6 +231,11 @@ impl Relation {
         Self { samples: self.samples * times, ..self }
     }
 
+    /// The same relation of the means of pictures alone, which show different things.
+    pub fn of_means(self) -> Self {
+        Self { alike: Alike::Mean(self.alike.margin()), ..self }
+    }
+
     /// The same relation within this relative margin.
     pub fn within(self, margin: f64) -> Self {
         Self { alike: Alike::Expectation(margin), ..self }
@@ -243,6 +250,7 @@ impl Relation {
         let alike = match self.alike {
             Alike::Bits => Alike::Bits,
             Alike::Expectation(margin) => Alike::Expectation(0.25 * margin),
+            Alike::Mean(margin) => Alike::Mean(0.25 * margin),
         };
         Self { alike, samples: 16 * self.samples, ..self }
     }
@@ -252,7 +260,9 @@ impl Relation {
         let terms = self.left.len() as u64;
         let seed = |term: u64| match self.alike {
             Alike::Bits => seed_for(&self.name, number) as u32,
-            Alike::Expectation(_) => seed_for(&format!("{} {term}", self.name), number) as u32,
+            Alike::Expectation(_) | Alike::Mean(_) => {
+                seed_for(&format!("{} {term}", self.name), number) as u32
+            }
         };
         let side = |sum: &[Term], first: u64| {
             let images = sum.iter().zip(first..);
@@ -264,12 +274,14 @@ impl Relation {
         if left.channels.iter().any(|c| c.mean.iter().all(|v| *v == 0.0)) {
             return Err(format!("{}: a black channel shows nothing", self.name));
         }
-        let Alike::Expectation(margin) = self.alike else {
-            return Ok(identical(&left, &right).of(&self.name));
-        };
-        let settings = image::Settings {
+        let settings = |margin| image::Settings {
             tile_size: 8,
             ..image::Settings::with_margin(margin).with_tiles_within_noise()
+        };
+        let settings = match self.alike {
+            Alike::Bits => return Ok(identical(&left, &right).of(&self.name)),
+            Alike::Expectation(margin) => settings(margin),
+            Alike::Mean(margin) => image::Settings { tile_margin: f64::INFINITY, ..settings(margin) },
         };
         let comparison = image::compare(&left, &right, &settings).map_err(|e| e.to_string())?;
         Ok(comparison.outcome().of(&self.name))

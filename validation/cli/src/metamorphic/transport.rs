@@ -20,7 +20,9 @@ pub fn relations() -> Vec<Relation> {
         .map(|(name, wears)| {
             let (a, b) = ([0.3, -2.0, 1.0], [1.5, -0.7, 0.8]);
             let view = |from, lit| vec![Term::new(exchange(from, lit, &wears))];
-            Relation::expectation(format!("exchanged_{name}"), view(a, b), view(b, a)).samples(1 << 15)
+            Relation::expectation(format!("exchanged_{name}"), view(a, b), view(b, a))
+                .of_means()
+                .samples(1 << 15)
         })
         .collect()
 }

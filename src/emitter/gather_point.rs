@@ -5,7 +5,7 @@ use crate::math::DVec3;
 
 /// A point where light is gathered.
 #[derive(Clone, Copy, Debug)]
-pub struct Receiver<'a> {
+pub struct GatherPoint<'a> {
     /// The point (world).
     pub p: DVec3,
     pub gathers: &'a Gathers,
@@ -32,7 +32,7 @@ impl Gathers {
 
     /// As a receiver at a point (world).
     #[inline(always)]
-    pub fn at(&self, p: DVec3) -> Receiver<'_> {
-        Receiver { p, gathers: self }
+    pub fn at(&self, p: DVec3) -> GatherPoint<'_> {
+        GatherPoint { p, gathers: self }
     }
 }
