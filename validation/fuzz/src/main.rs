@@ -47,7 +47,7 @@ enum Command {
     /// Paths through random scenes, by Etalon alone: 0 values that are not finite
     Paths {
         /// Number of paths, at least: scenes are followed whole
-        #[arg(long, default_value_t = 100_000_000)]
+        #[arg(long, default_value_t = 100_000_000, value_parser = clap::value_parser!(u64).range(1..))]
         paths: u64,
         /// The first scene
         #[arg(long, default_value_t = 0)]
@@ -61,7 +61,7 @@ enum Command {
         /// xml, ply, obj, serialized, exr, picture, spd or peer; all unless given
         format: Option<String>,
         /// Seconds for each format
-        #[arg(long, default_value_t = 60)]
+        #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
         seconds: u64,
         /// Inputs of each format, at most
         #[arg(long, default_value_t = u64::MAX, hide_default_value = true)]

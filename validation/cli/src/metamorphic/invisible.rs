@@ -59,7 +59,7 @@ fn large_veil(wears: &str) -> Relation {
     let room = camera + volpath + &level(2.0, 0.0, "") + &lamp;
     let veiled = room.clone() + &level(1e5, 0.8, wears);
     let side = |room: &str| vec![Term::new(scene(&[room]))];
-    Relation::expectation("large_veil", side(&room), side(&veiled)).longer(8)
+    Relation::expectation("large_veil", side(&room), side(&veiled)).longer(32)
 }
 
 const ONE_COLOUR: &str = "<texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" value=\"0.7\"/>\

@@ -266,6 +266,6 @@ pub fn relations() -> Vec<Relation> {
     relations.push(dispersion.relation().samples(65_536).at_length());
     let spectra = spectral(case("spectra", closed_room(checks) + &matte));
     relations.push(spectra.relation().samples(65_536).at_length());
-    relations.push(large_balls().relation().samples(4096));
+    relations.push(large_balls().relation().samples(16_384));
     relations
 }

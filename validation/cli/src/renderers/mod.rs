@@ -47,10 +47,11 @@ pub fn load(path: &Path) -> Result<Renderers, String> {
 }
 
 /// What is wrong with the placeholders of a command: one that has no meaning would be handed on as it
-/// stands, and a misspelt seed would be the same for every picture.
+/// stands, and a misspelt seed would be the same for every picture. A shell's variables have a `$` before them.
 fn fault_of(command: &str) -> Option<String> {
-    let names = command.split('{').skip(1).filter_map(|rest| Some(rest.split_once('}')?.0));
-    let is_name = |name: &&str| name.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+    let braces = command.match_indices('{').filter(|(at, _)| !command[..*at].ends_with('$'));
+    let names = braces.filter_map(|(at, _)| Some(command[at + 1..].split_once('}')?.0));
+    let is_name = |name: &&str| name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
     let stranger = names.filter(is_name).find(|name| !PLACEHOLDERS.contains(name));
     if let Some(stranger) = stranger {
         return Some(format!(
@@ -88,8 +89,24 @@ fn fill(word: &str, job: &Job, out: &Path) -> String {
     let path = |path: &Path| path.to_string_lossy().into_owned();
     let [samples, seed] = [job.samples, job.seed].map(|n| n.to_string());
     let values = [path(job.scene), path(out), samples, seed, job.threads.to_string(), path(&peers)];
-    let put = |word: String, (name, value): (&&str, String)| word.replace(&format!("{{{name}}}"), &value);
-    PLACEHOLDERS.iter().zip(values).fold(word.to_owned(), put)
+    // From left to right, so that a value in braces stays as it is.
+    let (mut filled, mut rest) = (String::new(), word);
+    while let Some((before, after)) = rest.split_once('{') {
+        filled += before;
+        let inside = after.split_once('}');
+        let place = inside.and_then(|(name, _)| PLACEHOLDERS.iter().position(|known| *known == name));
+        match (place, inside) {
+            (Some(place), Some((_, beyond))) => {
+                filled += &values[place];
+                rest = beyond;
+            }
+            _ => {
+                filled.push('{');
+                rest = after;
+            }
+        }
+    }
+    filled + rest
 }
 
 #[cfg(test)]
@@ -117,6 +134,8 @@ mod tests {
         assert!(refused.ends_with("a: there is no renderer \"b\""), "{refused}");
         for (command, fault) in [
             ("x {out} {sed}", "{sed} is no placeholder, expected one of {scene}, {out}"),
+            ("x {out} {SEED}", "{SEED} is no placeholder"),
+            ("x {out} {seed2}", "{seed2} is no placeholder"),
             ("x {seed} > {env:OUT:y}", "no {out}"),
         ] {
             let refused = read(&format!("[a]\ncommand = \"{command}\"")).unwrap_err();

@@ -207,6 +207,8 @@ mod tests {
         assert!(error("no-such-renderer {out}").contains("does not start"));
         assert!(error("").contains("empty"));
         assert_eq!(fill("x{scene}:{seed}", &job, &out), "xa b.xml:7");
+        let odd = Job { scene: Path::new("a{seed}.xml"), ..job };
+        assert_eq!(fill("{scene} {{seed} {x {spp}", &odd, &out), "a{seed}.xml {7 {x 1");
     }
 
     #[test]
