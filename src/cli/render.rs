@@ -206,15 +206,7 @@ impl Arguments {
             return Ok(None);
         }
         if self.asks_pilot() {
-            let samples = checkpoint::samples(path)?;
-            if samples.start != 0 {
-                let cause = format!(
-                    "the checkpoint cannot be resumed: it is of samples {}..{}, and those that a pilot chooses begin with 0; use --samples",
-                    samples.start, samples.end
-                );
-                return Err(image::ImageError { path: Some(path.clone()), cause });
-            }
-            settings.samples = samples;
+            settings.samples = checkpoint::chosen_samples(path)?;
         }
         checkpoint::load(path, scene, settings).map(Some)
     }

@@ -30,7 +30,7 @@ impl Gathers {
         Self { n, lobe: Lobe::NONE }
     }
 
-    /// As a receiver at a point (world).
+    /// At a point (world).
     #[inline(always)]
     pub fn at(&self, p: DVec3) -> GatherPoint<'_> {
         GatherPoint { p, gathers: self }

@@ -165,14 +165,19 @@ pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, 
     read(path, scene, settings).map_err(|refused| refused.at(path))
 }
 
-/// The range of samples of the render that a checkpoint is of, which a pilot may have chosen.
+/// The range of samples of the render that a checkpoint is of, where a pilot has chosen it.
 ///
 /// # Errors
-/// If it cannot be read or is damaged at its beginning; with one sentence that names the file.
-pub fn samples(path: &Path) -> Result<Range<u64>, ImageError> {
-    let (_, head) = begin(path).map_err(|refused| refused.at(path))?;
-    let (start, end) = head.identity.samples;
-    Ok(start..end)
+/// If it cannot be read, is damaged at its beginning, or no pilot has chosen such samples; with one sentence
+/// that names the file.
+pub fn chosen_samples(path: &Path) -> Result<Range<u64>, ImageError> {
+    let chosen = |(start, end)| match start {
+        0 => Ok(start..end),
+        _ => Err(Refused::Other(format!(
+            "it is of samples {start}..{end}, and those that a pilot chooses begin with 0; use --samples"
+        ))),
+    };
+    begin(path).and_then(|(_, head)| chosen(head.identity.samples)).map_err(|refused| refused.at(path))
 }
 
 enum Refused {

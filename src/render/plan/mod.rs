@@ -35,8 +35,8 @@ fn scattered(i: u64, count: u64) -> u64 {
     ((u128::from(i.wrapping_mul(GOLDEN)) * u128::from(count)) >> 64) as u64
 }
 
-/// What makes the samples of a pilot that settles how a scene is to be rendered. Its seed is unlikely to be an image's,
-/// whose samples must not be those that have settled it.
+/// What makes the samples of a pilot that settles how a scene is to be rendered. Its seed is unlikely to be an
+/// image's, whose samples must not be those that have settled it.
 fn pilot_maker(scene: &Scene) -> SampleMaker<'_> {
     const SEED: u32 = 0x5eed_ab1e;
     SampleMaker::new(scene, SEED, kernel_for(scene.features()))

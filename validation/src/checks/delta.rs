@@ -33,10 +33,9 @@ struct Lobe {
 
 impl Lobe {
     fn has(&self, sample: &Sample, tolerance: f64) -> bool {
-        let near = |a: f64, b: f64| a == b || relative_difference(a, b) <= tolerance;
         (self.of.wi - sample.wi).length() <= tolerance
-            && near(self.of.pdf, sample.pdf)
-            && near(self.of.weight, sample.weight)
+            && relative_difference(self.of.pdf, sample.pdf) <= tolerance
+            && relative_difference(self.of.weight, sample.weight) <= tolerance
     }
 }
 

@@ -99,18 +99,15 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
     let each = sidak(third, pairs.len());
     let (level, margin, tile_size) = (settings.level, settings.tile_margin, settings.tile_size.max(1));
     let limits = detail::Limits { level, corrected: sidak(each, 2), margin, tile_size };
-    let channel = |pair: &Pair| ChannelComparison {
-        name: pair.name.to_string(),
-        mean: mean::compare(
-            pair,
-            tiles::noise_ratio_of(pair, tile_size),
-            settings.level,
-            each,
-            settings.margin,
-        ),
-        detail: detail::compare(pair, limits),
-        pixels: pixels::figures(pair, tile_size),
-        errors: errors::errors(pair),
+    let channel = |pair: &Pair| {
+        let ratio = tiles::noise_ratio_of(pair, tile_size);
+        ChannelComparison {
+            name: pair.name.to_string(),
+            mean: mean::compare(pair, ratio, settings.level, each, settings.margin),
+            detail: detail::compare(pair, ratio, limits),
+            pixels: pixels::figures(pair, ratio),
+            errors: errors::errors(pair),
+        }
     };
     let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
     let tiles = tiles::compare(&pairs, settings, third);

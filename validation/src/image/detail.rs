@@ -12,10 +12,7 @@
 
 use serde::Serialize;
 
-use super::{
-    pair::{Pair, Pixel, Place},
-    tiles::noise_ratio_of,
-};
+use super::pair::{Pair, Pixel, Place};
 use crate::statistics::{
     Estimate,
     distributions::{normal_two_sided, student_quantile, student_two_sided},
@@ -66,8 +63,8 @@ struct Group {
     variance: f64,
 }
 
-pub(super) fn compare(pair: &Pair, limits: Limits) -> DetailComparison {
-    let ratio = noise_ratio_of(pair, limits.tile_size);
+/// b being typically `ratio` times as noisy as a.
+pub(super) fn compare(pair: &Pair, ratio: Option<f64>, limits: Limits) -> DetailComparison {
     let informed =
         || pair.pixels().filter(|(_, _, p)| p.is_testable()).map(|(x, y, p)| (x, y, p.informed(ratio)));
     let side = side(pair, limits.tile_size);
@@ -141,11 +138,13 @@ fn whole(groups: &[Group], scale: f64, limits: Limits) -> DetailComparison {
 mod tests {
     use super::*;
     use crate::image::synthetic::{Noise, grey, render};
+    use crate::image::tiles::noise_ratio_of;
 
     const LIMITS: Limits = Limits { level: 0.01, corrected: 0.001, margin: 0.02, tile_size: 16 };
 
     fn compared(a: &crate::image::Image, b: &crate::image::Image) -> DetailComparison {
-        compare(&Pair::all(a, b).0[0], LIMITS)
+        let pair = &Pair::all(a, b).0[0];
+        compare(pair, noise_ratio_of(pair, LIMITS.tile_size), LIMITS)
     }
 
     #[test]

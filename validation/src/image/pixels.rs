@@ -10,10 +10,7 @@
 
 use serde::Serialize;
 
-use super::{
-    pair::{Pair, Pixel, Place},
-    tiles::noise_ratio_of,
-};
+use super::pair::{Pair, Pixel, Place};
 use crate::statistics::distributions::{chi_square_upper, normal_two_sided};
 
 /// Bins of the histogram of p-values.
@@ -43,8 +40,8 @@ pub struct PixelFigures {
     pub neighbour_correlation: f64,
 }
 
-pub(super) fn figures(pair: &Pair, tile_size: usize) -> PixelFigures {
-    let ratio = noise_ratio_of(pair, tile_size);
+/// b being typically `ratio` times as noisy as a.
+pub(super) fn figures(pair: &Pair, ratio: Option<f64>) -> PixelFigures {
     let mut histogram = vec![0; BINS];
     let (mut beyond, mut worst_z, mut worst) = (0, 0.0f64, None);
     for (x, y, z) in scores(pair, ratio) {
@@ -99,6 +96,7 @@ fn neighbour_correlation(pair: &Pair, ratio: Option<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::image::synthetic::{Noise, grey, render};
+    use crate::image::tiles::noise_ratio_of;
 
     #[test]
     fn honest_noise_is_not_suspicious_and_neighbours_are_unrelated() {
@@ -108,7 +106,7 @@ mod tests {
                 let a = render(64, &scene, noise, samples[0], "pixels a", 0);
                 let b = render(64, &scene, noise, samples[1], "pixels b", 0);
                 let (pairs, _) = Pair::all(&a, &b);
-                let found = figures(&pairs[0], 16);
+                let found = figures(&pairs[0], noise_ratio_of(&pairs[0], 16));
                 assert!(!found.suspicious, "{noise:?} {samples:?} {}", found.share_beyond);
                 assert!(found.neighbour_correlation.abs() < 4.0 / 64.0, "{}", found.neighbour_correlation);
                 assert!(found.worst_z.abs() < 5.0, "{noise:?} {samples:?} {}", found.worst_z);
@@ -125,7 +123,7 @@ mod tests {
         }
         b.channels[0].mean[64 * 3 + 7] = 2.5;
         let (pairs, _) = Pair::all(&a, &b);
-        let found = figures(&pairs[0], 16);
+        let found = figures(&pairs[0], noise_ratio_of(&pairs[0], 16));
         assert!(found.suspicious);
         assert_eq!(found.worst, Some(pairs[0].place(7, 3)));
     }
@@ -139,6 +137,6 @@ mod tests {
         }
         let b = grey(64, &[1.0; 64 * 64], 0.0);
         let (pairs, _) = Pair::all(&a, &b);
-        assert!(figures(&pairs[0], 16).neighbour_correlation > 0.3);
+        assert!(figures(&pairs[0], noise_ratio_of(&pairs[0], 16)).neighbour_correlation > 0.3);
     }
 }
