@@ -127,6 +127,24 @@ fn killed_after_its_pilot_a_render_goes_on_to_as_many_samples() {
     }
 }
 
+/// What a pilot chooses begins with sample 0, so another part of a render is none of its.
+#[test]
+fn a_pilot_goes_on_with_nothing_that_none_has_chosen() {
+    let folder = Folder::new();
+    let arguments = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001"];
+    let mut child = folder.start(&[&arguments[..], &["--samples", "8..1000000"]].concat());
+    while !folder.path("c").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    for chosen in [["--time", "1"], ["--target-error", "1%"]] {
+        let arguments = [&arguments[..], &["--resume"], &chosen].concat();
+        folder.refused(&arguments, &["c: the checkpoint cannot be resumed: it is of samples 8..1000000"]);
+    }
+}
+
 #[test]
 fn the_checkpoint_of_another_render_is_refused() {
     let folder = Folder::new();
