@@ -47,8 +47,10 @@ pub fn relations() -> Vec<Relation> {
 /// by more than a shadow ray ends before the lamp.
 fn large_veil(wears: &str) -> Relation {
     let turn = || rotate('x', 33.7) + &rotate('z', 20.0);
+    // Its middle is as far away as it is large: about it points would be computed from small numbers.
     let level = |half: f64, height: f64, more: &str| {
-        let steps = [scale([half, half, 1.0]), rotate('x', -90.0), translate([0.37, height, 0.21]), turn()];
+        let aside = [rotate('x', -90.0), translate([0.37, 0.0, 0.21]), scale([half; 3])];
+        let steps = [aside.concat(), translate([0.0, height, 0.0]), turn()];
         shape("rectangle", &steps, more)
     };
     let steps = [scale([0.3, 0.3, 1.0]), rotate('x', 90.0), translate([0.0, 1.2, 0.0]), turn()];
