@@ -87,9 +87,16 @@ impl Direct {
         if side.traits.has_density {
             for u in sampler.each_emitter_sample(0, self.emitter_samples, PAIRS) {
                 let counts = (emitter_count, bsdf_count);
-                let u = (u.pair(0), u.one(4));
-                let light = light::sample_emitter(scene, &vertex, &choice, u, counts, λ, |_, _, _| 0.0)
-                    .map(|(light, _)| light);
+                let light = light::sample_emitter(
+                    scene,
+                    &vertex,
+                    &choice,
+                    u.emitter_sample(),
+                    counts,
+                    λ,
+                    |_, _, _| 0.0,
+                )
+                .map(|(light, _)| light);
                 let Some(light) = light else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {
@@ -99,7 +106,8 @@ impl Direct {
         }
         // No further vertex takes emitter samples.
         for u in sampler.each_emitter_sample(1, self.bsdf_samples, PAIRS) {
-            let Some(sample) = bsdf.sample(vertex.wo, u.one(5), u.pair(1)) else { continue };
+            let (lobe, direction) = u.scattering(true);
+            let Some(sample) = bsdf.sample(vertex.wo, lobe, direction) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, (&onward, &choice), &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::math::DVec3;
-use crate::sampler::{FLIGHTS, Kind, Sampler};
+use crate::sampler::{Kind, Sampler, blocks};
 use crate::scene::catalogue::versioned;
 use crate::scene::loader::Loader;
 use crate::scene::xml;
@@ -63,7 +63,7 @@ fn means(medium: &Medium, length: f64, λ: &Wavelengths) -> [[f64; 8]; 2] {
     for i in 0..COUNT {
         let sampler = sampler(0, i);
         let first = (f64::from(i) + 0.5) / f64::from(COUNT);
-        let mut numbers = FlightNumbers::after(first, &sampler, FLIGHTS);
+        let mut numbers = FlightNumbers::after(first, &sampler, blocks::flight(1));
         let (which, weight) = match medium.fly((&ray(), length), carried(λ), λ, &mut numbers) {
             Flight::Through(weight) => (0, weight),
             Flight::Scattered(t, weight) => {
@@ -88,7 +88,7 @@ fn nothing_is_lost_and_nothing_is_made() {
             let mut passed = [0.0; 8];
             for i in 0..COUNT {
                 let sampler = sampler(1, i);
-                let mut numbers = FlightNumbers::independent(&sampler, FLIGHTS + 1);
+                let mut numbers = FlightNumbers::independent(&sampler, blocks::shadow_flight(1));
                 let passes = medium.transmittance((&ray(), length), λ, &mut numbers);
                 passed.iter_mut().zip(passes.0).for_each(|(sum, v)| *sum += f64::from(v) / f64::from(COUNT));
             }
@@ -126,7 +126,7 @@ fn transmittances_are_exponential() {
         let mut mean = 0.0;
         for i in 0..COUNT {
             let sampler = sampler(2, i);
-            let mut numbers = FlightNumbers::independent(&sampler, FLIGHTS + 1);
+            let mut numbers = FlightNumbers::independent(&sampler, blocks::shadow_flight(1));
             let length = if name.contains("homogeneous") { 2.5 } else { 30.0 };
             mean +=
                 f64::from(medium.transmittance((&ray(), length), λ, &mut numbers).0[1]) / f64::from(COUNT);
@@ -141,7 +141,7 @@ fn transmittances_are_exponential() {
 fn nothing_passes_an_endless_medium_and_all_passes_nothing() {
     each(|name, medium, λ| {
         let sampler = sampler(2, 0);
-        let mut numbers = FlightNumbers::independent(&sampler, FLIGHTS + 1);
+        let mut numbers = FlightNumbers::independent(&sampler, blocks::shadow_flight(1));
         let mut passes = |length: f64| medium.transmittance((&ray(), length), λ, &mut numbers);
         assert_eq!(passes(0.0), Spectrum::ONE, "{name}");
         let vacuum = name.contains(r#"name="sigma_t" value="0""#);
@@ -172,7 +172,7 @@ fn albedos_are_those_of_collisions() {
     let mut scattered = 0;
     for i in 0..256 {
         let sampler = sampler(3, i);
-        let mut numbers = FlightNumbers::independent(&sampler, FLIGHTS);
+        let mut numbers = FlightNumbers::independent(&sampler, blocks::flight(1));
         let flight = medium.fly((&ray(), 1.5), Spectrum::ONE, &λ, &mut numbers);
         let Flight::Scattered(t, weight) = flight else { continue };
         let albedo = medium.albedo.eval(ray().at(t), &λ).0[0];

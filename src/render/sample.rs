@@ -5,7 +5,7 @@ use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
 use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
-use crate::sampler::{CAMERA, ManyNumbers, Numbers, PLACE_COLUMN, SampleId, Sampler};
+use crate::sampler::{ManyNumbers, Numbers, SampleId, Sampler, blocks};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
@@ -105,9 +105,13 @@ impl<'a> SampleMaker<'a> {
     pub fn place_in_pixels(&self, sample: u64) -> Option<[Place; 2]> {
         let film = self.film();
         film.spread.as_ref()?;
-        let sampler =
-            Sampler::new(self.scene.sensor.sampler.kind, self.seed, (PLACE_COLUMN, 0), sample as u32);
-        film.place_in_pixels(sampler.block(CAMERA).pair(0))
+        let sampler = Sampler::new(
+            self.scene.sensor.sampler.kind,
+            self.seed,
+            (blocks::columns::PLACE, 0),
+            sample as u32,
+        );
+        film.place_in_pixels(sampler.block(blocks::START).place_on_film())
     }
 
     /// How many neighbouring pixels share what their paths find.
@@ -181,7 +185,7 @@ impl<'a> SampleMaker<'a> {
         let pairs = if self.scene.sensor.camera.has_lens() { 3 } else { 2 };
         let mut common = None;
         for (first, (which, samplers)) in (0..).step_by(8).zip(which.chunks(8).zip(samplers.chunks(8))) {
-            numbers.fill(which.len(), pairs, |i| (&samplers[i], CAMERA));
+            numbers.fill(which.len(), pairs, |i| (&samplers[i], blocks::START));
             for (i, (&SampleId { pixel, sample }, sampler)) in which.iter().zip(samplers).enumerate() {
                 if self.film().spread.is_some() && common.is_none_or(|(of, _)| of != sample) {
                     common = self.place_in_pixels(sample).map(|place| (sample, place));
@@ -215,7 +219,7 @@ impl<'a> SampleMaker<'a> {
                 _ => {
                     let sampler = Sampler::new(kind, self.seed, group.corner(), group.sample as u32);
                     let number = last.map_or(0, |(_, number, _)| number + 1);
-                    (number, self.wavelengths(sampler.block(CAMERA).one(2)))
+                    (number, self.wavelengths(sampler.block(blocks::START).wavelengths()))
                 }
             };
             last = Some((group, number, λ));
@@ -243,12 +247,12 @@ impl<'a> SampleMaker<'a> {
     ) -> (CameraPath, f64) {
         let film = &self.scene.sensor.film;
         let (place, weight) = match place {
-            None => film.place(pixel, u.pair(0)),
+            None => film.place(pixel, u.place_on_film()),
             Some([x, y]) => (DVec2::new(f64::from(pixel.0) + x.ξ, f64::from(pixel.1) + y.ξ), 1.0),
         };
         let place = place / DVec2::new(film.size.0 as f64, film.size.1 as f64);
-        let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.one(2))));
-        let ray = self.scene.sensor.camera.ray(place, u.pair(2));
+        let (group, λ) = group.copied().unwrap_or_else(|| (0, self.wavelengths(u.wavelengths())));
+        let ray = self.scene.sensor.camera.ray(place, u.place_on_lens());
         (CameraPath { ray, λ, sampler, group, radiance: Spectrum::ZERO, covered: false }, weight)
     }
 }

@@ -53,8 +53,7 @@ impl Emission {
         some.then_some(Self { choice, aim })
     }
 
-    /// Samples a point and a direction by the pairs 0 and 1 and the dimensions 5 and 6 of `u`. `None` if no
-    /// light leaves there.
+    /// Samples a point and a direction. `None` if no light leaves there.
     pub fn sample(
         &self,
         emitters: &Emitters,
@@ -62,13 +61,15 @@ impl Emission {
         u: &Numbers,
         λ: &Wavelengths,
     ) -> Option<Start> {
-        let (index, _, place) = self.choice.sample_strip(u.pair(0), u.one(5));
+        let (place, digits) = u.emission();
+        let (index, _, place) = self.choice.sample_strip(place, digits);
         let entry = &emitters.list[index];
         let shape = &shapes[entry.shape? as usize];
         let start = shape.geometry.sample_area::<true>(place);
         let end = EmitterPoint { emitter: index, p: start.p, n: start.n };
         let aimed = self.aim.from(end.p, end.n);
-        let w = aimed.sample(u.pair(1), u.one(6));
+        let (direction, which) = u.aim();
+        let w = aimed.sample(direction, which);
         let density = self.choice.probability(index) * start.pdf * aimed.density(w);
         if density == 0.0 {
             return None;

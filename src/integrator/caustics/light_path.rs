@@ -46,10 +46,10 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// The path and its first ray; `None` if no light leaves there. `u` is the block [`CAMERA`] of its
+    /// The path and its first ray; `None` if no light leaves there. `u` is the block [`START`] of its
     /// sampler.
     ///
-    /// [`CAMERA`]: crate::sampler::CAMERA
+    /// [`START`]: crate::sampler::blocks::START
     #[inline(always)]
     pub fn begin(caustics: &Caustics, scene: &Scene, u: &Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
         let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
@@ -155,7 +155,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if edges >= caustics.lengths.max_depth.saturating_sub(1) {
             return None;
         }
-        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1))?;
+        let (lobe, direction) = u.scattering(true);
+        let sample = bsdf.sample(vertex.wo, lobe, direction)?;
         if sample.delta && side.traits.relief {
             return None;
         }
@@ -192,7 +193,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         if edges >= caustics.lengths.rr_depth {
             let carried = path.λ.mean(path.throughput) as f64;
-            path.throughput *= roulette(carried, edges, sample.delta, u.one(6))?;
+            path.throughput *= roulette(carried, edges, sample.delta, u.roulette())?;
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
     }
@@ -210,9 +211,9 @@ impl Caustics {
         connections: &mut Connections,
     ) {
         let (point, film) = (vertex.point, &scene.sensor.film);
-        let Some(view) = scene.sensor.camera.connect(point.p, u.pair(0)) else { return };
+        let Some(view) = scene.sensor.camera.connect(point.p, u.connection()) else { return };
         let place = view.film * DVec2::new(film.size.0 as f64, film.size.1 as f64);
-        let chosen = film.pixel_at(place, DVec2::new(u.one(4), u.one(7)));
+        let chosen = film.pixel_at(place, u.pixel());
         let Some((pixel, filter)) = chosen else { return };
         let scattered = vertex.bsdf.evaluate(vertex.to_local(view.towards), vertex.wo);
         if scattered.value.is_zero() {

@@ -6,7 +6,7 @@ use super::light_path::{Landing, LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::path::MAX_VERTICES;
 use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
-use crate::sampler::{CAMERA, CAUSTICS_COLUMN, FIRST_VERTEX, Kind, ManyNumbers, PAIRS, Sampler};
+use crate::sampler::{Kind, ManyNumbers, PAIRS, Sampler, blocks};
 use crate::scene::{Features, Scene};
 use crate::spectrum::Wavelengths;
 use std::ops::Range;
@@ -40,7 +40,7 @@ impl Caustics {
         let mut stream = Stream::default();
         for first in numbers.clone().step_by(STREAM) {
             let sampler = |number: u64| {
-                Sampler::new(kind, seed, (CAUSTICS_COLUMN, (number >> 32) as u32), number as u32)
+                Sampler::new(kind, seed, (blocks::columns::CAUSTICS, (number >> 32) as u32), number as u32)
             };
             stream.samplers.clear();
             stream.samplers.extend((first..numbers.end.min(first + STREAM as u64)).map(sampler));
@@ -61,11 +61,11 @@ impl Caustics {
         counters: &mut Counters,
     ) {
         let count = samplers.len();
-        numbers.fill(count, PAIRS, |i| (&samplers[i], CAMERA));
+        numbers.fill(count, PAIRS, |i| (&samplers[i], blocks::START));
         paths.clear();
         wavefront.begin((0..count).filter_map(|i| {
             let u = numbers.of(i);
-            let (path, ray) = LightPath::begin(self, scene, u, wavelengths(u.one(4)))?;
+            let (path, ray) = LightPath::begin(self, scene, u, wavelengths(u.light_wavelengths()))?;
             paths.push((i, path));
             Some((paths.len() - 1, ray))
         }));
@@ -74,7 +74,7 @@ impl Caustics {
             if going.is_empty() {
                 return;
             }
-            numbers.fill(going.len(), PAIRS, |i| (&samplers[paths[going[i]].0], FIRST_VERTEX - 1 + edges));
+            numbers.fill(going.len(), PAIRS, |i| (&samplers[paths[going[i]].0], blocks::vertex(edges)));
             wavefront.advance(|Arrived { place, path, ray, hit }| {
                 let (index, path) = &mut paths[path];
                 let landing = Landing { ray, hit: hit?, edges, u: numbers.of(place) };

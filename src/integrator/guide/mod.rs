@@ -25,7 +25,7 @@ use super::caustics::Emission;
 use super::light::{Vertex, power_heuristic};
 use crate::bsdf::{Bsdf, Sample};
 use crate::math::{DVec2, DVec3, Ray, bounds};
-use crate::sampler::{GUIDED, GUIDED_OF_VERTEX, Sampler};
+use crate::sampler::{Sampler, blocks};
 use crate::scene::{Features, Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -36,6 +36,9 @@ use rayon::prelude::*;
 
 /// Most surfaces of a specular chain that is guided; longer ones are left to scattering.
 pub const MOST_SURFACES: u32 = 32;
+
+// Each of them takes a number, after two for the direction.
+const _: () = assert!(MOST_SURFACES + 2 < 8 * blocks::GUIDED_OF_VERTEX);
 
 /// Cells with more photons are halved.
 const MOST_PHOTONS: usize = 512;
@@ -93,7 +96,7 @@ pub fn sample_emitters<B: Bsdf>(
 ) -> Spectrum {
     counters.guided += 1;
     // Eight numbers at a time: two for the direction, then one for each surface.
-    let block = |which: u32| sampler.block(GUIDED + depth * GUIDED_OF_VERTEX + which);
+    let block = |which: u32| sampler.block(blocks::guided(depth, which));
     let mut u = block(0);
     let mut found = Spectrum::ZERO;
     let (w, density) = directions.sample(u.pair(0));

@@ -5,7 +5,7 @@ use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::links::{Passage, density_of};
 use crate::math::{DVec3, INV_PI, Origin};
-use crate::sampler::{CAMERA, FIRST_VERTEX, GUIDE_COLUMN, Kind, Sampler};
+use crate::sampler::{Kind, Sampler, blocks};
 use crate::scene::{Features, Scene};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -23,11 +23,11 @@ pub struct Photon {
 
 /// The photon of the light path with this number, if there is one.
 pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon> {
-    let sampler = Sampler::new(Kind::Sobol, 0, (GUIDE_COLUMN, 0), number);
-    let u = sampler.block(CAMERA);
+    let sampler = Sampler::new(Kind::Sobol, 0, (blocks::columns::GUIDE, 0), number);
+    let u = sampler.block(blocks::START);
     let λ = match scene.mode {
         ColorMode::Rgb => Wavelengths::rgb(),
-        ColorMode::Spectral => Wavelengths::sample_visible(u.one(4)),
+        ColorMode::Spectral => Wavelengths::sample_visible(u.light_wavelengths()),
     };
     let start = emission.sample(&scene.emitters, &scene.shapes, &u, &λ)?;
     // A lane might not hold the product.
@@ -53,7 +53,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
             let some = edges > 1 && power > 0.0 && power.is_finite();
             return some.then_some(Photon { p: point.p, w, power, left });
         }
-        let number = sampler.block(FIRST_VERTEX - 1 + edges).one(5);
+        let number = sampler.block(blocks::vertex(edges)).lobe();
         let turn = onward(scene, w, (side, &point, hit.primitive), number, &λ)?;
         passage = passage.and_then(|(passage, chance)| {
             let passage = passage.on(side, hit.primitive, turn.wo, &turn.sample)?;

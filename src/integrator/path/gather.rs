@@ -69,7 +69,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         };
         for which in 0..count {
             let u = match count {
-                1 => (self.u.pair(0), self.u.one(4)),
+                1 => self.u.emitter_sample(),
                 _ => shadows.numbers(scene, self.sampler, state.depth, (which, count)),
             };
             let counts = (f64::from(count), 1.0);
@@ -135,8 +135,9 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             let one = (count == 1).then_some(*self.u);
             let several = (count > 1).then(|| self.sampler.each_emitter_sample(state.depth, count, PAIRS));
             for u in one.into_iter().chain(several.into_iter().flatten()) {
-                for technique in links.techniques(vertex.point.p, u.one(7)) {
-                    let which = (technique, u.pair(0), u.one(4));
+                for technique in links.techniques(vertex.point.p, u.link()) {
+                    let (place, digits) = u.emitter_sample();
+                    let which = (technique, place, digits);
                     let found = |proposal| shadows.push((self.index, shares), throughput, proposal);
                     links::sample_emitter((scene, λ), vertex, which, effort, light_paths, counters, found);
                 }

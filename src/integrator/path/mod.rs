@@ -12,7 +12,7 @@ mod vertex;
 use super::AnyIntegrator;
 use super::lengths::Lengths;
 use super::links::LinkPolicy;
-use crate::sampler::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
+use crate::sampler::blocks::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;

@@ -66,9 +66,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         let ways = here.ways();
         here.by_ways(ways, shared, &mut path.radiance, shadows, counters);
-        // Where no lobe has a density, no direction is drawn: its first number chooses the lobe.
-        let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
-        let sample = bsdf.sample(vertex.wo, lobe, u.pair(1));
+        let (lobe, direction) = u.scattering(side.traits.has_density);
+        let sample = bsdf.sample(vertex.wo, lobe, direction);
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
         if F & Features::CAUSTICS != 0 {
@@ -108,7 +107,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             // lanes. What is shared must not end because the path's own receiver is dark: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;
             let passed = (state.depth, state.vertices);
-            state.throughput *= settings.roulette.play(carried, passed, sample.delta, u.one(6))?;
+            state.throughput *= settings.roulette.play(carried, passed, sample.delta, u.roulette())?;
         }
         Some(onward)
     }

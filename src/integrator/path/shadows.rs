@@ -47,8 +47,7 @@ impl Shadows {
             let pairs = if scene.emitters.list.len() > FEW_EMITTERS { 3 } else { 1 };
             self.numbers = sampler.emitter_samples(depth, which, count, pairs);
         }
-        let u = self.numbers.of(which as usize % 8);
-        (u.pair(0), u.one(4))
+        self.numbers.of(which as usize % 8).emitter_sample()
     }
 
     #[inline(always)]

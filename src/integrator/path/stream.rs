@@ -9,7 +9,7 @@ use crate::integrator::arrival::Arrival;
 use crate::integrator::links::Way;
 use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
 use crate::integrator::{CameraPath, Counters};
-use crate::sampler::{FIRST_VERTEX, ManyNumbers, PAIRS};
+use crate::sampler::{ManyNumbers, PAIRS, blocks};
 use crate::scene::{Features, Scene};
 use crate::spectrum::Spectrum;
 
@@ -171,7 +171,7 @@ impl Path {
             if going.is_empty() {
                 break;
             }
-            let sampler = |i: usize| (&paths[going[i]].sampler, FIRST_VERTEX + states[going[i]].depth);
+            let sampler = |i: usize| (&paths[going[i]].sampler, blocks::vertex(states[going[i]].depth + 1));
             numbers.fill(going.len(), self.pairs(scene, edges), sampler);
             wavefront.advance(|Arrived { place, path: index, ray, hit }| {
                 if shadows.rays.len() > Shadows::MANY {

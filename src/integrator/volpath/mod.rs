@@ -63,7 +63,7 @@ impl VolPath {
             return Spectrum::ZERO;
         }
         let mut walk = Walk::from_camera(self.lengths, scene, path, counters);
-        for edge in 0..MAX_VERTICES {
+        for edge in 1..=MAX_VERTICES {
             if walk.step::<F>(edge).is_none() {
                 return walk.radiance;
             }

@@ -10,7 +10,7 @@ use crate::integrator::path::roulette;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
 use crate::medium::{Flight, FlightNumbers, Medium};
-use crate::sampler::{FIRST_VERTEX, FLIGHTS, Numbers};
+use crate::sampler::{Numbers, blocks};
 use crate::scene::{Features, Interface, Scene, Shape, Side};
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::Spectrum;
@@ -63,14 +63,14 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Follows the ray to the next vertex and chooses the next ray; `None` if the path ends.
+    /// Follows the ray, edge number `edge` from 1 on, to the next vertex and chooses the next ray; `None` if the path ends.
     pub fn step<const F: u32>(&mut self, edge: u32) -> Option<()> {
-        let u = self.path.sampler.block(FIRST_VERTEX + edge);
+        let u = self.path.sampler.block(blocks::vertex(edge));
         self.counters.rays += 1;
         let hit = self.scene.accel.closest(&self.ray);
         let length = hit.map_or(self.ray.end, |hit| hit.t);
         if let Some(medium) = self.medium {
-            let mut numbers = FlightNumbers::after(u.one(7), &self.path.sampler, FLIGHTS + 2 * edge);
+            let mut numbers = FlightNumbers::after(u.flight(), &self.path.sampler, blocks::flight(edge));
             match medium.fly((&self.ray, length), self.throughput, &self.path.λ, &mut numbers) {
                 Flight::Scattered(t, weight) => {
                     self.throughput *= weight;
@@ -125,7 +125,8 @@ impl<'a> Walk<'a> {
         if medium.samples_emitters {
             self.gather::<F, _>(&vertex, &gathers, None, numbers);
         }
-        let sample = medium.phase.sample(vertex.wo, numbers.0.one(5), numbers.0.pair(1))?;
+        let (lobe, direction) = numbers.0.scattering(true);
+        let sample = medium.phase.sample(vertex.wo, lobe, direction)?;
         let arrival = Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
         self.scatter::<F>(&sample, (arrival, gathers, onward), &numbers.0)
@@ -158,8 +159,8 @@ impl<'a> Walk<'a> {
             self.gather::<F, _>(&vertex, &gathers, shape.interface.as_deref(), numbers);
         }
         let u = numbers.0;
-        let lobe = if side.traits.has_density { u.one(5) } else { u.one(2) };
-        let sample = bsdf.sample(vertex.wo, lobe, u.pair(1));
+        let (lobe, direction) = u.scattering(side.traits.has_density);
+        let sample = bsdf.sample(vertex.wo, lobe, direction);
         self.path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;
         if sample.null {
@@ -214,7 +215,7 @@ impl<'a> Walk<'a> {
         (u, edge): (Numbers, u32),
     ) {
         let choice = Choice::at(gathers.at(vertex.point.p));
-        let (place, λ) = ((u.pair(0), u.one(4)), &self.path.λ);
+        let (place, λ) = (u.emitter_sample(), &self.path.λ);
         let found = light::sample_emitter(self.scene, vertex, &choice, place, (1.0, 1.0), λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };
         let ray = proposal.ray;
@@ -222,7 +223,7 @@ impl<'a> Walk<'a> {
             Some(interface) => interface.towards(ray.direction.dot(vertex.point.ng)),
             None => self.medium,
         };
-        let mut numbers = FlightNumbers::independent(&self.path.sampler, FLIGHTS + 2 * edge + 1);
+        let mut numbers = FlightNumbers::independent(&self.path.sampler, blocks::shadow_flight(edge));
         let visible =
             visibility::between::<F>(self.scene, (ray, medium), &self.path.λ, &mut numbers, self.counters);
         if !visible.is_zero() {
@@ -248,7 +249,7 @@ impl<'a> Walk<'a> {
         }
         if self.depth >= self.lengths.rr_depth {
             let carried = f64::from(self.path.λ.peak(self.throughput)) * self.eta2;
-            self.throughput *= roulette(carried, self.depth, sample.delta, u.one(6))?;
+            self.throughput *= roulette(carried, self.depth, sample.delta, u.roulette())?;
         }
         (self.ray, self.from, self.travelled) = (onward, onward.origin, 0.0);
         (self.arrival, self.gathers) = (arrival, gathers);

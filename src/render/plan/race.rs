@@ -8,7 +8,7 @@ use super::look::{Cell, Look, Sight};
 use super::reuse::{self, Candidate};
 use crate::integrator::caustics::Caustics;
 use crate::math::function::ln;
-use crate::sampler::MOST_EMITTER_SAMPLES;
+use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
 use crate::scene::Scene;
 
 /// Numbers of pixels to choose from besides one, each with the factor by which its product of variance and

@@ -9,7 +9,7 @@ use crate::integrator::caustics::further;
 use crate::integrator::light::{Vertex, density_of_finding};
 use crate::integrator::path::roulette;
 use crate::math::{DVec3, Ray};
-use crate::sampler::{LIGHT_SOURCES, Numbers, Sampler};
+use crate::sampler::{Numbers, Sampler, blocks};
 use crate::scene::{Features, Scene};
 use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -21,8 +21,8 @@ const SURE_EDGES: u32 = 2;
 pub struct LightPath {
     owner: (usize, u32),
     sampler: Sampler,
-    /// First sampler block of this path.
-    first_block: u32,
+    /// The overflow of its number above 32 bits.
+    beyond: u32,
     λ: Wavelengths,
     end: EmitterPoint,
     emitted: Spectrum,
@@ -47,14 +47,13 @@ impl LightPath {
         λ: Wavelengths,
     ) -> Option<(Self, Ray)> {
         let (sampler, beyond) = sampler.one_of(owner.1, sources.paths);
-        let first_block = LIGHT_SOURCES + (beyond << 4);
-        let start =
-            sources.emission.sample(&scene.emitters, &scene.shapes, &sampler.block(first_block), &λ)?;
+        let u = sampler.block(blocks::shared_light_path(beyond, 0));
+        let start = sources.emission.sample(&scene.emitters, &scene.shapes, &u, &λ)?;
         let scale = start.cos / (start.density * f64::from(sources.paths));
         let path = Self {
             owner,
             sampler,
-            first_block,
+            beyond,
             λ,
             end: start.end,
             emitted: start.radiance,
@@ -68,7 +67,7 @@ impl LightPath {
 
     /// Sampler and block of the numbers for the vertex after so many edges.
     pub fn numbers(&self, edges: u32) -> (&Sampler, u32) {
-        (&self.sampler, self.first_block + edges)
+        (&self.sampler, blocks::shared_light_path(self.beyond, edges))
     }
 
     /// Notes a source at the hit, the vertex after so many edges, if that is matte, and samples the next ray;
@@ -126,7 +125,8 @@ impl LightPath {
                 });
             }
         }
-        let sample = bsdf.sample(vertex.wo, u.one(5), u.pair(1)).filter(|sample| !sample.delta)?;
+        let (lobe, direction) = u.scattering(true);
+        let sample = bsdf.sample(vertex.wo, lobe, direction).filter(|sample| !sample.delta)?;
         let to_camera = vertex.to_world(sample.wi);
         let cos_camera = point.ng.dot(to_camera).abs();
         let back = bsdf.evaluate(sample.wi, vertex.wo);
@@ -138,7 +138,7 @@ impl LightPath {
         }
         if edges >= SURE_EDGES {
             let carried = self.λ.mean(self.throughput) as f64;
-            self.throughput *= roulette(carried, edges, false, u.one(6))?;
+            self.throughput *= roulette(carried, edges, false, u.roulette())?;
         }
         Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
     }

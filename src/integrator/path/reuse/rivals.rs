@@ -27,12 +27,15 @@ use crate::emitter::EmitterPoint;
 use crate::integrator::caustics::further;
 use crate::integrator::light::Vertex;
 use crate::math::{DVec3, INV_PI};
+use crate::sampler::blocks::SHARED_OF_PATH;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use std::f64::consts::PI;
 
 /// Most edges of a light path that finds sources, from the emitter to the last of them.
 pub const MOST_EDGES: u32 = 15;
+
+const _: () = assert!(MOST_EDGES < SHARED_OF_PATH);
 
 /// The terms c (`by_light`) and r (`connected`) of the MIS weights of some light; see the top of this file.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,79 @@
+//! Which block of numbers belongs to what. No two uses share one.
+
+/// The block of the camera, or of the emitter where a light path begins.
+pub const START: u32 = 0;
+
+/// Most vertices of a path.
+pub const MOST_VERTICES: u32 = 1 << 20;
+/// How many emitter samples a vertex can take.
+pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
+/// Blocks of a guided emitter sample at each vertex.
+pub const GUIDED_OF_VERTEX: u32 = 1 << 5;
+/// Blocks of a light path for a group of pixels: one for its emitter, one for each vertex.
+pub const SHARED_OF_PATH: u32 = 1 << 4;
+
+/// Where the blocks of the vertices begin, …
+const VERTICES: u32 = 1;
+/// … those of light paths for groups of pixels, …
+const SHARED_LIGHT_PATHS: u32 = 1 << 28;
+/// … those of guided emitter samples, …
+const GUIDED: u32 = 1 << 29;
+/// … those of emitter samples where a vertex takes several, …
+const EMITTER_SAMPLES: u32 = 1 << 30;
+/// … and those of flights through media.
+const FLIGHTS: u32 = 1 << 31;
+
+const _: () = assert!(
+    VERTICES + MOST_VERTICES <= SHARED_LIGHT_PATHS
+        && GUIDED + MOST_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
+        && MOST_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
+        && EMITTER_SAMPLES + (MOST_VERTICES * MOST_EMITTER_SAMPLES - 1) < FLIGHTS
+);
+
+/// The vertex of a path at the end of edge number `edges`, which is at least 1.
+#[inline(always)]
+pub fn vertex(edges: u32) -> u32 {
+    VERTICES - 1 + edges
+}
+
+/// The vertex after so many edges, none at the emitter, of a light path for a group of pixels; `beyond` is the
+/// overflow of its number above 32 bits.
+#[inline(always)]
+pub fn shared_light_path(beyond: u32, edges: u32) -> u32 {
+    SHARED_LIGHT_PATHS + beyond * SHARED_OF_PATH + edges
+}
+
+/// One of the blocks of a guided emitter sample at a vertex with `depth` vertices before it.
+#[inline(always)]
+pub fn guided(depth: u32, which: u32) -> u32 {
+    GUIDED + depth * GUIDED_OF_VERTEX + which
+}
+
+/// An emitter sample at a vertex with `depth` vertices before it, where that takes several; `beyond` is the
+/// overflow of its number above 32 bits.
+#[inline(always)]
+pub fn emitter_sample(depth: u32, beyond: u32) -> u32 {
+    EMITTER_SAMPLES + depth * MOST_EMITTER_SAMPLES + beyond
+}
+
+/// The flight along edge number `edges` of a path, which is at least 1.
+#[inline(always)]
+pub fn flight(edges: u32) -> u32 {
+    FLIGHTS + 2 * (edges - 1)
+}
+
+/// The flight of the shadow ray from the end of that edge.
+#[inline(always)]
+pub fn shadow_flight(edges: u32) -> u32 {
+    flight(edges) + 1
+}
+
+/// Columns that stand for what belongs to no pixel, where samplers are given one; no film is so wide.
+pub mod columns {
+    /// The light paths that find caustics.
+    pub const CAUSTICS: u32 = u32::MAX;
+    /// The light paths whose photons guide emitter samples.
+    pub const GUIDE: u32 = u32::MAX - 1;
+    /// The place that all samples of a number have within their pixels; see [`crate::render::spread`].
+    pub const PLACE: u32 = u32::MAX - 2;
+}
