@@ -22,7 +22,7 @@ pub struct Constant {
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let radiance = params.texture("radiance", 1.0, Usage::Emission, "radiance in W·m⁻²·sr⁻¹·nm⁻¹")?;
     params.transform("to_world", "ignored: it looks the same from all sides")?;
-    require_constant(params, ("radiance", &radiance), "expected a colour; see `envmap`")?;
+    require_constant(params, "radiance", &radiance, "expected a colour; see `envmap`")?;
     Ok(AnyEmitter::Constant(Constant { radiance }))
 }
 

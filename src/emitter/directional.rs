@@ -23,7 +23,7 @@ pub struct Directional {
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let irradiance =
         params.texture("irradiance", 1.0, Usage::Emission, "on a plane facing the light, in W·m⁻²·nm⁻¹")?;
-    require_constant(params, ("irradiance", &irradiance), "expected a spectrum that is the same everywhere")?;
+    require_constant(params, "irradiance", &irradiance, "expected a spectrum that is the same everywhere")?;
     if params.has("direction") && params.has("to_world") {
         return Err(params.error("to_world", "both `direction` and `to_world`", "expected one of them"));
     }

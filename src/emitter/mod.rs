@@ -82,7 +82,8 @@ emitters!(area, point, spot, projector, directional, constant, envmap);
 /// Refuses a texture where there is no surface to have a place on; `expected` says what may stand there.
 fn require_constant(
     params: &Params,
-    (name, texture): (&str, &AnyTexture),
+    name: &str,
+    texture: &AnyTexture,
     expected: &str,
 ) -> Result<(), SceneError> {
     if !texture.varies() {
@@ -133,7 +134,8 @@ impl AnyEmitter {
     pub fn sample(
         &self,
         shape: Option<&Geometry>,
-        (p, n): (DVec3, DVec3),
+        p: DVec3,
+        n: DVec3,
         u: DVec2,
         λ: &Wavelengths,
     ) -> Option<DirectSample> {

@@ -20,7 +20,7 @@ pub struct Point {
 
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let intensity = params.texture("intensity", 1.0, Usage::Emission, "radiant intensity in W·sr⁻¹·nm⁻¹")?;
-    require_constant(params, ("intensity", &intensity), "expected a spectrum that is the same everywhere")?;
+    require_constant(params, "intensity", &intensity, "expected a spectrum that is the same everywhere")?;
     if params.has("position") && params.has("to_world") {
         return Err(params.error("to_world", "both `position` and `to_world`", "expected one of them"));
     }

@@ -10,6 +10,7 @@ use super::tree::{Cluster, SeenTree, Tree};
 use super::{AnyEmitter, GatherPoint, Gathers, MapPlace, View};
 use crate::math::discrete::with_digits;
 use crate::math::{BELOW_ONE, DVec2, DVec3};
+use crate::sampler::EmitterNumbers;
 use crate::shape::Geometry;
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -184,15 +185,15 @@ impl<'a> Choice<'a> {
         self.known.unwrap_or_else(|| emitters.estimates(self.at))
     }
 
-    /// The emitter that the first of two numbers in [0, 1) falls on, its probability, and the numbers,
-    /// rescaled for reuse; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None` if no
-    /// emitter lights the point.
+    /// The emitter that the first number of the place falls on, its probability, and the place on it: the
+    /// numbers, rescaled for reuse; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None`
+    /// if no emitter lights the point.
     #[inline]
-    pub fn sample(&self, emitters: &Emitters, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
+    pub fn sample(&self, emitters: &Emitters, numbers: EmitterNumbers) -> Option<(usize, f64, DVec2)> {
         match emitters.list.len() {
             0 => None,
-            1 => Some((0, 1.0, u)),
-            _ => self.sample_several(emitters, u, digits),
+            1 => Some((0, 1.0, numbers.place)),
+            _ => self.sample_several(emitters, numbers),
         }
     }
 
@@ -210,7 +211,11 @@ impl<'a> Choice<'a> {
     }
 
     #[inline(never)]
-    fn sample_several(&self, emitters: &Emitters, u: DVec2, digits: f64) -> Option<(usize, f64, DVec2)> {
+    fn sample_several(
+        &self,
+        emitters: &Emitters,
+        EmitterNumbers { place: u, digits }: EmitterNumbers,
+    ) -> Option<(usize, f64, DVec2)> {
         let estimates = self.estimates(emitters);
         let mut left = with_digits(u.x, digits);
         // Rounding may lead past the last.
@@ -273,8 +278,9 @@ mod tests {
             let mut shares = [0.0; 5];
             for i in 0..NUMBERS {
                 let u = DVec2::new((i as f64 + 0.5) / NUMBERS as f64, 0.25);
-                let (index, probability, rest) = choice.sample(&emitters, u, 0.0).unwrap();
-                assert_eq!(of_several.sample(&emitters, u, 0.0), Some((index, probability, rest)));
+                let numbers = EmitterNumbers { place: u, digits: 0.0 };
+                let (index, probability, rest) = choice.sample(&emitters, numbers).unwrap();
+                assert_eq!(of_several.sample(&emitters, numbers), Some((index, probability, rest)));
                 assert!((probability - choice.probability(&emitters, index)).abs() < 1e-15);
                 assert!((0.0..1.0).contains(&rest.x) && rest.y == u.y);
                 shares[index] += 1.0 / NUMBERS as f64;

@@ -29,7 +29,7 @@ pub struct Spot {
 pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let intensity =
         params.texture("intensity", 1.0, Usage::Emission, "intensity on the axis in W·sr⁻¹·nm⁻¹")?;
-    require_constant(params, ("intensity", &intensity), "expected a spectrum that is the same everywhere")?;
+    require_constant(params, "intensity", &intensity, "expected a spectrum that is the same everywhere")?;
     let texture = params.optional_texture("texture", Usage::Unbounded, "an image to project")?;
     let to_world = params.transform("to_world", "places it and turns +z where it shines")?;
     let expected = "degrees above 0 and below 90";

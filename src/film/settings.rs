@@ -192,20 +192,20 @@ fn has_alpha(params: &mut Params) -> Result<bool, SceneError> {
 }
 
 fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
-    let width = params.integer("width", 768, 1..=MAX_PIXELS as i64, "pixels")? as u32;
-    let height = params.integer("height", 576, 1..=MAX_PIXELS as i64, "pixels")? as u32;
+    let width = params.count("width", 768, 1..=MAX_PIXELS as u32, "pixels")?;
+    let height = params.count("height", 576, 1..=MAX_PIXELS as u32, "pixels")?;
     let (longer, beside) = if width < height { ("height", width) } else { ("width", height) };
     let most = MAX_PIXELS / u64::from(beside);
     Film::check_size(width as u64, height as u64)
         .map_err(|e| params.error(longer, e, format!("expected 1 to {most}")))?;
-    let x = params.integer("crop_offset_x", 0, 0..=width as i64 - 1, "first column that is rendered")? as u32;
-    let y = params.integer("crop_offset_y", 0, 0..=height as i64 - 1, "first row that is rendered")? as u32;
-    let (right, bottom) = (i64::from(width - x), i64::from(height - y));
+    let x = params.count("crop_offset_x", 0, 0..=width - 1, "first column that is rendered")?;
+    let y = params.count("crop_offset_y", 0, 0..=height - 1, "first row that is rendered")?;
+    let (right, bottom) = (width - x, height - y);
     let crop = Window {
         x,
         y,
-        width: params.integer("crop_width", right, 1..=right, "columns that are rendered")? as u32,
-        height: params.integer("crop_height", bottom, 1..=bottom, "rows that are rendered")? as u32,
+        width: params.count("crop_width", right, 1..=right, "columns that are rendered")?,
+        height: params.count("crop_height", bottom, 1..=bottom, "rows that are rendered")?,
     };
     let (components, files) = (["float16", "float32", "uint32"], ["openexr", "exr", "pfm", "rgbe"]);
     params.word("component_format", &components, "Mitsuba's; the file always holds f32")?;

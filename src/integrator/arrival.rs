@@ -34,10 +34,11 @@ impl Arrival {
 pub fn environment(
     scene: &Scene,
     ray: &Ray,
-    (gathers, arrival): (&Gathers, &Arrival),
+    gathers: &Gathers,
+    arrival: &Arrival,
     λ: &Wavelengths,
 ) -> Spectrum {
-    let seen = |view| surroundings(scene, &view, (gathers.at(ray.origin), arrival), λ);
+    let seen = |view| surroundings(scene, &view, gathers.at(ray.origin), arrival, λ);
     scene.emitters.view(ray.direction).map_or(Spectrum::ZERO, seen)
 }
 
@@ -46,7 +47,8 @@ pub fn environment(
 pub fn surroundings(
     scene: &Scene,
     view: &View,
-    (from, arrival): (GatherPoint, &Arrival),
+    from: GatherPoint,
+    arrival: &Arrival,
     λ: &Wavelengths,
 ) -> Spectrum {
     let Some(index) = scene.emitters.environment else { return Spectrum::ZERO };

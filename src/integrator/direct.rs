@@ -1,7 +1,7 @@
 //! Direct light only.
 
 use super::arrival::{Arrival, environment};
-use super::light::{self, Vertex, power_heuristic};
+use super::light::{self, Samples, Vertex, power_heuristic};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
 use crate::emitter::{Choice, Gathers};
@@ -28,10 +28,9 @@ pub struct Direct {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
-    let both = params.integer("shading_samples", 1, 1..=1024, "emitter and BSDF samples alike")?;
-    let emitter_samples =
-        params.integer("emitter_samples", both, 0..=1024, "samples of the emitters")? as u32;
-    let bsdf_samples = params.integer("bsdf_samples", both, 0..=1024, "samples of the BSDF")? as u32;
+    let both = params.count("shading_samples", 1, 1..=1024, "emitter and BSDF samples alike")?;
+    let emitter_samples = params.count("emitter_samples", both, 0..=1024, "samples of the emitters")?;
+    let bsdf_samples = params.count("bsdf_samples", both, 0..=1024, "samples of the BSDF")?;
     let hide_emitters = params.boolean("hide_emitters", false, "emitters are not seen directly")?;
     if emitter_samples + bsdf_samples == 0 {
         return Err(params.error(
@@ -59,7 +58,7 @@ impl Direct {
                 return if hidden {
                     Spectrum::ZERO
                 } else {
-                    environment(scene, &ray, (&Gathers::EVERYWHERE, &Arrival::FROM_CAMERA), λ)
+                    environment(scene, &ray, &Gathers::EVERYWHERE, &Arrival::FROM_CAMERA, λ)
                 };
             };
             let (shape, point) = scene.surface::<F>(&ray, &hit);
@@ -78,26 +77,18 @@ impl Direct {
         let side = shape.side_towards(point.ns.dot(-ray.direction));
         let frame = side.frame::<F>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
-        let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, -ray.direction);
-        let (emitter_count, bsdf_count) = (self.emitter_samples as f64, self.bsdf_samples as f64);
+        let vertex = Vertex::new(&point, hit.primitive, &frame, &bsdf, side, -ray.direction);
+        let samples = Samples { emitter: self.emitter_samples.into(), bsdf: self.bsdf_samples.into() };
         let gathers = vertex.gathers(scene, vertex.wo);
         let at = gathers.at(point.p);
         let choice =
             if side.traits.has_density { Choice::of_several(&scene.emitters, at) } else { Choice::at(at) };
         if side.traits.has_density {
             for u in sampler.each_emitter_sample(0, self.emitter_samples, PAIRS) {
-                let counts = (emitter_count, bsdf_count);
-                let light = light::sample_emitter(
-                    scene,
-                    &vertex,
-                    &choice,
-                    u.emitter_sample(),
-                    counts,
-                    λ,
-                    |_, _, _| 0.0,
-                )
-                .map(|(light, _)| light);
-                let Some(light) = light else { continue };
+                let numbers = u.emitter_sample();
+                let found =
+                    light::sample_emitter(scene, &vertex, &choice, numbers, samples, λ, |_, _, _| 0.0);
+                let Some((light, _)) = found else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {
                     radiance += light.radiance(scene, λ);
@@ -110,7 +101,7 @@ impl Direct {
             let Some(sample) = bsdf.sample(vertex.wo, lobe, direction) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, (&onward, &choice), &sample, λ, counters);
-            radiance += sample.weight * arrived * (1.0 / bsdf_count) as f32;
+            radiance += sample.weight * arrived * (1.0 / samples.bsdf) as f32;
         }
         radiance
     }
@@ -131,7 +122,7 @@ impl Direct {
             let arrival = Arrival { pdf, delta, emitter_samples: self.emitter_samples };
             let seen = F & Features::ENVIRONMENT != 0;
             return if seen {
-                environment(scene, ray, (choice.at.gathers, &arrival), λ)
+                environment(scene, ray, choice.at.gathers, &arrival, λ)
             } else {
                 Spectrum::ZERO
             };

@@ -27,8 +27,7 @@ impl Lengths {
         let max_depth = params.integer("max_depth", -1, -1..=i64::from(u32::MAX), about)?;
         let max_depth = u32::try_from(max_depth).unwrap_or(usual.max_depth);
         let about = "edges before Russian roulette begins";
-        let rr_depth =
-            params.integer("rr_depth", usual.rr_depth.into(), 1..=i64::from(u32::MAX), about)? as u32;
+        let rr_depth = params.count("rr_depth", usual.rr_depth, 1..=u32::MAX, about)?;
         let about = "emitters are not seen directly";
         let hide_emitters = params.boolean("hide_emitters", usual.hide_emitters, about)?;
         Ok(Self { max_depth, rr_depth, hide_emitters })

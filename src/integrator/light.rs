@@ -3,7 +3,8 @@
 use crate::bsdf::{Bsdf, Lobe};
 use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers, MapPlace, Radiance};
 use crate::math::ray::Ends;
-use crate::math::{DVec2, DVec3, Frame, Origin, Ray};
+use crate::math::{DVec3, Frame, Origin, Ray};
+use crate::sampler::EmitterNumbers;
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -45,7 +46,8 @@ impl<'a, B> Vertex<'a, B> {
     /// A vertex with this frame; `wo` is in world space, and is taken into the frame.
     #[inline]
     pub fn new(
-        (point, primitive): (&'a SurfacePoint, u32),
+        point: &'a SurfacePoint,
+        primitive: u32,
         frame: &'a Frame,
         bsdf: &'a B,
         side: &'a Side,
@@ -119,28 +121,38 @@ pub struct Sampled {
     pub density: f64,
 }
 
-/// One emitter sample out of `count`, weighted against `rivals` BSDF samples: an estimate of the direct light
-/// that this technique has to contribute, up to visibility.
+/// How many samples each technique takes at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples {
+    pub emitter: f64,
+    pub bsdf: f64,
+}
+
+impl Samples {
+    pub const ONE: Self = Self { emitter: 1.0, bsdf: 1.0 };
+}
+
+/// One emitter sample of so many, weighted against those of the BSDF: an estimate of the direct light that
+/// this technique has to contribute, up to visibility.
 ///
 /// With n light samples of density p and m BSDF samples of density q, the multi-sample power heuristic gives
 /// a light sample the weight (np)²/((np)² + (mq)²), and its estimate is divided by n. `light_paths` gives,
 /// for an emitter, a sample and its density np, the ratio to np of the density with which light paths make
-/// the whole path, as one of directions; see [`super::caustics`]. `digits` refine the choice of the emitter,
-/// as in [`Discrete::sample_strip`](crate::math::Discrete::sample_strip); `choice` is that at the vertex.
+/// the whole path, as one of directions; see [`super::caustics`]. `choice` is that at the vertex.
 #[inline]
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
     choice: &Choice,
-    (u, digits): (DVec2, f64),
-    (count, rivals): (f64, f64),
+    numbers: EmitterNumbers,
+    samples: Samples,
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
 ) -> Option<(Proposal, Sampled)> {
-    let (index, probability, u) = choice.sample(&scene.emitters, u, digits)?;
+    let (index, probability, u) = choice.sample(&scene.emitters, numbers)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-    let light = entry.emitter.sample(shape, (choice.at.p, choice.at.gathers.n), u, λ)?;
+    let light = entry.emitter.sample(shape, choice.at.p, choice.at.gathers.n, u, λ)?;
     let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(light.wi));
     let (radiance, of) = match light.radiance {
         Radiance::Known(radiance) => (scattered.value * radiance, None),
@@ -153,16 +165,17 @@ pub fn sample_emitter<B: Bsdf>(
     let weight = if light.delta {
         1.0
     } else {
-        let own = count * pdf;
-        power_heuristic_of_three(rivals * scattered.pdf / own, light_paths(index, &light, own))
+        let own = samples.emitter * pdf;
+        power_heuristic_of_three(samples.bsdf * scattered.pdf / own, light_paths(index, &light, own))
     };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     let proposal = Proposal {
         ray: if entry.shape.is_some() { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
-        radiance: radiance * (weight / (pdf * count)) as f32,
+        radiance: radiance * (weight / (pdf * samples.emitter)) as f32,
         of,
     };
-    Some((proposal, Sampled { emitter: index, light, density: count * pdf + rivals * scattered.pdf }))
+    let density = samples.emitter * pdf + samples.bsdf * scattered.pdf;
+    Some((proposal, Sampled { emitter: index, light, density }))
 }
 
 /// The density in sr⁻¹ with which all emitter samples of a camera path's vertex together find a point of an
@@ -172,7 +185,8 @@ pub fn density_of_finding<B: Bsdf>(
     end: EmitterPoint,
     vertex: &Vertex<B>,
     to_camera: DVec3,
-    (w, distance): (DVec3, f64),
+    w: DVec3,
+    distance: f64,
 ) -> f64 {
     let entry = &scene.emitters.list[end.emitter];
     let (Some(shape), Some(path)) = (entry.shape, scene.integrator.path()) else { return 0.0 };

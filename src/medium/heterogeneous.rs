@@ -52,7 +52,7 @@ pub struct Heterogeneous {
 pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
     let about =
         "extinction coefficient, per unit of length; the medium ends with the box around its unit cube";
-    let sigma_t = AnyVolume::parameter(params, "sigma_t", (1.0, Usage::Unbounded), about)?;
+    let sigma_t = AnyVolume::parameter(params, "sigma_t", 1.0, Usage::Unbounded, about)?;
     let scale = params.amount("scale", 1.0, "factor of `sigma_t`")?;
     // Values are interpolated and multiplied in `f32`: their bound is a little above.
     let above = scale * (1.0 + 1e-5);
@@ -77,17 +77,17 @@ pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
 }
 
 impl Heterogeneous {
-    /// Where the path collides, if it does before `length`, and the ratio of σₜ exp(−∫σₜ), or of what comes
+    /// Where the path collides, if it does before the ray's end, and the ratio of σₜ exp(−∫σₜ), or of what comes
     /// through, to the density with which it was drawn.
     pub fn fly(
         &self,
-        (ray, length): (&Ray, f64),
+        ray: &Ray,
         mut shares: Shares,
         λ: &Wavelengths,
         numbers: &mut FlightNumbers,
     ) -> (Option<f64>, Spectrum) {
         let mut weight = Spectrum::ONE;
-        let collision = self.collisions((ray, length), numbers, |t, majorant, numbers| {
+        let collision = self.collisions(ray, numbers, |t, majorant, numbers| {
             let real = self.extinction(ray, t, λ) * (1.0 / majorant);
             let p = shares.mean(real);
             let is_real = numbers.draw() < f64::from(p);
@@ -100,15 +100,10 @@ impl Heterogeneous {
     }
 
     /// An estimate of the share of light that comes straight through.
-    pub fn transmittance(
-        &self,
-        segment: (&Ray, f64),
-        λ: &Wavelengths,
-        numbers: &mut FlightNumbers,
-    ) -> Spectrum {
+    pub fn transmittance(&self, ray: &Ray, λ: &Wavelengths, numbers: &mut FlightNumbers) -> Spectrum {
         let mut passed = Spectrum::ONE;
-        self.collisions(segment, numbers, |t, majorant, _| {
-            passed *= self.extinction(segment.0, t, λ).map(|rate| 1.0 - rate / majorant);
+        self.collisions(ray, numbers, |t, majorant, _| {
+            passed *= self.extinction(ray, t, λ).map(|rate| 1.0 - rate / majorant);
             passed.is_zero()
         });
         passed
@@ -123,7 +118,7 @@ impl Heterogeneous {
     /// until it says so; returns the distance of that one.
     fn collisions(
         &self,
-        (ray, length): (&Ray, f64),
+        ray: &Ray,
         numbers: &mut FlightNumbers,
         mut last: impl FnMut(f64, f32, &mut FlightNumbers) -> bool,
     ) -> Option<f64> {
@@ -131,7 +126,7 @@ impl Heterogeneous {
         let origin = to_local.transform_point3(ray.origin);
         let direction = to_local.transform_vector3(ray.direction);
         let mut left = flight::optical_depth(numbers.draw());
-        for part in self.majorants.walk(origin, direction, length) {
+        for part in self.majorants.walk(origin, direction, ray.end) {
             // From where the part begins: far from the ray's origin, steps would be lost in a distance from there.
             let mut travelled = 0.0;
             loop {

@@ -30,7 +30,7 @@ pub struct Homogeneous {
 
 pub fn parse(params: &mut Params) -> Result<AnyExtinction, SceneError> {
     let about = "extinction coefficient, per unit of length";
-    let sigma_t = AnyVolume::parameter(params, "sigma_t", (1.0, Usage::Unbounded), about)?;
+    let sigma_t = AnyVolume::parameter(params, "sigma_t", 1.0, Usage::Unbounded, about)?;
     let scale = params.amount("scale", 1.0, "factor of `sigma_t`")?;
     let sigma_t = sigma_t.constant().cloned().ok_or_else(|| {
         params.error("sigma_t", "the density varies", "expected a constant, or a `heterogeneous` medium")

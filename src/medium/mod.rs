@@ -63,7 +63,7 @@ fn parse(
     extinction: impl Fn(&mut Params) -> Result<AnyExtinction, SceneError>,
 ) -> Result<Arc<Medium>, SceneError> {
     let about = "share of the light that a collision scatters";
-    let albedo = AnyVolume::parameter(params, "albedo", (0.75, Usage::Reflectance), about)?;
+    let albedo = AnyVolume::parameter(params, "albedo", 0.75, Usage::Reflectance, about)?;
     let extinction = extinction(params)?;
     let phase = match params.object("phase", "how light is scattered; by default alike in all directions")? {
         None => AnyPhase::Isotropic(Isotropic),
@@ -86,23 +86,17 @@ pub enum Flight {
 }
 
 impl Medium {
-    /// Draws how far a path gets along a ray before it is scattered, if it is before `length`. `carried` is
-    /// its throughput, in whose proportion lanes are looked at (see [`Shares`]).
-    pub fn fly(
-        &self,
-        (ray, length): (&Ray, f64),
-        carried: Spectrum,
-        λ: &Wavelengths,
-        numbers: &mut FlightNumbers,
-    ) -> Flight {
+    /// Draws how far a path gets along a ray before it is scattered, if it is before the ray's end. `carried`
+    /// is its throughput, in whose proportion lanes are looked at (see [`Shares`]).
+    pub fn fly(&self, ray: &Ray, carried: Spectrum, λ: &Wavelengths, numbers: &mut FlightNumbers) -> Flight {
         // Where nothing is scattered, what comes through is known and nothing needs to be drawn.
         if !self.scatters {
-            return Flight::Through(self.transmittance((ray, length), λ, numbers));
+            return Flight::Through(self.transmittance(ray, λ, numbers));
         }
         let shares = Shares::of(carried, λ);
         let (collision, weight) = match &self.extinction {
-            AnyExtinction::Homogeneous(medium) => medium.fly(length, shares, λ, numbers),
-            AnyExtinction::Heterogeneous(medium) => medium.fly((ray, length), shares, λ, numbers),
+            AnyExtinction::Homogeneous(medium) => medium.fly(ray.end, shares, λ, numbers),
+            AnyExtinction::Heterogeneous(medium) => medium.fly(ray, shares, λ, numbers),
         };
         match collision {
             None => Flight::Through(weight),
@@ -110,17 +104,12 @@ impl Medium {
         }
     }
 
-    /// An estimate of the share of light that comes straight through this length of a ray; exact where the
-    /// medium is homogeneous.
-    pub fn transmittance(
-        &self,
-        (ray, length): (&Ray, f64),
-        λ: &Wavelengths,
-        numbers: &mut FlightNumbers,
-    ) -> Spectrum {
+    /// An estimate of the share of light that comes straight through to a ray's end; exact where the medium is
+    /// homogeneous.
+    pub fn transmittance(&self, ray: &Ray, λ: &Wavelengths, numbers: &mut FlightNumbers) -> Spectrum {
         match &self.extinction {
-            AnyExtinction::Homogeneous(medium) => medium.transmittance(length, λ),
-            AnyExtinction::Heterogeneous(medium) => medium.transmittance((ray, length), λ, numbers),
+            AnyExtinction::Homogeneous(medium) => medium.transmittance(ray.end, λ),
+            AnyExtinction::Heterogeneous(medium) => medium.transmittance(ray, λ, numbers),
         }
     }
 }

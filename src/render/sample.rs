@@ -78,7 +78,7 @@ impl<'a> SampleMaker<'a> {
             (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
             for ((path, weight), values) in paths.iter().zip(&weights).zip(values.chunks_mut(channels)) {
                 let covered = f64::from(u8::from(path.covered));
-                self.colors((&path.λ, path.radiance, covered), *weight, &mut values[..colors]);
+                self.colors(&path.λ, path.radiance, covered, *weight, &mut values[..colors]);
             }
         }
         (paths, weights)
@@ -142,7 +142,7 @@ impl<'a> SampleMaker<'a> {
             |u| self.wavelengths(u),
             counters,
             |number, found| {
-                self.colors((&found.λ, found.radiance, 0.0), found.weight, &mut values);
+                self.colors(&found.λ, found.radiance, 0.0, found.weight, &mut values);
                 splat(number, found.pixel, &values);
             },
         );
@@ -150,9 +150,7 @@ impl<'a> SampleMaker<'a> {
 
     /// Fills linear sRGB, alpha (`covered`) and the bands from the light along a path.
     #[inline]
-    fn colors(
-        &self, (λ, radiance, covered): (&Wavelengths, Spectrum, f64), weight: f64, values: &mut [f64]
-    ) {
+    fn colors(&self, λ: &Wavelengths, radiance: Spectrum, covered: f64, weight: f64, values: &mut [f64]) {
         let film = &self.scene.sensor.film;
         let (rgb, more) = values.split_at_mut(3);
         let (alpha, bands) = more.split_at_mut(usize::from(film.alpha));
@@ -161,7 +159,7 @@ impl<'a> SampleMaker<'a> {
             *value = c * weight;
         }
         if !film.bands.is_empty() {
-            respond(&film.bands, (λ, radiance), weight, bands);
+            respond(&film.bands, λ, radiance, weight, bands);
         }
     }
 
@@ -191,8 +189,7 @@ impl<'a> SampleMaker<'a> {
                     common = self.place_in_pixels(sample).map(|place| (sample, place));
                 }
                 let place = common.map(|(_, place)| place);
-                let (path, weight) =
-                    self.path((pixel, place), *sampler, numbers.of(i), groups.get(first + i));
+                let (path, weight) = self.path(pixel, place, *sampler, numbers.of(i), groups.get(first + i));
                 paths.push(path);
                 weights.push(weight);
             }
@@ -240,7 +237,8 @@ impl<'a> SampleMaker<'a> {
     #[inline]
     fn path(
         &self,
-        (pixel, place): ((u32, u32), Option<[Place; 2]>),
+        pixel: (u32, u32),
+        place: Option<[Place; 2]>,
         sampler: Sampler,
         u: &Numbers,
         group: Option<&(u32, Wavelengths)>,
@@ -260,7 +258,7 @@ impl<'a> SampleMaker<'a> {
 /// Fills bands: light along a path, weighted by their spectral responses. It is a function of its own, so
 /// that other films do not pay for it.
 #[inline(never)]
-fn respond(bands: &[Band], (λ, radiance): (&Wavelengths, Spectrum), weight: f64, values: &mut [f64]) {
+fn respond(bands: &[Band], λ: &Wavelengths, radiance: Spectrum, weight: f64, values: &mut [f64]) {
     for (value, band) in values.iter_mut().zip(bands) {
         let responded =
             |i: usize| radiance.0[i] as f64 * band.response.eval(λ.nm[i]) as f64 / λ.pdf[i] as f64;

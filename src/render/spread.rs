@@ -89,7 +89,7 @@ impl<'a> Spread<'a> {
                 let mut of_row = vec![[0.0; 3]; together as usize];
                 let y = self.window.y + y as u32;
                 for (n, sample) in some.clone().enumerate() {
-                    self.gather((n, sample), y, &lost, &mut values);
+                    self.gather(n, sample, y, &lost, &mut values);
                     let pixels = values.chunks_exact_mut(self.channels);
                     for (x, (values, sums)) in
                         (self.window.x..).zip(pixels.zip(sums.chunks_exact_mut(self.channels)))
@@ -118,7 +118,7 @@ impl<'a> Spread<'a> {
     pub fn one(mut self, sample: u64) -> Vec<f64> {
         let mut values = vec![0.0; self.channels];
         if let Some(lost) = self.trace(&(sample..sample + 1), &Progress::default(), &mut Report::default()) {
-            self.gather((0, sample), self.window.y, &lost, &mut values);
+            self.gather(0, sample, self.window.y, &lost, &mut values);
         }
         values
     }
@@ -200,7 +200,7 @@ impl<'a> Spread<'a> {
     }
 
     /// Sums the nth of the samples that were traced, whose number is `sample`, along the columns at row `y`.
-    fn gather(&self, (n, sample): (usize, u64), y: u32, lost: &[Lost], sums: &mut [f64]) {
+    fn gather(&self, n: usize, sample: u64, y: u32, lost: &[Lost], sums: &mut [f64]) {
         let place = self.maker.place_in_pixels(sample);
         let weights = place.and_then(|place| self.film.weights((self.window.x, y), place));
         let columns = &self.columns[n * self.size()..];

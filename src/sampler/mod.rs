@@ -18,7 +18,7 @@ use crate::math::simd::U32x8;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
-pub use numbers::{ManyNumbers, Numbers, PAIRS};
+pub use numbers::{EmitterNumbers, ManyNumbers, Numbers, PAIRS};
 use rand_pcg::Pcg32;
 
 /// What a sampler's element declares.
@@ -73,10 +73,10 @@ samplers! {
 }
 
 fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError> {
-    let samples = params.integer("sample_count", 4, 1..=i64::from(u32::MAX), "samples a pixel")? as u32;
-    let seed = params.integer("seed", 0, 0..=i64::from(u32::MAX), "another seed, another noise")? as u32;
+    let samples = params.count("sample_count", 4, 1..=u32::MAX, "samples a pixel")?;
+    let seed = params.count("seed", 0, 0..=u32::MAX, "another seed, another noise")?;
     params.boolean("jitter", true, "Mitsuba's option of stratified samplers; ignored")?;
-    params.integer("strength", 2, 0..=i64::from(u32::MAX), "Mitsuba's option of `orthogonal`; ignored")?;
+    params.count("strength", 2, 0..=u32::MAX, "Mitsuba's option of `orthogonal`; ignored")?;
     Ok(SamplerSettings { kind, samples, seed })
 }
 

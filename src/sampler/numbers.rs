@@ -39,6 +39,15 @@ impl Numbers {
     }
 }
 
+/// What chooses an emitter and the place on it.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterNumbers {
+    /// The first of the two chooses the emitter as well, and what is left of it is the place.
+    pub place: DVec2,
+    /// Further digits for the choice; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip).
+    pub digits: f64,
+}
+
 /// The camera's.
 impl Numbers {
     #[inline(always)]
@@ -59,10 +68,9 @@ impl Numbers {
 
 /// Those of a light path's beginning.
 impl Numbers {
-    /// The place on an emitter, and more digits for its choice.
     #[inline(always)]
-    pub fn emission(&self) -> (DVec2, f64) {
-        (self.pair(0), self.one(5))
+    pub fn emission(&self) -> EmitterNumbers {
+        EmitterNumbers { place: self.pair(0), digits: self.one(5) }
     }
 
     /// The direction, and what chooses the object that it is aimed at.
@@ -79,10 +87,9 @@ impl Numbers {
 
 /// Those of a vertex.
 impl Numbers {
-    /// The place on an emitter, and more digits for its choice; of links, the place and a further number.
     #[inline(always)]
-    pub fn emitter_sample(&self) -> (DVec2, f64) {
-        (self.pair(0), self.one(4))
+    pub fn emitter_sample(&self) -> EmitterNumbers {
+        EmitterNumbers { place: self.pair(0), digits: self.one(4) }
     }
 
     /// What chooses a lobe, and its direction. Where no lobe has a density, no direction is drawn: its first

@@ -11,7 +11,7 @@ pub const EXAMPLES: &[&str] = &[];
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
     let (to_world, flip) = placement(params)?;
-    let index = params.integer("shape_index", 0, 0..=i64::from(u32::MAX), "which mesh of the file")?;
-    mesh_file::parse(params, |path| mesh_data::read_serialized(path, index as u32))
+    let index = params.count("shape_index", 0, 0..=u32::MAX, "which mesh of the file")?;
+    mesh_file::parse(params, |path| mesh_data::read_serialized(path, index))
         .map(|(data, face_normals)| Geometry::Mesh(Mesh::new(data, &to_world, flip, face_normals)))
 }

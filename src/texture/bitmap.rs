@@ -82,8 +82,8 @@ pub struct Bitmap {
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let found = params.file("filename", "an EXR, PNG, JPEG or HDR file")?;
-    let wraps = (["repeat", "mirror", "clamp"], "beyond the unit square");
-    let lookup = Lookup::parse(params, ["bilinear", "nearest"], wraps)?;
+    let wraps = ["repeat", "mirror", "clamp"];
+    let lookup = Lookup::parse(params, ["bilinear", "nearest"], wraps, "beyond the unit square")?;
     let raw = params.boolean("raw", false, "whether the values are numbers and not sRGB colours")?;
     let to_uv = params.transform("to_uv", "applied to the surface's uv")?;
     params.choice(

@@ -24,11 +24,12 @@ impl Lookup {
         Self { nearest, wrap: Wrap::Repeat }
     }
 
-    /// `filters` and `wraps` are the words for them, the defaults first.
+    /// `filters` and `wraps` are the words for them, the defaults first; `beyond` is what wrapping is about.
     pub fn parse(
         params: &mut Params,
         filters: [&'static str; 2],
-        (wraps, beyond): ([&'static str; 3], &'static str),
+        wraps: [&'static str; 3],
+        beyond: &'static str,
     ) -> Result<Self, SceneError> {
         let nearest = params.choice("filter_type", &filters, "between cells")? == "nearest";
         let wrap = match params.choice("wrap_mode", &wraps, beyond)? {

@@ -40,8 +40,8 @@ struct Between {
 
 pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
     let found = params.file("filename", "a .vol file")?;
-    let wraps = (["clamp", "repeat", "mirror"], "beyond the grid");
-    let lookup = Lookup::parse(params, ["trilinear", "nearest"], wraps)?;
+    let wraps = ["clamp", "repeat", "mirror"];
+    let lookup = Lookup::parse(params, ["trilinear", "nearest"], wraps, "beyond the grid")?;
     let own_box = params.boolean("use_grid_bbox", false, "the grid fills the box that the file names")?;
     let to_world = params.transform("to_world", "from the unit cube, or the file's box, to the world")?;
     let raw = params.boolean("raw", false, "whether three channels are numbers and not sRGB colours")?;

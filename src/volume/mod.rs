@@ -46,7 +46,8 @@ impl AnyVolume {
     pub fn parameter(
         params: &mut Params,
         name: &'static str,
-        (default, usage): (f64, Usage),
+        default: f64,
+        usage: Usage,
         about: &'static str,
     ) -> Result<Self, SceneError> {
         match params.raw(name, "volume", &default.to_string(), about)? {

@@ -4,7 +4,7 @@ use super::aim::Aim;
 use super::is_caster;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{Ball, DVec3, Discrete, Ray};
-use crate::sampler::Numbers;
+use crate::sampler::{EmitterNumbers, Numbers};
 use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
 use crate::shape::SurfacePoint;
@@ -61,7 +61,7 @@ impl Emission {
         u: &Numbers,
         λ: &Wavelengths,
     ) -> Option<Start> {
-        let (place, digits) = u.emission();
+        let EmitterNumbers { place, digits } = u.emission();
         let (index, _, place) = self.choice.sample_strip(place, digits);
         let entry = &emitters.list[index];
         let shape = &shapes[entry.shape? as usize];

@@ -27,6 +27,8 @@ pub struct Splat {
 
 /// The state of a light path between two vertices.
 pub struct LightPath {
+    /// Its place in its stream.
+    pub index: usize,
     λ: Wavelengths,
     emitted: Spectrum,
     /// Product of the factors of the estimate at all vertices beyond the emitter so far.
@@ -46,15 +48,22 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// The path and its first ray; `None` if no light leaves there. `u` is the block [`START`] of its
-    /// sampler.
+    /// The path at a place in its stream, and its first ray; `None` if no light leaves there. `u` is the block
+    /// [`START`] of its sampler.
     ///
     /// [`START`]: crate::sampler::blocks::START
     #[inline(always)]
-    pub fn begin(caustics: &Caustics, scene: &Scene, u: &Numbers, λ: Wavelengths) -> Option<(Self, Ray)> {
+    pub fn begin(
+        caustics: &Caustics,
+        scene: &Scene,
+        index: usize,
+        u: &Numbers,
+        λ: Wavelengths,
+    ) -> Option<(Self, Ray)> {
         let start = caustics.emission.sample(&scene.emitters, &scene.shapes, u, &λ)?;
         let scale = start.cos / start.density;
         let path = Self {
+            index,
             λ,
             emitted: start.radiance,
             throughput: λ.ones(),
@@ -79,12 +88,11 @@ pub struct Landing<'a> {
 
 impl Caustics {
     /// Connects the vertex at the hit with the camera, and samples the next ray; `None` ends the path.
-    /// `index` is the path's place in its stream.
     #[inline(always)]
     pub fn step<const F: u32>(
         &self,
         scene: &Scene,
-        (index, path): (usize, &mut LightPath),
+        path: &mut LightPath,
         landing: Landing,
         connections: &mut Connections,
         counters: &mut Counters,
@@ -99,7 +107,6 @@ impl Caustics {
         scene.materials[side.material as usize].visit(Scatter::<F> {
             caustics: self,
             scene,
-            index,
             path,
             landing,
             point: &point,
@@ -115,7 +122,6 @@ impl Caustics {
 struct Scatter<'a, const F: u32> {
     caustics: &'a Caustics,
     scene: &'a Scene,
-    index: usize,
     path: &'a mut LightPath,
     landing: Landing<'a>,
     point: &'a SurfacePoint,
@@ -130,26 +136,25 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
 
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
-        let Self { caustics, scene, index, path, landing, point, side, seen, connections, counters } = self;
+        let Self { caustics, scene, path, landing, point, side, seen, connections, counters } = self;
         let Landing { ray, hit, edges, u } = landing;
         let Hit { t, primitive, .. } = hit;
         let to_light = -ray.direction;
         let λ = path.λ;
         let frame = side.frame::<F>(point);
         let bsdf = material.at(point, &λ);
-        let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, to_light);
+        let vertex = Vertex::new(point, primitive, &frame, &bsdf, side, to_light);
         // The density of emitter samples from here by the same specular chain, over the probability that a
         // scattered path chooses the same lobes along it.
         let asked = side.traits.has_density && scene.links.as_ref().is_some_and(|links| links.everywhere);
         let linked =
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
-                let EmitterPoint { emitter, p, n } = path.end;
-                let end = (emitter, &SurfacePoint::plain(p, n, n));
-                let found = density_of(scene, vertex.origin(), (to_light, passage), end, &λ, counters);
+                let found = density_of(scene, vertex.origin(), to_light, passage, path.end, &λ, counters);
                 found.unwrap_or(0.0) * caustics.emitter_samples / chance
             });
         if edges > 1 && seen && side.traits.has_density {
-            caustics.connect(scene, (index, path), (&vertex, to_light), (linked, u), connections);
+            let lit = LitVertex { vertex: &vertex, to_light, linked };
+            caustics.connect(scene, path, lit, u, connections);
         }
         // The next connection is one edge more.
         if edges >= caustics.lengths.max_depth.saturating_sub(1) {
@@ -181,7 +186,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
-                let found = density_of_finding(scene, path.end, &vertex, sample.wi, (to_light, t));
+                let found = density_of_finding(scene, path.end, &vertex, sample.wi, to_light, t);
                 path.by_emitter = found / back.pdf;
             }
         }
@@ -199,15 +204,25 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     }
 }
 
+/// A vertex that a light path has come to, as the camera may see it.
+struct LitVertex<'a, B> {
+    vertex: &'a Vertex<'a, B>,
+    /// Direction (world) to where the light came from.
+    to_light: DVec3,
+    /// The density of emitter samples from here by the specular chain that light came by, over the probability
+    /// of its lobes, if emitters are sampled so.
+    linked: Option<f64>,
+}
+
 impl Caustics {
     /// Queues the contribution of a vertex to the camera, with its shadow ray.
     #[inline]
     fn connect<B: Bsdf>(
         &self,
         scene: &Scene,
-        (index, path): (usize, &LightPath),
-        (vertex, to_light): (&Vertex<B>, DVec3),
-        (linked, u): (Option<f64>, &Numbers),
+        path: &LightPath,
+        LitVertex { vertex, to_light, linked }: LitVertex<B>,
+        u: &Numbers,
         connections: &mut Connections,
     ) {
         let (point, film) = (vertex.point, &scene.sensor.film);
@@ -232,6 +247,6 @@ impl Caustics {
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));
         let radiance = path.throughput * path.emitted * scattered.value;
         let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);
-        connections.push(index, ray, Splat { pixel, λ: path.λ, radiance, weight });
+        connections.push(path.index, ray, Splat { pixel, λ: path.λ, radiance, weight });
     }
 }

@@ -47,7 +47,7 @@ use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
 use crate::sensor::Sensor;
 pub use emission::Emission;
-pub use light_path::Splat;
+pub use light_path::{Landing, Splat};
 
 /// Light paths per camera path, until a pilot has found how much of the light they find; see
 /// [`crate::render::plan`].

@@ -16,8 +16,8 @@ use std::ops::Range;
 struct Stream {
     samplers: Vec<Sampler>,
     numbers: ManyNumbers<STREAM>,
-    /// The paths that began, each with its place in the stream.
-    paths: Vec<(usize, LightPath)>,
+    /// The paths that began.
+    paths: Vec<LightPath>,
     wavefront: Wavefront,
     connections: Connections,
 }
@@ -65,8 +65,8 @@ impl Caustics {
         paths.clear();
         wavefront.begin((0..count).filter_map(|i| {
             let u = numbers.of(i);
-            let (path, ray) = LightPath::begin(self, scene, u, wavelengths(u.light_wavelengths()))?;
-            paths.push((i, path));
+            let (path, ray) = LightPath::begin(self, scene, i, u, wavelengths(u.light_wavelengths()))?;
+            paths.push(path);
             Some((paths.len() - 1, ray))
         }));
         for edges in 1..=MAX_VERTICES {
@@ -74,11 +74,10 @@ impl Caustics {
             if going.is_empty() {
                 return;
             }
-            numbers.fill(going.len(), PAIRS, |i| (&samplers[paths[going[i]].0], blocks::vertex(edges)));
+            numbers.fill(going.len(), PAIRS, |i| (&samplers[paths[going[i]].index], blocks::vertex(edges)));
             wavefront.advance(|Arrived { place, path, ray, hit }| {
-                let (index, path) = &mut paths[path];
                 let landing = Landing { ray, hit: hit?, edges, u: numbers.of(place) };
-                self.step::<F>(scene, (*index, path), landing, connections, counters)
+                self.step::<F>(scene, &mut paths[path], landing, connections, counters)
             });
             connections.resolve(scene, counters);
         }

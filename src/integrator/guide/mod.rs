@@ -84,13 +84,21 @@ impl Guide {
     }
 }
 
-/// One guided emitter sample at a vertex with `depth` vertices before it, by at most `most` specular
-/// surfaces: the radiance that leaves the vertex, with its MIS weight.
+/// A guided emitter sample.
+pub struct GuidedSample<'a> {
+    pub directions: &'a Directions,
+    pub sampler: &'a Sampler,
+    /// Vertices before the one where it is taken.
+    pub depth: u32,
+    /// Most specular surfaces on its way.
+    pub most: u32,
+}
+
+/// Takes a guided emitter sample: the radiance that leaves the vertex, with its MIS weight.
 pub fn sample_emitters<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
-    directions: &Directions,
-    (sampler, depth, most): (&Sampler, u32, u32),
+    GuidedSample { directions, sampler, depth, most }: GuidedSample,
     λ: &Wavelengths,
     counters: &mut Counters,
 ) -> Spectrum {
@@ -123,8 +131,9 @@ pub fn sample_emitters<B: Bsdf>(
         if number % 8 == 0 {
             u = block(number / 8);
         }
-        let met = (side, &point, hit.primitive);
-        let Some(turn) = onward(scene, -ray.direction, met, u.one(number as usize % 8), λ) else { break };
+        let lobe = u.one(number as usize % 8);
+        let turn = onward(scene, -ray.direction, side, &point, hit.primitive, lobe, λ);
+        let Some(turn) = turn else { break };
         throughput *= turn.sample.weight;
         ray = turn.ray;
     }
@@ -144,7 +153,9 @@ struct Turn {
 fn onward(
     scene: &Scene,
     back: DVec3,
-    (side, point, primitive): (&Side, &SurfacePoint, u32),
+    side: &Side,
+    point: &SurfacePoint,
+    primitive: u32,
     lobe: f64,
     λ: &Wavelengths,
 ) -> Option<Turn> {

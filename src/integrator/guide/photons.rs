@@ -7,7 +7,6 @@ use crate::integrator::links::{Passage, density_of};
 use crate::math::{DVec3, INV_PI, Origin};
 use crate::sampler::{Kind, Sampler, blocks};
 use crate::scene::{Features, Scene};
-use crate::shape::SurfacePoint;
 use crate::spectrum::{ColorMode, Wavelengths};
 
 /// Light that has come by specular surfaces to one that scatters with a density.
@@ -42,10 +41,9 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
         if side.traits.has_density {
             let power = f64::from(λ.mean(light)) * scale;
             let linked = passage.and_then(|(passage, chance)| {
-                let end = (start.end.emitter, &SurfacePoint::plain(start.end.p, start.end.n, start.end.n));
                 let mut counters = Counters::default();
                 let from = Origin { p: point.p, primitive: hit.primitive };
-                let found = density_of(scene, from, (w, passage), end, &λ, &mut counters)?;
+                let found = density_of(scene, from, w, passage, start.end, &λ, &mut counters)?;
                 // As of a matte surface; for others it is not known in which direction they scatter.
                 Some(found / (chance * point.ng.dot(w).abs() * INV_PI))
             });
@@ -54,7 +52,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
             return some.then_some(Photon { p: point.p, w, power, left });
         }
         let number = sampler.block(blocks::vertex(edges)).lobe();
-        let turn = onward(scene, w, (side, &point, hit.primitive), number, &λ)?;
+        let turn = onward(scene, w, side, &point, hit.primitive, number, &λ)?;
         passage = passage.and_then(|(passage, chance)| {
             let passage = passage.on(side, hit.primitive, turn.wo, &turn.sample)?;
             Some((passage, chance * turn.sample.pdf))

@@ -184,6 +184,11 @@ impl<'a> Search<'a> {
         Some(Self { scene, from, to, chain, starts, exact: lens.is_some(), distance })
     }
 
+    /// How many surfaces a link leads by.
+    pub fn surfaces(&self) -> u32 {
+        self.chain.count as u32
+    }
+
     /// The links that are found.
     pub fn links<'s>(
         &'s self,

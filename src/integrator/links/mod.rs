@@ -38,7 +38,8 @@ use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::{AnyEmitter, Choice, EmitterPoint, Gathers, Radiance};
 use crate::math::bounds::union;
 use crate::math::ray::{free_way, position_error};
-use crate::math::{DVec2, DVec3, Origin, Ray, length};
+use crate::math::{DVec3, Origin, Ray, length};
+use crate::sampler::EmitterNumbers;
 use crate::scene::{Scene, Shape};
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
@@ -157,8 +158,9 @@ impl Links {
 pub fn density_of(
     scene: &Scene,
     from: Origin,
-    (direction, passage): (DVec3, Passage),
-    (emitter, point): (usize, &SurfacePoint),
+    direction: DVec3,
+    passage: Passage,
+    EmitterPoint { emitter, p, n }: EmitterPoint,
     λ: &Wavelengths,
     counters: &mut Counters,
 ) -> Option<f64> {
@@ -166,43 +168,55 @@ pub fn density_of(
     let geometry = &scene.shapes[entry.shape? as usize].geometry;
     let technique = scene.links.as_ref()?.technique(from.p, &passage)?;
     let seen_from = technique.seen_from(from.p)?;
-    let towards = point.p - seen_from;
+    let towards = p - seen_from;
     let distance = length(towards);
     let straight = Ray::leaving(seen_from, towards / distance, distance, from.primitive);
-    if straight.direction.dot(point.ng) >= 0.0 {
+    if straight.direction.dot(n) >= 0.0 {
         return None;
     }
     let to = straight.at(free_way(distance, geometry.point_error() + position_error(seen_from)));
-    let search = Search::new(scene, from, to, technique.by, passage.surfaces as usize, counters)?;
-    let is_it =
-        |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(point.ng) < 0.0;
+    // Of fewer surfaces it would be another path, even in the same direction: glass does not bend light behind
+    // the last of them that it has in common with this one.
+    let search = Search::new(scene, from, to, technique.by, passage.surfaces as usize, counters)
+        .filter(|search| search.surfaces() == passage.surfaces)?;
+    let is_it = |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(n) < 0.0;
     let link = search.links(λ, counters).find(is_it)?;
-    let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, point);
+    let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, &SurfacePoint::plain(p, n, n));
     let chosen =
         Choice::at(Gathers::EVERYWHERE.at(from.p)).probability(&scene.emitters, emitter) * technique.chance;
-    Some(chosen * density(pdf, (straight.direction, distance), &link, point.ng))
+    Some(chosen * density(pdf, straight.direction, distance, &link, n))
 }
 
 /// p(ω) from p′, the straight line (direction and distance), the link, and the emitter's normal.
-fn density(straight_pdf: f64, (straight, distance): (DVec3, f64), link: &Link, n: DVec3) -> f64 {
+fn density(straight_pdf: f64, straight: DVec3, distance: f64, link: &Link, n: DVec3) -> f64 {
     straight_pdf * (n.dot(straight) / (n.dot(link.last.direction) * distance * distance)).abs() * link.spread
 }
 
-/// One emitter sample out of `count`, by specular chains of at most `most` surfaces: passes the contribution
-/// of each link, with its MIS weight, to `found`, up to visibility behind the last surface. `light_paths`
+/// One emitter sample by specular chains.
+pub struct LinkSample<'a> {
+    pub technique: Technique<'a>,
+    pub numbers: EmitterNumbers,
+    /// How many are taken at the vertex.
+    pub count: f64,
+    /// Most surfaces of a chain.
+    pub most: usize,
+}
+
+/// Takes an emitter sample by specular chains: passes the contribution of each link, with its MIS weight, to
+/// `found`, up to visibility behind the last surface. `light_paths`
 /// gives, for a link, the density of its direction when scattering, and a point of the emitter, the density
 /// of light paths over that of scattering, for the whole path.
 pub fn sample_emitter<B: Bsdf>(
-    (scene, λ): (&Scene, &Wavelengths),
+    scene: &Scene,
     vertex: &Vertex<B>,
-    (technique, u, digits): (Technique, DVec2, f64),
-    (count, most): (f64, usize),
+    LinkSample { technique, numbers, count, most }: LinkSample,
+    λ: &Wavelengths,
     light_paths: impl Fn(&Link, f64, EmitterPoint) -> f64,
     counters: &mut Counters,
     mut found: impl FnMut(Proposal),
 ) -> Option<()> {
     let (index, probability, u) =
-        Choice::at(Gathers::EVERYWHERE.at(vertex.point.p)).sample(&scene.emitters, u, digits)?;
+        Choice::at(Gathers::EVERYWHERE.at(vertex.point.p)).sample(&scene.emitters, numbers)?;
     let entry = &scene.emitters.list[index];
     if !matches!(entry.emitter, AnyEmitter::Area(_)) {
         return None;
@@ -210,7 +224,7 @@ pub fn sample_emitter<B: Bsdf>(
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let from = vertex.origin();
     let seen_from = technique.seen_from(from.p)?;
-    let light = entry.emitter.sample(shape, (seen_from, DVec3::ZERO), u, λ)?;
+    let light = entry.emitter.sample(shape, seen_from, DVec3::ZERO, u, λ)?;
     let Radiance::Known(radiance) = light.radiance else { return None };
     if radiance.is_zero() {
         return None;
@@ -227,7 +241,7 @@ pub fn sample_emitter<B: Bsdf>(
         let early = 2.0 * link.miss / cos + 4.0 * error;
         let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));
         let chance = probability * technique.chance;
-        let pdf = density(light.pdf, (light.wi, light.distance), &link, light.n) * chance * count;
+        let pdf = density(light.pdf, light.wi, light.distance, &link, light.n) * chance * count;
         if scattered.value.is_zero() || pdf.is_nan() || pdf <= 0.0 {
             continue;
         }

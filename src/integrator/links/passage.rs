@@ -2,11 +2,11 @@
 
 use super::density_of;
 use crate::bsdf::Sample;
+use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::guide::{Directions, MOST_SURFACES};
 use crate::math::{DVec3, Origin};
 use crate::scene::{Scene, Side};
-use crate::shape::SurfacePoint;
 use crate::spectrum::Wavelengths;
 
 /// What a lobe without density does with light, all wavelengths alike: it transmits or reflects.
@@ -109,13 +109,13 @@ impl Way {
     pub fn rival(
         &self,
         scene: &Scene,
-        end: (usize, &SurfacePoint),
+        end: EmitterPoint,
         count: f64,
         λ: &Wavelengths,
         counters: &mut Counters,
     ) -> f64 {
         let Some(passage) = self.passage.filter(|passage| passage.surfaces > 0) else { return self.guided.0 };
-        let way = (self.direction, passage);
-        density_of(scene, self.from, way, end, λ, counters).map_or(0.0, |pdf| pdf * count / self.pdf)
+        let found = density_of(scene, self.from, self.direction, passage, end, λ, counters);
+        found.map_or(0.0, |pdf| pdf * count / self.pdf)
     }
 }

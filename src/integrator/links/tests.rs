@@ -3,7 +3,7 @@ mod mirrors;
 use super::passage::Turn;
 use super::*;
 use crate::math::frame::unit;
-use crate::math::{Frame, Origin};
+use crate::math::{DVec2, Frame, Origin};
 use crate::scene::load_text;
 use crate::shape::mesh_data::{MeshData, write_ply};
 use crate::spectrum::ColorMode;
@@ -193,18 +193,21 @@ fn both_sides_agree_on_the_density() {
                 which.map_or(Technique::THROUGH, |(elements, i)| elements.technique(x, i));
             let seen_from = element.map_or(x, |element| element.image(x).expect("x is outside"));
             let u = DVec2::new((x.x * 37.0).rem_euclid(1.0), (x.y * 41.0).rem_euclid(1.0));
-            let Some(light) = entry.emitter.sample(geometry, (seen_from, DVec3::ZERO), u, &λ) else {
+            let Some(light) = entry.emitter.sample(geometry, seen_from, DVec3::ZERO, u, &λ) else {
                 continue;
             };
             let y = seen_from + light.wi * light.distance;
-            let end = (index, &SurfacePoint::plain(y, light.n, light.n));
-            let counters = &mut Counters::default();
+            let end = EmitterPoint { emitter: index, p: y, n: light.n };
+            let pdf_of = |direction, passage| {
+                let from = Origin { p: x, primitive: 0 };
+                density_of(&scene, from, direction, passage, end, &λ, &mut Counters::default())
+            };
             let found = by(&scene, x, y, element);
             several += usize::from(found.len() > 1);
             let inner = element.and_then(Element::lens).map_or(0, |lens| lens.inner);
             reflected += inner * found.len() as u32;
             for link in &found {
-                let expected = chance * density(light.pdf, (light.wi, light.distance), link, light.n);
+                let expected = chance * density(light.pdf, light.wi, light.distance, link, light.n);
                 let alone = element.map(|element| element.primitives[0]);
                 let within = |passage: Passage| match alone {
                     Some(primitive) => {
@@ -212,21 +215,15 @@ fn both_sides_agree_on_the_density() {
                     }
                     None => passage,
                 };
-                let way = (link.direction, within(through(link.surfaces - inner, alone)));
-                match density_of(&scene, Origin { p: x, primitive: 0 }, way, end, &λ, counters) {
+                let passage = within(through(link.surfaces - inner, alone));
+                match pdf_of(link.direction, passage) {
                     Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                     None => assert!(link.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
                 }
                 // Another direction is another way, and another number of interfaces too.
                 let aside = unit(link.direction + DVec3::X * 1e-3);
-                assert!(
-                    density_of(&scene, Origin { p: x, primitive: 0 }, (aside, way.1), end, &λ, counters)
-                        .is_none()
-                );
-                let fewer = (way.0, within(through(link.surfaces - inner - 1, alone)));
-                assert!(
-                    density_of(&scene, Origin { p: x, primitive: 0 }, fewer, end, &λ, counters).is_none()
-                );
+                let fewer = within(through(link.surfaces - inner - 1, alone));
+                assert!(pdf_of(aside, passage).is_none() && pdf_of(link.direction, fewer).is_none());
                 tried += 1;
             }
         }

@@ -15,8 +15,10 @@ pub struct Escape {
     /// Whether other pixels share what it finds.
     pub shares: bool,
     pub throughput: Spectrum,
-    /// Where it began (world), and how its direction was sampled there.
-    pub from: (DVec3, Arrival),
+    /// Where it began (world).
+    pub from: DVec3,
+    /// How its direction was sampled there.
+    pub arrival: Arrival,
     pub view: View,
 }
 
@@ -33,12 +35,13 @@ impl Escapes {
     pub fn resolve(
         &mut self,
         scene: &Scene,
-        (paths, gathers): (&mut [CameraPath], &[Gathers]),
+        paths: &mut [CameraPath],
+        gathers: &[Gathers],
         shared: &mut [Shared],
     ) {
-        for Escape { path, shares, throughput, from, view } in self.0.drain(..) {
+        for Escape { path, shares, throughput, from, arrival, view } in self.0.drain(..) {
             let light =
-                throughput * surroundings(scene, &view, (gathers[path].at(from.0), &from.1), &paths[path].λ);
+                throughput * surroundings(scene, &view, gathers[path].at(from), &arrival, &paths[path].λ);
             let found = if shares { &mut shared[path].radiance } else { &mut paths[path].radiance };
             *found += light;
         }

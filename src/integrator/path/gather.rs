@@ -2,13 +2,13 @@
 
 use super::Path;
 use super::reuse::Shared;
-use super::shadows::Shadows;
+use super::shadows::{Destination, Shadows};
 use super::stream::State;
 use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers};
-use crate::integrator::guide::{self, Directions};
-use crate::integrator::light::{self, Sampled, Vertex};
-use crate::integrator::links::{self, Link, Links};
+use crate::integrator::guide::{self, Directions, GuidedSample};
+use crate::integrator::light::{self, Sampled, Samples, Vertex};
+use crate::integrator::links::{self, Link, LinkSample, Links};
 use crate::integrator::{Counters, caustics};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{Numbers, PAIRS, Sampler};
@@ -70,9 +70,9 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         for which in 0..count {
             let u = match count {
                 1 => self.u.emitter_sample(),
-                _ => shadows.numbers(scene, self.sampler, state.depth, (which, count)),
+                _ => shadows.numbers(scene, self.sampler, state.depth, which, count),
             };
-            let counts = (f64::from(count), 1.0);
+            let counts = Samples { emitter: f64::from(count), bsdf: 1.0 };
             let found = light::sample_emitter(scene, vertex, &choice, u, counts, λ, light_paths);
             let Some((mut proposal, sampled)) = found else { continue };
             if F & Features::ENVIRONMENT == 0 {
@@ -87,7 +87,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             let rivals = if F & Features::REUSE != 0 && shares && !casts { rivals() } else { None };
             match rivals {
                 Some(rivals) => shadows.contest(self.index, rivals, throughput, proposal),
-                None => shadows.push((self.index, shares), throughput, proposal),
+                None => shadows.push(Destination { path: self.index, shares }, throughput, proposal),
             }
         }
     }
@@ -130,22 +130,23 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
                 }
                 _ => 0.0,
             };
-            let effort = (settings.emitter_samples as f64, most);
             let count = settings.emitter_samples;
+            let to = Destination { path: self.index, shares };
             let one = (count == 1).then_some(*self.u);
             let several = (count > 1).then(|| self.sampler.each_emitter_sample(state.depth, count, PAIRS));
             for u in one.into_iter().chain(several.into_iter().flatten()) {
                 for technique in links.techniques(vertex.point.p, u.link()) {
-                    let (place, digits) = u.emitter_sample();
-                    let which = (technique, place, digits);
-                    let found = |proposal| shadows.push((self.index, shares), throughput, proposal);
-                    links::sample_emitter((scene, λ), vertex, which, effort, light_paths, counters, found);
+                    let numbers = u.emitter_sample();
+                    let sample = LinkSample { technique, numbers, count: f64::from(count), most };
+                    let found = |proposal| shadows.push(to, throughput, proposal);
+                    links::sample_emitter(scene, vertex, sample, λ, light_paths, counters, found);
                 }
             }
         }
-        if let Some(seen) = ways.seen {
-            let numbers = (self.sampler, state.depth, most as u32);
-            let found = guide::sample_emitters(scene, vertex, seen, numbers, λ, counters);
+        if let Some(directions) = ways.seen {
+            let (sampler, depth, most) = (self.sampler, state.depth, most as u32);
+            let sample = GuidedSample { directions, sampler, depth, most };
+            let found = guide::sample_emitters(scene, vertex, sample, λ, counters);
             let sum = if shares { &mut shared.radiance } else { radiance };
             *sum += throughput * found;
         }

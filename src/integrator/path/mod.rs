@@ -100,10 +100,9 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let begins = params.has("rr_depth");
     let lengths = Lengths::parse(params)?;
     let about = "emitter samples at every vertex (an extension)";
-    let most = i64::from(MOST_EMITTER_SAMPLES);
-    let emitter_samples = params.integer("emitter_samples", 1, 1..=most, about)? as u32;
+    let emitter_samples = params.count("emitter_samples", 1, 1..=MOST_EMITTER_SAMPLES, about)?;
     let about = "emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth coats: by default `emitter_samples`, or, where a pilot decides on `reuse`, what it finds best (an extension)";
-    let first = params.integer("first_emitter_samples", AUTO.into(), 1..=most, about)? as u32;
+    let first = params.count("first_emitter_samples", AUTO, 1..=MOST_EMITTER_SAMPLES, about)?;
     let about =
         "light paths to a camera path, where there are caustics; 0 leaves all to camera paths (an extension)";
     let light_paths = params.optional_float("light_paths", about)?;
@@ -112,7 +111,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         return Err(params.error("light_paths", "no such share", help));
     }
     let about = "neighbouring pixels that share what their paths find: a power of two up to 64, or 0 for a pilot to decide (an extension)";
-    let reuse = params.integer("reuse", 1, 0..=64, about)? as u32;
+    let reuse = params.count("reuse", 1, 0..=64, about)?;
     if reuse != AUTO && !reuse::PIXELS.contains(&reuse) {
         return Err(params.error(
             "reuse",

@@ -42,7 +42,7 @@ impl Roulette {
 
     /// [`roulette`], if it has begun.
     #[inline(always)]
-    pub fn play(&self, carried: f64, (edges, vertices): (u32, u32), specular: bool, u: f64) -> Option<f32> {
+    pub fn play(&self, carried: f64, edges: u32, vertices: u32, specular: bool, u: f64) -> Option<f32> {
         if edges < self.edges && vertices < self.vertices {
             return Some(1.0);
         }
@@ -101,13 +101,13 @@ mod tests {
     #[test]
     fn early_roulette_spares_what_has_lost_little() {
         let early = Roulette::after(5).early();
-        let survive = |carried, edges, vertices| early.play(carried, (edges, vertices), false, 0.7);
+        let survive = |carried, edges, vertices| early.play(carried, edges, vertices, false, 0.7);
         assert_eq!((survive(0.5, 3, 3), survive(0.2, 3, 3)), (Some(1.0), None));
         // Through two panes, and at the vertex that light comes from which pixels share.
         assert_eq!((survive(0.2, 4, 2), survive(0.2, 5, 0)), (Some(1.0), None));
-        assert_eq!(early.play(0.25, (3, 3), false, 0.4), Some(2.0));
-        assert_eq!(Roulette::after(5).play(0.5, (4, 4), false, 0.7), Some(1.0));
-        assert_eq!(Roulette::after(5).play(0.5, (5, 4), false, 0.4), Some(2.0));
+        assert_eq!(early.play(0.25, 3, 3, false, 0.4), Some(2.0));
+        assert_eq!(Roulette::after(5).play(0.5, 4, 4, false, 0.7), Some(1.0));
+        assert_eq!(Roulette::after(5).play(0.5, 5, 4, false, 0.4), Some(2.0));
     }
 
     #[test]

@@ -39,7 +39,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let InFlight { index, path, state, gathers, shared, way } = flight;
         let frame = side.frame::<F>(point);
         let bsdf = material.at(point, &path.λ);
-        let vertex = Vertex::new((point, primitive), &frame, &bsdf, side, wo);
+        let vertex = Vertex::new(point, primitive, &frame, &bsdf, side, wo);
         if F & Features::REUSE != 0 && settings.reuse > 1 {
             shared.arrive(scene, &vertex, settings, state, &path.λ);
             state.tail.arrive(shared.source.as_ref(), &vertex);
@@ -106,8 +106,9 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             // By the largest lane: a red path between red walls must not end early because of its other
             // lanes. What is shared must not end because the path's own receiver is dark: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;
-            let passed = (state.depth, state.vertices);
-            state.throughput *= settings.roulette.play(carried, passed, sample.delta, u.roulette())?;
+            let (edges, vertices) = (state.depth, state.vertices);
+            state.throughput *=
+                settings.roulette.play(carried, edges, vertices, sample.delta, u.roulette())?;
         }
         Some(onward)
     }

@@ -6,16 +6,25 @@ use crate::emitter::MapPlace;
 use crate::integrator::light::Proposal;
 use crate::integrator::wavefront::{STREAM, occluded};
 use crate::integrator::{CameraPath, Counters};
-use crate::math::{DVec2, Ray};
-use crate::sampler::{ManyNumbers, Sampler};
+use crate::math::Ray;
+use crate::sampler::{EmitterNumbers, ManyNumbers, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
-/// Contributions with their shadow rays; of each, the path that it belongs to, and whether it is shared.
+/// Where a contribution goes.
+#[derive(Clone, Copy)]
+pub struct Destination {
+    /// The path's place in the stream.
+    pub path: usize,
+    /// Whether other pixels share it.
+    pub shares: bool,
+}
+
+/// Contributions with their shadow rays.
 #[derive(Default)]
 pub struct Shadows {
     pub rays: Vec<Ray>,
-    light: Vec<(usize, bool, Spectrum)>,
+    light: Vec<(Destination, Spectrum)>,
     /// The place in the map of the surroundings that a contribution comes from, by its place here: what is
     /// there is looked up if it arrives.
     mapped: Vec<(usize, MapPlace)>,
@@ -32,16 +41,16 @@ impl Shadows {
     /// With more rays than this, they are traced without waiting for the rest of the stream.
     pub const MANY: usize = 4 * STREAM;
 
-    /// The place and the digits (see [`sample_emitter`](crate::integrator::light::sample_emitter)) of one of
-    /// `count` emitter samples at a vertex, which must be requested in order.
+    /// The numbers of one of `count` emitter samples at a vertex, which must be requested in order.
     #[inline(never)]
     pub fn numbers(
         &mut self,
         scene: &Scene,
         sampler: &Sampler,
         depth: u32,
-        (which, count): (u32, u32),
-    ) -> (DVec2, f64) {
+        which: u32,
+        count: u32,
+    ) -> EmitterNumbers {
         if which.is_multiple_of(8) {
             // Place, and more digits for the choice of the emitter.
             let pairs = if scene.emitters.list.len() > FEW_EMITTERS { 3 } else { 1 };
@@ -51,18 +60,18 @@ impl Shadows {
     }
 
     #[inline(always)]
-    pub fn push(&mut self, (path, shares): (usize, bool), throughput: Spectrum, proposal: Proposal) {
+    pub fn push(&mut self, to: Destination, throughput: Spectrum, proposal: Proposal) {
         if let Some(place) = proposal.of {
             self.mapped.push((self.light.len(), place));
         }
         self.rays.push(proposal.ray);
-        self.light.push((path, shares, throughput * proposal.radiance));
+        self.light.push((to, throughput * proposal.radiance));
     }
 
     /// Light that is shared and that light paths find as well.
     pub fn contest(&mut self, path: usize, rivals: Rivals, throughput: Spectrum, proposal: Proposal) {
         self.rivals.push((self.light.len(), rivals));
-        self.push((path, true), throughput, proposal);
+        self.push(Destination { path, shares: true }, throughput, proposal);
     }
 
     /// Traces the shadow rays and adds what is unoccluded, in the order in which it was pushed.
@@ -75,17 +84,17 @@ impl Shadows {
     ) {
         occluded(scene, &self.rays, &mut self.occluded, counters);
         for (index, place) in self.mapped.drain(..).filter(|(index, _)| !self.occluded[*index]) {
-            let (path, _, light) = &mut self.light[index];
-            *light *= scene.emitters.mapped(&place, &paths[*path].λ);
+            let (to, light) = &mut self.light[index];
+            *light *= scene.emitters.mapped(&place, &paths[to.path].λ);
         }
         // Contested light goes where it is parted.
         for (place, rivals) in self.rivals.drain(..) {
-            let (path, _, light) = self.light[place];
+            let (Destination { path, .. }, light) = self.light[place];
             if !std::mem::replace(&mut self.occluded[place], true) {
                 self.contested.push(Contested { path, rivals, light });
             }
         }
-        for ((path, shares, light), occluded) in self.light.drain(..).zip(&self.occluded) {
+        for ((Destination { path, shares }, light), occluded) in self.light.drain(..).zip(&self.occluded) {
             match occluded {
                 true => {}
                 false if shares => shared[path].radiance += light,

@@ -7,7 +7,7 @@ use super::{FEW_EMITTERS, Path};
 use crate::emitter::Gathers;
 use crate::integrator::arrival::Arrival;
 use crate::integrator::links::Way;
-use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
+use crate::integrator::wavefront::{STREAM, Wavefront};
 use crate::integrator::{CameraPath, Counters};
 use crate::sampler::{ManyNumbers, PAIRS, blocks};
 use crate::scene::{Features, Scene};
@@ -82,6 +82,15 @@ pub struct InFlight<'a> {
     pub way: &'a mut Way,
 }
 
+/// Light that a step has found, but for what it waits for.
+#[derive(Default)]
+pub struct Pending {
+    /// Waits for shadow rays.
+    pub shadows: Shadows,
+    /// Waits for memory.
+    pub escapes: Escapes,
+}
+
 /// Buffers of a stream of paths, kept for the next.
 #[derive(Default)]
 struct Stream {
@@ -89,8 +98,7 @@ struct Stream {
     gathers: Vec<Gathers>,
     wavefront: Wavefront,
     numbers: ManyNumbers<STREAM>,
-    shadows: Shadows,
-    escapes: Escapes,
+    pending: Pending,
     shared: Vec<Shared>,
     ways: Vec<Way>,
     exchange: Exchange,
@@ -125,8 +133,9 @@ impl Path {
             }
             let (now, later) = paths.split_at_mut(end);
             self.trace_stream::<F>(scene, now, &mut stream, counters);
-            let Stream { exchange, shared, shadows, .. } = &mut stream;
-            exchange.share((scene, self.lengths.max_depth), now, (shared, &mut shadows.contested), counters);
+            let Stream { exchange, shared, pending, .. } = &mut stream;
+            let contested = &mut pending.shadows.contested;
+            exchange.share(scene, self.lengths.max_depth, now, shared, contested, counters);
             paths = later;
         }
     }
@@ -148,7 +157,7 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, gathers, wavefront, numbers, shadows, escapes, shared, ways, .. }: &mut Stream,
+        Stream { states, gathers, wavefront, numbers, pending, shared, ways, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
@@ -173,9 +182,10 @@ impl Path {
             }
             let sampler = |i: usize| (&paths[going[i]].sampler, blocks::vertex(states[going[i]].depth + 1));
             numbers.fill(going.len(), self.pairs(scene, edges), sampler);
-            wavefront.advance(|Arrived { place, path: index, ray, hit }| {
-                if shadows.rays.len() > Shadows::MANY {
-                    shadows.resolve(scene, paths, shared, counters);
+            wavefront.advance(|arrived| {
+                let (index, u) = (arrived.path, numbers.of(arrived.place));
+                if pending.shadows.rays.len() > Shadows::MANY {
+                    pending.shadows.resolve(scene, paths, shared, counters);
                 }
                 let flight = InFlight {
                     index,
@@ -185,12 +195,12 @@ impl Path {
                     shared: &mut shared[index],
                     way: &mut ways[index],
                 };
-                self.step::<F>(scene, flight, (ray, hit, numbers.of(place)), (shadows, escapes), counters)
+                self.step::<F>(scene, flight, arrived, u, pending, counters)
             });
             if F & Features::ENVIRONMENT != 0 {
-                escapes.resolve(scene, (paths, gathers), shared);
+                pending.escapes.resolve(scene, paths, gathers, shared);
             }
-            shadows.resolve(scene, paths, shared, counters);
+            pending.shadows.resolve(scene, paths, shared, counters);
         }
     }
 }

@@ -1,18 +1,19 @@
 //! A vertex of a camera path: the emission that it meets, and the surface at which it scatters.
 
-use super::escapes::{Escape, Escapes};
+use super::escapes::Escape;
 use super::reuse::Contested;
 use super::scatter::Scatter;
 use super::shadows::Shadows;
-use super::stream::InFlight;
+use super::stream::{InFlight, Pending};
 use super::{MAX_VERTICES, Path};
 use crate::emitter::EmitterPoint;
 use crate::integrator::light::power_heuristic_of_three;
+use crate::integrator::wavefront::Arrived;
 use crate::integrator::{Counters, Event};
 use crate::math::Ray;
 use crate::sampler::Numbers;
 use crate::scene::{Features, Scene, Shape};
-use crate::shape::{Hit, SurfacePoint};
+use crate::shape::SurfacePoint;
 
 impl Path {
     /// Processes the vertex at the end of a ray; returns the next ray, or `None` if the path ends.
@@ -21,8 +22,9 @@ impl Path {
         &self,
         scene: &Scene,
         InFlight { index, path, state, gathers, shared, way }: InFlight,
-        (ray, hit, u): (&Ray, Option<Hit>, &Numbers),
-        (shadows, escapes): (&mut Shadows, &mut Escapes),
+        Arrived { ray, hit, .. }: Arrived,
+        u: &Numbers,
+        Pending { shadows, escapes }: &mut Pending,
         counters: &mut Counters,
     ) -> Option<Ray> {
         let Some(hit) = hit else {
@@ -32,7 +34,8 @@ impl Path {
                     path: index,
                     shares: state.shares,
                     throughput: state.throughput,
-                    from: (ray.origin, state.arrival),
+                    from: ray.origin,
+                    arrival: state.arrival,
                     view,
                 });
             }
@@ -94,9 +97,10 @@ impl Path {
         if emitted.is_zero() {
             return;
         }
+        let end = EmitterPoint { emitter, p: point.p, n: point.ng };
         let by_emitter = if state.arrival.delta {
             if F & Features::CAUSTICS != 0 {
-                way.rival(scene, (emitter, point), f64::from(self.emitter_samples), λ, counters)
+                way.rival(scene, end, f64::from(self.emitter_samples), λ, counters)
             } else {
                 0.0
             }
@@ -104,7 +108,6 @@ impl Path {
             let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, t, point);
             state.arrival.density_of_samples(scene, gathers.at(ray.origin), emitter, pdf) / state.arrival.pdf
         };
-        let end = EmitterPoint { emitter, p: point.p, n: point.ng };
         let by_light_path = match &scene.caustics {
             Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
                 state.light_ratio * caustics.last(scene, end, -ray.direction)

@@ -12,9 +12,10 @@ use crate::spectrum::{Spectrum, Wavelengths};
 const MOST: u32 = 1 << 16;
 
 /// The share of light that arrives along a shadow ray, which begins in `medium`.
-pub fn between<const F: u32>(
-    scene: &Scene,
-    (mut ray, mut medium): (Ray, Option<&Medium>),
+pub fn between<'a, const F: u32>(
+    scene: &'a Scene,
+    mut ray: Ray,
+    mut medium: Option<&'a Medium>,
     λ: &Wavelengths,
     numbers: &mut FlightNumbers,
     counters: &mut Counters,
@@ -32,8 +33,8 @@ pub fn between<const F: u32>(
             return Spectrum::ZERO;
         }
         if let Some(medium) = medium {
-            let length = hit.map_or(ray.end, |hit| hit.t);
-            passed *= medium.transmittance((&ray, length), λ, numbers);
+            let segment = Ray { end: hit.map_or(ray.end, |hit| hit.t), ..ray };
+            passed *= medium.transmittance(&segment, λ, numbers);
         }
         let Some((hit, shape, point, side)) = surface else { return passed };
         let frame = side.frame::<F>(&point);

@@ -5,7 +5,7 @@ use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::emitter::{Choice, Gathers};
 use crate::integrator::arrival::{Arrival, environment};
 use crate::integrator::lengths::Lengths;
-use crate::integrator::light::{self, Vertex, power_heuristic};
+use crate::integrator::light::{self, Samples, Vertex, power_heuristic};
 use crate::integrator::path::roulette;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
@@ -71,17 +71,18 @@ impl<'a> Walk<'a> {
         let length = hit.map_or(self.ray.end, |hit| hit.t);
         if let Some(medium) = self.medium {
             let mut numbers = FlightNumbers::after(u.flight(), &self.path.sampler, blocks::flight(edge));
-            match medium.fly((&self.ray, length), self.throughput, &self.path.λ, &mut numbers) {
+            let segment = Ray { end: length, ..self.ray };
+            match medium.fly(&segment, self.throughput, &self.path.λ, &mut numbers) {
                 Flight::Scattered(t, weight) => {
                     self.throughput *= weight;
-                    return self.within::<F>(medium, t, (u, edge));
+                    return self.within::<F>(medium, t, &u, edge);
                 }
                 Flight::Through(weight) => self.throughput *= weight,
             }
             if hit.is_none() && self.ray.end.is_finite() {
                 // Beyond the camera's `far_clip` nothing is seen, but the medium goes on.
-                let beyond = Ray { origin: self.ray.at(self.ray.end), ..self.ray };
-                self.throughput *= medium.transmittance((&beyond, f64::INFINITY), &self.path.λ, &mut numbers);
+                let beyond = Ray { origin: self.ray.at(self.ray.end), end: f64::INFINITY, ..self.ray };
+                self.throughput *= medium.transmittance(&beyond, &self.path.λ, &mut numbers);
             }
             if self.throughput.is_zero() {
                 return None;
@@ -89,7 +90,7 @@ impl<'a> Walk<'a> {
         }
         self.travelled += length;
         match hit {
-            Some(hit) => self.at_surface::<F>(hit, (u, edge)),
+            Some(hit) => self.at_surface::<F>(hit, &u, edge),
             None => {
                 self.surroundings::<F>();
                 None
@@ -103,12 +104,12 @@ impl<'a> Walk<'a> {
         if F & Features::ENVIRONMENT != 0 && !hidden {
             let ray = Ray { origin: self.from, ..self.ray };
             self.radiance +=
-                self.throughput * environment(self.scene, &ray, (&self.gathers, &self.arrival), &self.path.λ);
+                self.throughput * environment(self.scene, &ray, &self.gathers, &self.arrival, &self.path.λ);
         }
     }
 
     /// A vertex within a medium, at distance t along the ray.
-    fn within<const F: u32>(&mut self, medium: &'a Medium, t: f64, numbers: (Numbers, u32)) -> Option<()> {
+    fn within<const F: u32>(&mut self, medium: &'a Medium, t: f64, u: &Numbers, edge: u32) -> Option<()> {
         let p = self.ray.at(t);
         self.log(t, None, p);
         self.path.covered = true;
@@ -120,20 +121,20 @@ impl<'a> Walk<'a> {
         let (point, frame) = (SurfacePoint::plain(p, wo, wo), Frame::about(wo));
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
         let side = Side { material: 0, turned: false, traits };
-        let vertex = Vertex::new((&point, Ray::FREE), &frame, &medium.phase, &side, wo);
+        let vertex = Vertex::new(&point, Ray::FREE, &frame, &medium.phase, &side, wo);
         let gathers = Gathers::EVERYWHERE;
         if medium.samples_emitters {
-            self.gather::<F, _>(&vertex, &gathers, None, numbers);
+            self.gather::<F, _>(&vertex, &gathers, None, u, edge);
         }
-        let (lobe, direction) = numbers.0.scattering(true);
+        let (lobe, direction) = u.scattering(true);
         let sample = medium.phase.sample(vertex.wo, lobe, direction)?;
         let arrival = Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
-        self.scatter::<F>(&sample, (arrival, gathers, onward), &numbers.0)
+        self.scatter::<F>(&sample, arrival, gathers, onward, u)
     }
 
     /// A vertex on a surface.
-    fn at_surface<const F: u32>(&mut self, hit: Hit, numbers: (Numbers, u32)) -> Option<()> {
+    fn at_surface<const F: u32>(&mut self, hit: Hit, u: &Numbers, edge: u32) -> Option<()> {
         let (shape, point) = self.scene.surface::<F>(&self.ray, &hit);
         if let Some(emitter) = shape.emitter {
             if self.lengths.hide_emitters && self.depth == 0 {
@@ -153,12 +154,11 @@ impl<'a> Walk<'a> {
         let frame = side.frame::<F>(&point);
         let λ = self.path.λ;
         let bsdf = self.scene.materials[side.material as usize].at(&point, &λ);
-        let vertex = Vertex::new((&point, hit.primitive), &frame, &bsdf, side, wo);
+        let vertex = Vertex::new(&point, hit.primitive, &frame, &bsdf, side, wo);
         let gathers = vertex.gathers(self.scene, vertex.wo);
         if side.traits.has_density && !last {
-            self.gather::<F, _>(&vertex, &gathers, shape.interface.as_deref(), numbers);
+            self.gather::<F, _>(&vertex, &gathers, shape.interface.as_deref(), u, edge);
         }
-        let u = numbers.0;
         let (lobe, direction) = u.scattering(side.traits.has_density);
         let sample = bsdf.sample(vertex.wo, lobe, direction);
         self.path.covered |= !sample.is_some_and(|sample| sample.null);
@@ -176,7 +176,7 @@ impl<'a> Walk<'a> {
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(onward.direction.dot(point.ng));
         }
-        self.scatter::<F>(&sample, (arrival, gathers, onward), &u)
+        self.scatter::<F>(&sample, arrival, gathers, onward, u)
     }
 
     /// Goes straight on through a surface, as in Mitsuba beyond the camera's `far_clip` too.
@@ -212,11 +212,13 @@ impl<'a> Walk<'a> {
         vertex: &Vertex<B>,
         gathers: &Gathers,
         interface: Option<&Interface>,
-        (u, edge): (Numbers, u32),
+        u: &Numbers,
+        edge: u32,
     ) {
         let choice = Choice::at(gathers.at(vertex.point.p));
-        let (place, λ) = (u.emitter_sample(), &self.path.λ);
-        let found = light::sample_emitter(self.scene, vertex, &choice, place, (1.0, 1.0), λ, |_, _, _| 0.0);
+        let (numbers, λ) = (u.emitter_sample(), &self.path.λ);
+        let found =
+            light::sample_emitter(self.scene, vertex, &choice, numbers, Samples::ONE, λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };
         let ray = proposal.ray;
         let medium = match interface {
@@ -225,7 +227,7 @@ impl<'a> Walk<'a> {
         };
         let mut numbers = FlightNumbers::independent(&self.path.sampler, blocks::shadow_flight(edge));
         let visible =
-            visibility::between::<F>(self.scene, (ray, medium), &self.path.λ, &mut numbers, self.counters);
+            visibility::between::<F>(self.scene, ray, medium, &self.path.λ, &mut numbers, self.counters);
         if !visible.is_zero() {
             self.radiance += self.throughput * proposal.radiance(self.scene, &self.path.λ) * visible;
         }
@@ -235,7 +237,9 @@ impl<'a> Walk<'a> {
     fn scatter<const F: u32>(
         &mut self,
         sample: &Sample,
-        (arrival, gathers, onward): (Arrival, Gathers, Ray),
+        arrival: Arrival,
+        gathers: Gathers,
+        onward: Ray,
         u: &Numbers,
     ) -> Option<()> {
         self.throughput *= sample.weight;

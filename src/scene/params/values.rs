@@ -5,6 +5,7 @@ use crate::math::{DVec3, Transform};
 use crate::scene::error::{SceneError, known};
 use crate::scene::xml::{Attribute, Element};
 use crate::texture::AnyTexture;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 impl<'d> Params<'_, 'd> {
@@ -94,7 +95,7 @@ impl<'d> Params<'_, 'd> {
         &mut self,
         name: &'static str,
         default: i64,
-        range: std::ops::RangeInclusive<i64>,
+        range: RangeInclusive<i64>,
         about: &'static str,
     ) -> Result<i64, SceneError> {
         let listed = if range.contains(&default) { default.to_string() } else { "none".into() };
@@ -108,6 +109,18 @@ impl<'d> Params<'_, 'd> {
             .ok()
             .filter(|v| range.contains(v))
             .ok_or_else(|| bad_value(name, value, &expected))
+    }
+
+    /// A number of things within a range. As with [`Params::integer`], a default outside stands for none.
+    pub fn count(
+        &mut self,
+        name: &'static str,
+        default: u32,
+        range: RangeInclusive<u32>,
+        about: &'static str,
+    ) -> Result<u32, SceneError> {
+        let within = i64::from(*range.start())..=i64::from(*range.end());
+        self.integer(name, default.into(), within, about).map(|count| count as u32)
     }
 
     pub fn boolean(

@@ -109,8 +109,8 @@ impl Scatterer for Light {
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
         let geometry = self.scene.shapes.first().map(|shape| &shape.geometry);
-        let at = (self.place(wo), self.n);
-        let found = self.emitter().sample(geometry, at, DVec2::new(u[1], u[2]), &self.λ)?;
+        let (p, u) = (self.place(wo), DVec2::new(u[1], u[2]));
+        let found = self.emitter().sample(geometry, p, self.n, u, &self.λ)?;
         let radiance = match found.radiance {
             Radiance::Known(radiance) => radiance,
             Radiance::Mapped(place) => self.scene.emitters.mapped(&place, &self.λ),

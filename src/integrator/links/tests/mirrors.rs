@@ -130,27 +130,25 @@ fn both_sides_agree_on_the_density_by_mirrors() {
         for (x, _) in pairs() {
             let Some(image) = mirror.image(x) else { continue };
             let u = DVec2::new((x.x * 37.0).rem_euclid(1.0), (x.y * 41.0).rem_euclid(1.0));
-            let Some(light) = entry.emitter.sample(geometry, (image, DVec3::ZERO), u, &λ) else { continue };
+            let Some(light) = entry.emitter.sample(geometry, image, DVec3::ZERO, u, &λ) else { continue };
             let y = image + light.wi * light.distance;
             let Some(found) = by(&scene, x, y, Some(mirror)).pop() else { continue };
-            let way = |reflected: u32| {
-                let through = through(found.surfaces - 1, None);
-                (found.direction, through.with(Turn::Back, reflected))
-            };
-            let known = mirrors.of_passage(&way(primitive).1).expect("it is known");
+            let passage = |reflected: u32| through(found.surfaces - 1, None).with(Turn::Back, reflected);
+            let known = mirrors.of_passage(&passage(primitive)).expect("it is known");
             let chance = mirrors.technique(x, known).chance;
-            let expected = chance * density(light.pdf, (light.wi, light.distance), &found, light.n);
-            let end = (index, &SurfacePoint::plain(y, light.n, light.n));
-            let of = |way| {
-                density_of(&scene, Origin { p: x, primitive: 0 }, way, end, &λ, &mut Counters::default())
+            let expected = chance * density(light.pdf, light.wi, light.distance, &found, light.n);
+            let end = EmitterPoint { emitter: index, p: y, n: light.n };
+            let of = |passage| {
+                let (from, counters) = (Origin { p: x, primitive: 0 }, &mut Counters::default());
+                density_of(&scene, from, found.direction, passage, end, &λ, counters)
             };
-            match of(way(primitive)) {
+            match of(passage(primitive)) {
                 Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                 None => assert!(found.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
             }
             // Not by another mirror, and not without one.
-            assert!(of(way(0)).is_none());
-            assert!(of((found.direction, through(found.surfaces, None))).is_none());
+            assert!(of(passage(0)).is_none());
+            assert!(of(through(found.surfaces, None)).is_none());
             tried += 1;
         }
         assert!(tried > 50, "{name}: {tried}");

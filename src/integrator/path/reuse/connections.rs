@@ -20,7 +20,8 @@ impl Connections {
     /// group's light paths. `first` is the number of the group's first path.
     pub fn propose(
         &mut self,
-        (light_sources, max_depth): (&LightSources, u32),
+        light_sources: &LightSources,
+        max_depth: u32,
         first: usize,
         group: &[Shared],
         lit: &[Lit],

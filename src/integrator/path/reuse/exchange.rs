@@ -48,12 +48,14 @@ impl Exchange {
     /// in which it found it.
     pub fn share(
         &mut self,
-        (scene, max_depth): (&Scene, u32),
+        scene: &Scene,
+        max_depth: u32,
         paths: &mut [CameraPath],
-        (shared, contested): (&[Shared], &mut Vec<Contested>),
+        shared: &[Shared],
+        contested: &mut Vec<Contested>,
         counters: &mut Counters,
     ) {
-        self.find(scene, max_depth, paths, (shared, contested), counters);
+        self.find(scene, max_depth, paths, shared, contested, counters);
         let lit = std::mem::take(&mut self.lit);
         let (mut first, mut contested_before) = (0, 0);
         for (number, receiving) in paths.chunk_by_mut(|a, b| a.group == b.group).enumerate() {
@@ -86,7 +88,7 @@ impl Exchange {
             first += shared.len();
         }
         self.lit = lit;
-        self.questions.settle(scene, paths, (shared, contested), counters);
+        self.questions.settle(scene, paths, shared, contested, counters);
         contested.clear();
     }
 
@@ -96,7 +98,8 @@ impl Exchange {
         scene: &Scene,
         max_depth: u32,
         paths: &[CameraPath],
-        (shared, contested): (&[Shared], &mut Vec<Contested>),
+        shared: &[Shared],
+        contested: &mut Vec<Contested>,
         counters: &mut Counters,
     ) {
         let Some(light_sources) = &scene.light_sources else { return };
@@ -106,7 +109,7 @@ impl Exchange {
         for (number, size) in groups().map(<[_]>::len).enumerate() {
             let group = &shared[first..first + size];
             let lit = of_group(&self.lit, number);
-            self.connections.propose((light_sources, max_depth), first, group, lit);
+            self.connections.propose(light_sources, max_depth, first, group, lit);
             first += size;
         }
         self.connections.settle(scene, contested, counters);
@@ -133,10 +136,10 @@ impl Exchange {
             let weight = |i: usize| Some(group.shared[i].receiver.as_ref()?.weight);
             let parts =
                 bits::numbers(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
-            questions.offer(receiving, group, offer, (in_sight, true), parts);
+            questions.offer(receiving, group, offer, in_sight, true, parts);
         } else {
-            rough_parts(scene, group, &offer, (facing, &weights), parts);
-            questions.offer(receiving, group, offer, (in_sight, false), parts.iter().copied());
+            rough_parts(scene, group, &offer, facing, &weights, parts);
+            questions.offer(receiving, group, offer, in_sight, false, parts.iter().copied());
         }
     }
 }
@@ -146,7 +149,8 @@ fn rough_parts(
     scene: &Scene,
     PathGroup { shared, lobed, .. }: PathGroup,
     Offer { source, own, .. }: &Offer,
-    (facing, weights): (u64, &[f64; 64]),
+    facing: u64,
+    weights: &[f64; 64],
     parts: &mut Vec<(usize, Part)>,
 ) {
     let onward = source.lobes.as_ref().map(|lobes| At::new(scene, lobes, lobed.λ));

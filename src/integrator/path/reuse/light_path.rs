@@ -5,13 +5,12 @@ use super::rivals::Rivals;
 use super::shared::Source;
 use crate::bsdf::Bsdf;
 use crate::emitter::EmitterPoint;
-use crate::integrator::caustics::further;
+use crate::integrator::caustics::{Landing, further};
 use crate::integrator::light::{Vertex, density_of_finding};
 use crate::integrator::path::roulette;
 use crate::math::{DVec3, Ray};
-use crate::sampler::{Numbers, Sampler, blocks};
+use crate::sampler::{Sampler, blocks};
 use crate::scene::{Features, Scene};
-use crate::shape::Hit;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// Edges before roulette begins.
@@ -76,8 +75,7 @@ impl LightPath {
         &mut self,
         sources: &LightSources,
         scene: &Scene,
-        (ray, hit): (&Ray, Hit),
-        (edges, u): (u32, &Numbers),
+        Landing { ray, hit, edges, u }: Landing,
         found: &mut Vec<Lit>,
     ) -> Option<Ray> {
         let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
@@ -90,10 +88,10 @@ impl LightPath {
         let frame = side.frame::<{ Features::ALL }>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, &self.λ);
         let primitive = hit.primitive;
-        let vertex = Vertex::new((&point, primitive), &frame, &bsdf, side, to_light);
+        let vertex = Vertex::new(&point, primitive, &frame, &bsdf, side, to_light);
         let cos_light = point.ng.dot(to_light).abs();
         let by_emitter = |to_camera| match edges {
-            1 => density_of_finding(scene, self.end, &vertex, to_camera, (to_light, hit.t)),
+            1 => density_of_finding(scene, self.end, &vertex, to_camera, to_light, hit.t),
             _ => 0.0,
         };
         let albedo = bsdf.albedo().filter(|_| vertex.wo.z > 0.0);

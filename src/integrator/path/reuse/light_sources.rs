@@ -11,6 +11,7 @@ use super::shared::Source;
 use crate::emitter::{EmitterPoint, Emitters};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
+use crate::integrator::caustics::Landing;
 use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{ManyNumbers, PAIRS, Sampler};
@@ -75,8 +76,8 @@ impl LightSources {
                 }
                 numbers.fill(going.len(), PAIRS, |i| paths[going[i]].0.numbers(edges));
                 wavefront.advance(|Arrived { place, path, ray, hit }| {
-                    let (path, u) = (&mut paths[path].0, numbers.of(place));
-                    path.step(self, scene, (ray, hit?), (edges, u), found)
+                    let landing = Landing { ray, hit: hit?, edges, u: numbers.of(place) };
+                    paths[path].0.step(self, scene, landing, found)
                 });
             }
         }

@@ -52,7 +52,8 @@ impl Light {
 /// Distributes light among receivers.
 pub fn hand_on(
     paths: &mut [CameraPath],
-    (light, contested): (&Light, &[Contested]),
+    light: &Light,
+    contested: &[Contested],
     parts: impl Iterator<Item = (usize, Part)> + Clone,
 ) {
     let (light, scale) = light.shared(parts.clone().map(|(_, part)| part.density).sum(), contested);

@@ -54,11 +54,12 @@ impl Questions {
         receiving: &mut [CameraPath],
         PathGroup { first, shared, contested, .. }: PathGroup,
         Offer { source, light, .. }: Offer,
-        (in_sight, matte): (u64, bool),
+        in_sight: u64,
+        matte: bool,
         parts: impl Iterator<Item = (usize, Part)> + Clone,
     ) {
         if parts.clone().all(|(i, _)| in_sight >> i & 1 == 1) {
-            hand_on(receiving, (&light, contested), parts);
+            hand_on(receiving, &light, contested, parts);
             return;
         }
         let number = self.lights.len() as u16;
@@ -81,7 +82,8 @@ impl Questions {
         &mut self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        (shared, contested): (&[Shared], &[Contested]),
+        shared: &[Shared],
+        contested: &[Contested],
         counters: &mut Counters,
     ) {
         let Self { rays, shares, lights, weights, occluded } = self;
@@ -92,7 +94,8 @@ impl Questions {
             let seen = shares.iter().filter(|share| share.is_seen);
             hand_on(
                 paths,
-                (&lights[usize::from(shares[0].light)], contested),
+                &lights[usize::from(shares[0].light)],
+                contested,
                 seen.map(|share| share.part(shared, weights)),
             );
         }

@@ -34,7 +34,7 @@ pub struct Receiver {
 impl Receiver {
     /// The shadow ray to a source.
     pub fn ray_to(&self, source: &Source) -> Ray {
-        between((Origin { p: self.p, primitive: self.primitive }, self.error), (source.p, source.error))
+        between(Origin { p: self.p, primitive: self.primitive }, self.error, source.p, source.error)
     }
 }
 
@@ -58,13 +58,13 @@ pub struct Source {
 impl Source {
     /// The shadow ray to another source.
     pub fn ray_to(&self, other: &Source) -> Ray {
-        between((Origin { p: self.p, primitive: self.primitive }, self.error), (other.p, other.error))
+        between(Origin { p: self.p, primitive: self.primitive }, self.error, other.p, other.error)
     }
 }
 
 /// The shadow ray between two points with these errors: so much shorter that neither point's own surface
 /// occludes it.
-fn between((Origin { p, primitive }, error): (Origin, f64), (end, end_error): (DVec3, f64)) -> Ray {
+fn between(Origin { p, primitive }: Origin, error: f64, end: DVec3, end_error: f64) -> Ray {
     let way = end - p;
     let distance = length(way);
     let ray = Ray::leaving(p, way / distance, free_way(distance, error + end_error), primitive);

@@ -150,7 +150,7 @@ fn sources_do_not_hide_themselves() {
             radiance: Spectrum::ONE,
         });
         let mut paths = vec![camera; 4];
-        exchange.share((&scene, u32::MAX), &mut paths, (&group, &mut vec![]), &mut Counters::default());
+        exchange.share(&scene, u32::MAX, &mut paths, &group, &mut vec![], &mut Counters::default());
         // Both cosines are the height over the distance.
         let weight = |receiver: u32, source: u32| {
             (place(source + 4, 2.0) - place(receiver, 0.0)).length_squared().powi(2).recip()

@@ -48,12 +48,18 @@ pub fn relations() -> Vec<Relation> {
     // A screen between the pane and the lamp.
     let screen = shape("rectangle", &[scale([0.5, 0.5, 1.0]), translate([0.2, 0.0, 2.1])], &diffuse(0.2));
     // Where the straight line to the lamp passes between slats the refracted path meets one, and vice versa.
-    let slat = |i: i32| {
-        let steps = [scale([1.5, 0.06, 1.0]), translate([0.0, -0.3 + 0.25 * f64::from(i), 1.95])];
-        shape("rectangle", &steps, &bsdf("twosided", &diffuse(0.2)))
+    let slats = |wears: &str| {
+        let slat = |i: i32| {
+            let steps = [scale([1.5, 0.06, 1.0]), translate([0.0, -0.3 + 0.25 * f64::from(i), 1.95])];
+            shape("rectangle", &steps, wears)
+        };
+        (-6..7).map(slat).collect::<String>()
     };
-    let slats: String = (-6..7).map(slat).collect();
-    let slab = shape("cube", &[scale([2.9, 2.9, 0.4]), translate([0.0, 0.0, 1.4])], &clear());
+    let slab = |wears: &str| shape("cube", &[scale([2.9, 2.9, 0.4]), translate([0.0, 0.0, 1.4])], wears);
+    let matte_slats = slats(&bsdf("twosided", &diffuse(0.2)));
+    // They do not bend light: only their number tells a way through one from a way between them.
+    let clear_slats = slats(&bsdf("thindielectric", ""));
+    let dense = slab(&glass(&float("int_ior", 2.2)));
     let tube = shape(
         "cylinder",
         &[translate([-0.5, 0.0, 0.0])],
@@ -82,7 +88,8 @@ pub fn relations() -> Vec<Relation> {
         relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen))
             .longer(3)
             .at_length(),
-        relation("slats_above_a_slab", 0.0, &(slab + &slats)).within(0.05),
+        relation("slats_above_a_slab", 0.0, &(slab(&clear()) + &matte_slats)).within(0.05),
+        relation("clear_slats_above_a_slab", 0.0, &(dense + &clear_slats)).within(0.05),
         relation("thin_pane_and_light_paths", 1.0, &pane(&bsdf("thindielectric", ""))).at_length(),
         relation("surface_of_water", 1.0, &pane(&clear())).samples(16384).at_length(),
         relation("block", 0.0, &block(&clear())),
