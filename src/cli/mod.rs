@@ -119,6 +119,9 @@ struct SceneArguments {
     /// `guided`: there, along ways that these have shown
     #[arg(long, value_name = "WHERE", value_parser = LinkPolicy::ALL.map(|(name, _)| name))]
     links: Option<String>,
+    /// Which of the scene's sensors, counted from 0, instead of the first
+    #[arg(long, value_name = "N")]
+    sensor: Option<usize>,
     /// Size of the film instead of the scene's, such as 640x480; all of it is rendered, whatever crop the
     /// scene has
     #[arg(long, value_name = "WxH", value_parser = size::parse_size)]
@@ -178,6 +181,7 @@ impl SceneArguments {
         let overrides = scene::Overrides {
             integrator: self.integrator.clone(),
             max_depth: self.max_depth,
+            sensor: self.sensor,
             size: self.size,
             seed: self.seed,
             sampler: self.sampler.clone(),
@@ -207,6 +211,7 @@ impl SceneArguments {
         );
         say("--shared-light-paths", self.shared_light_paths.map(|count| count.to_string()));
         say("--links", self.links.clone());
+        say("--sensor", self.sensor.map(|number| number.to_string()));
         say("--size", self.size.map(|(width, height)| format!("{width}x{height}")));
         say("--sampler", self.sampler.clone());
         say("--seed", self.seed.map(|seed| seed.to_string()));

@@ -127,6 +127,7 @@ impl Arguments {
             load_seconds,
             begun,
             pilot: pilot.map(|pilot| (pilot, pilot_seconds)),
+            chosen: self.asks_pilot(),
             target_error: self.target_error,
         };
         if !summary.interrupted() {

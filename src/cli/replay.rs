@@ -25,7 +25,9 @@ impl Arguments {
         let scene = self.scene.load(0)?;
         let (film, (x, y)) = (scene.sensor.film.crop, self.pixel);
         if x < film.x || y < film.y || x >= film.x + film.width || y >= film.y + film.height {
-            return Err(format!("the pixel {x},{y} is not on the film").into());
+            let (right, bottom) = (film.x + film.width - 1, film.y + film.height - 1);
+            let message = format!("the pixel {x},{y} is not on the film");
+            return Err(format!("{message}: expected {},{} to {right},{bottom}", film.x, film.y).into());
         }
         let maker = SampleMaker::new(&scene, scene.sensor.sampler.seed, kernel_for(scene.features()));
         let replay = maker.replay(self.pixel, self.sample);

@@ -23,6 +23,8 @@ pub struct Summary<'a> {
     pub begun: Option<u64>,
     /// The pilot that chose the number of samples, and the seconds it took.
     pub pilot: Option<(Pilot, f64)>,
+    /// Whether a pilot chose the number of samples, of this run or of one that it goes on with.
+    pub chosen: bool,
     pub target_error: Option<f64>,
 }
 
@@ -85,7 +87,7 @@ impl Summary<'_> {
             let words = if attained { "attained" } else { "NOT attained" };
             say!("the {:.4} % that were asked for are {words}", 100.0 * target);
         }
-        if self.pilot.is_some() {
+        if self.chosen {
             say!("the same image again: --spp {}", self.asked.end);
         }
         Ok(())
@@ -120,8 +122,10 @@ impl Summary<'_> {
         if let Some(begun) = self.begun {
             document["resumed_at"] = begun.into();
         }
-        if let Some((pilot, seconds)) = &self.pilot {
+        if self.chosen {
             document["reproduce"] = format!("--spp {}", self.asked.end).into();
+        }
+        if let Some((pilot, seconds)) = &self.pilot {
             document["pilot"] = serde_json::json!({
                 "seconds": seconds,
                 "samples_per_pixel": pilot.samples,

@@ -200,12 +200,16 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         .map_err(|e| params.error(longer, e, format!("expected 1 to {most}")))?;
     let x = params.count("crop_offset_x", 0, 0..=width - 1, "first column that is rendered")?;
     let y = params.count("crop_offset_y", 0, 0..=height - 1, "first row that is rendered")?;
-    let (right, bottom) = (width - x, height - y);
+    // A number that no crop can have stands for all that is left.
+    let mut along = |name, left: u32, about| match params.count(name, 0, 1..=left, about)? {
+        0 => Ok(left),
+        given => Ok(given),
+    };
     let crop = Window {
         x,
         y,
-        width: params.count("crop_width", right, 1..=right, "columns that are rendered")?,
-        height: params.count("crop_height", bottom, 1..=bottom, "rows that are rendered")?,
+        width: along("crop_width", width - x, "columns that are rendered; by default all from the first")?,
+        height: along("crop_height", height - y, "rows that are rendered; by default all from the first")?,
     };
     let (components, files) = (["float16", "float32", "uint32"], ["openexr", "exr", "pfm", "rgbe"]);
     params.word("component_format", &components, "Mitsuba's; the file always holds f32")?;

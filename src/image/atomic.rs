@@ -84,7 +84,8 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
 /// With the reason why one could not be.
 pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result<(), ImageError> {
     outputs.iter().flatten().try_for_each(|path| check_writable(path))?;
-    let mut taken: Vec<PathBuf> = inputs.iter().map(|path| target(path)).collect();
+    let read: Vec<PathBuf> = inputs.iter().map(|path| target(path)).collect();
+    let mut written = vec![];
     for path in outputs.iter().flatten() {
         let target = target(path);
         // Streams and devices take everything that is written to them.
@@ -92,10 +93,14 @@ pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result
             continue;
         }
         let partial = partial(&target);
-        if taken.contains(&target) || taken.contains(&partial) {
-            return Err(ImageError::new("a file that is read or another output has this place").at(path));
+        let among = |taken: &[PathBuf]| taken.contains(&target) || taken.contains(&partial);
+        if among(&read) {
+            return Err(ImageError::new("this file is read, and cannot be an output").at(path));
         }
-        taken.extend([target, partial]);
+        if among(&written) {
+            return Err(ImageError::new("another output has this place").at(path));
+        }
+        written.extend([target, partial]);
     }
     Ok(())
 }

@@ -6,6 +6,7 @@
 
 use super::Settings;
 use super::batch_means::BatchMeans;
+use super::light_path_noise::LightPathNoise;
 use super::passes::Partial;
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::{ImageError, write_file_with};
@@ -35,6 +36,7 @@ struct Head {
     /// Column, row, sample.
     first_non_finite: Vec<(u32, u32, u64)>,
     means: BatchMeans,
+    light_paths: LightPathNoise,
 }
 
 /// Everything that decides the image. Two equal ones are the same render; threads and the kernel decide
@@ -131,6 +133,7 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
         non_finite: report.non_finite,
         first_non_finite: report.first_non_finite.iter().map(|n| (n.pixel.0, n.pixel.1, n.sample)).collect(),
         means: partial.means.clone(),
+        light_paths: partial.light_paths,
     };
     let head = serde_json::to_vec(&head).map_err(|e| ImageError { path: None, cause: e.to_string() })?;
     write_file_with(path, |file| {
@@ -271,7 +274,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
         return Err(Refused::Damaged("something follows its end"));
     }
     partial.samples.end = head.done;
-    partial.means = head.means;
+    (partial.means, partial.light_paths) = (head.means, head.light_paths);
     let report = &mut partial.report;
     report.samples = (head.done - range.start) * settings.window.pixels() as u64;
     (report.rays, report.cut, report.non_finite) = (head.rays, head.cut, head.non_finite);

@@ -5,6 +5,7 @@
 
 pub mod batch_means;
 pub mod checkpoint;
+pub mod light_path_noise;
 pub mod memory;
 pub mod passes;
 pub mod pilot;

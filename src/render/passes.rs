@@ -5,6 +5,7 @@
 //! which tiles arrive can change a pixel: the clock may decide how long a pass is.
 
 use super::batch_means::BatchMeans;
+use super::light_path_noise::LightPathNoise;
 use super::quality::Quality;
 use super::spread::Spread;
 use super::tile::{Tile, tile};
@@ -33,6 +34,8 @@ pub struct Partial {
     pub sums: Accumulators,
     /// Means of the image over batches of samples, where these count for several pixels; else empty.
     pub means: BatchMeans,
+    /// What the errors of pixels have in common by light paths.
+    pub light_paths: LightPathNoise,
     /// The report so far.
     pub report: Report,
 }
@@ -46,6 +49,7 @@ impl Partial {
             sums: Accumulators::new(settings.window.width, settings.window.height, channels.len()),
             channels,
             means: BatchMeans::default(),
+            light_paths: LightPathNoise::default(),
             report: Report::default(),
         }
     }
@@ -103,6 +107,7 @@ pub fn render_passes(
         let channels = partial.channels.len();
         let splats = pool.install(|| Splats::trace(&maker, settings.window, &pass, progress))?;
         partial.report.count(&splats.counters);
+        partial.light_paths.add(&splats.noise);
         if let Some(spread) = &mut spread {
             let Partial { sums, means, .. } = &mut partial;
             let report = pool.install(|| spread.add(&pass, &splats, sums, means, progress))?;

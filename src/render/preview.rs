@@ -95,13 +95,18 @@ impl Preview {
         let _ = self.frames.send(means(partial));
         drop(self.frames);
         match self.end.recv_timeout(PATIENCE) {
+            // What a system calls a write that was not taken in time.
+            Ok(Err(error)) if error.kind() == io::ErrorKind::WouldBlock => Err(too_slow()),
             Ok(end) => end,
-            Err(RecvTimeoutError::Timeout) => {
-                Err(io::Error::new(io::ErrorKind::TimedOut, "the viewer is too slow"))
-            }
+            Err(RecvTimeoutError::Timeout) => Err(too_slow()),
             Err(RecvTimeoutError::Disconnected) => Err(io::Error::other("the preview failed")),
         }
     }
+}
+
+fn too_slow() -> io::Error {
+    let seconds = PATIENCE.as_secs();
+    io::Error::new(io::ErrorKind::TimedOut, format!("the viewer took nothing for {seconds} s"))
 }
 
 /// The image so far, channel by channel.
@@ -183,6 +188,7 @@ mod tests {
     use crate::film::Accumulators;
     use crate::render::Report;
     use crate::render::batch_means::BatchMeans;
+    use crate::render::light_path_noise::LightPathNoise;
     use std::io::Read;
     use std::net::TcpListener;
 
@@ -201,6 +207,7 @@ mod tests {
             sums,
             report: Report::default(),
             means: BatchMeans::default(),
+            light_paths: LightPathNoise::default(),
         }
     }
 

@@ -186,7 +186,12 @@ impl Quality {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
-        Noise::of(window, Correlation::of(scene), channels).quality(window, partial.means.scatter())
+        let mut noise = Noise::of(window, Correlation::of(scene), channels);
+        let light_paths = samples * u64::from(scene.light_paths());
+        if light_paths > 0 {
+            noise.of_sum += partial.light_paths.excess(light_paths, samples);
+        }
+        noise.quality(window, partial.means.scatter())
     }
 
     /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.

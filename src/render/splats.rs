@@ -5,6 +5,7 @@
 //! function of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances)
 //! holds for both together.
 
+use super::light_path_noise::{Brought, LightPathNoise};
 use super::sample::SampleMaker;
 use super::{Progress, number_of};
 use crate::image::Window;
@@ -33,6 +34,8 @@ pub struct Splats {
     begin: u64,
     /// All channels of each splat.
     values: Vec<f64>,
+    /// What they do to the noise of the window's mean.
+    pub noise: LightPathNoise,
     pub counters: Counters,
 }
 
@@ -42,6 +45,8 @@ struct Part {
     pixels: Vec<u32>,
     samples: Vec<u32>,
     values: Vec<f64>,
+    /// Sample by sample.
+    noise: Vec<LightPathNoise>,
     counters: Counters,
 }
 
@@ -56,24 +61,34 @@ impl Splats {
     ) -> Option<Self> {
         let per_sample = maker.light_paths();
         let numbers = samples.start * per_sample..samples.end * per_sample;
-        let chunks: Vec<u64> = numbers.clone().step_by(CHUNK as usize).collect();
-        let part = |&first: &u64| {
-            let mut part = Part::default();
+        // Cut at the same places whatever the range, so that sums over light paths are the same.
+        let chunks = numbers.start / CHUNK..numbers.end.div_ceil(CHUNK);
+        let part = |chunk: u64| {
+            let (mut part, mut brought) = (Part::default(), Brought::default());
             if progress.stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let Part { pixels, samples: offsets, values, counters } = &mut part;
-            let chunk = first..numbers.end.min(first + CHUNK);
+            let Part { pixels, samples: offsets, values, noise, counters } = &mut part;
+            let chunk = numbers.start.max(chunk * CHUNK)..numbers.end.min((chunk + 1) * CHUNK);
             maker.trace_light(chunk, counters, |number, pixel, channels| {
-                if let Some(at) = number_of(window, pixel) {
-                    pixels.push(at as u32);
-                    offsets.push((number / per_sample - samples.start) as u32);
-                    values.extend_from_slice(channels);
+                let Some(at) = number_of(window, pixel) else { return };
+                let offset = (number / per_sample - samples.start) as u32;
+                if offsets.last() != Some(&offset) {
+                    noise.last_mut().into_iter().for_each(|noise| brought.settle(noise));
+                    noise.push(LightPathNoise::default());
                 }
+                noise
+                    .last_mut()
+                    .into_iter()
+                    .for_each(|noise| brought.note(noise, number, at as u32, channels));
+                pixels.push(at as u32);
+                offsets.push(offset);
+                values.extend_from_slice(channels);
             });
+            noise.last_mut().into_iter().for_each(|noise| brought.settle(noise));
             Some(part)
         };
-        let parts = chunks.par_iter().map(part).collect::<Option<Vec<Part>>>()?;
+        let parts = chunks.into_par_iter().map(part).collect::<Option<Vec<Part>>>()?;
         let channels = maker.color_channels();
         Some(Self { begin: samples.start, ..Self::sorted(&parts, window, channels) })
     }
@@ -90,8 +105,9 @@ impl Splats {
         let count = first[window.pixels()];
         let (mut samples, mut values) = (vec![0; count], vec![0.0; count * channels]);
         let mut next = first.clone();
-        let mut counters = Counters::default();
+        let (mut noise, mut counters) = (LightPathNoise::default(), Counters::default());
         for part in parts {
+            part.noise.iter().for_each(|of_sample| noise.add(of_sample));
             for (i, pixel) in part.pixels.iter().enumerate() {
                 let at = next[*pixel as usize];
                 next[*pixel as usize] += 1;
@@ -100,7 +116,7 @@ impl Splats {
             }
             counters.add(&part.counters);
         }
-        Self { window: Some(window), channels, first, samples, begin: 0, values, counters }
+        Self { window: Some(window), channels, first, samples, begin: 0, values, noise, counters }
     }
 
     /// Adds to a sample of a pixel, whose colour channels come first, what light paths contribute to it.

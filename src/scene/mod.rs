@@ -119,6 +119,8 @@ pub struct Overrides {
     pub integrator: Option<String>,
     /// Edges of the longest path; −1 means no limit.
     pub max_depth: Option<i64>,
+    /// Which of the scene's sensors, counted from 0, instead of the first.
+    pub sensor: Option<usize>,
     /// Film size; the crop window becomes the whole film.
     pub size: Option<(u32, u32)>,
     pub seed: Option<u32>,

@@ -6,7 +6,7 @@ mod place;
 use super::Overrides;
 use super::error::SceneError;
 use super::xml::{Document, Element};
-use place::{Place, at, inner};
+use place::{Place, at, children, inner};
 
 pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), SceneError> {
     let root = &mut document.root;
@@ -27,6 +27,9 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
             set(kind, integrator(document), name, &value);
         }
     }
+    if let Some(number) = overrides.sensor {
+        put_first(document, number)?;
+    }
     if let Some((width, height)) = overrides.size {
         let film = of_sensor(document, "film", "hdrfilm")?;
         let crop = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];
@@ -43,6 +46,18 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     if let Some(seed) = overrides.seed {
         set("integer", of_sensor(document, "sampler", "sobol")?, "seed", &seed.to_string());
     }
+    Ok(())
+}
+
+/// Puts a sensor before the others: the first is used.
+fn put_first(document: &mut Document, number: usize) -> Result<(), SceneError> {
+    let sensors = children(document, "sensor");
+    let Some(&chosen) = sensors.get(number) else {
+        let last = sensors.len().saturating_sub(1);
+        let message = format!("the scene has no sensor number {number}");
+        return Err(SceneError::at(&document.root.span, message, format!("expected 0 to {last}")));
+    };
+    document.root.children[sensors[0]..=chosen].rotate_right(1);
     Ok(())
 }
 

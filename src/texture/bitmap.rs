@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 pub const NAME: &str = "bitmap";
 pub const ABOUT: &str =
-    "An image file (EXR, PNG, JPEG, HDR); in spectral mode each texel is a smooth reflectance.";
+    "An image file (EXR, PNG, JPEG, HDR, BMP); in spectral mode each texel is a smooth reflectance.";
 pub const EXAMPLES: &[&str] = &[];
 
 /// A decoded image: rows from the top, one or three channels.
@@ -81,7 +81,7 @@ pub struct Bitmap {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
-    let found = params.file("filename", "an EXR, PNG, JPEG or HDR file")?;
+    let found = params.file("filename", "an EXR, PNG, JPEG, HDR or BMP file")?;
     let wraps = ["repeat", "mirror", "clamp"];
     let lookup = Lookup::parse(params, ["bilinear", "nearest"], wraps, "beyond the unit square")?;
     let raw = params.boolean("raw", false, "whether the values are numbers and not sRGB colours")?;

@@ -178,14 +178,14 @@ fn what_takes_colours_is_refused_before_a_render_without() {
 #[test]
 fn no_output_is_written_over_another_or_over_the_scene() {
     let folder = Folder::new(format!("<scene version=\"3.0.0\">{SENSOR}</scene>").as_bytes());
-    let words = ["a file that is read or another output has this place"];
-    folder.command_refused(&["render", "scene.xml", "-o", "both", "--png", "both"], &words);
-    folder.refused_given(&["--checkpoint", "./out.exr"], &words);
-    folder.refused_given(&["--checkpoint", "out.exr.partial"], &words);
-    folder.refused_given(&["--checkpoint", "scene.xml"], &words);
-    folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &words);
+    let (taken, read) = (["another output has this place"], ["this file is read, and cannot be an output"]);
+    folder.command_refused(&["render", "scene.xml", "-o", "both", "--png", "both"], &taken);
+    folder.refused_given(&["--checkpoint", "./out.exr"], &taken);
+    folder.refused_given(&["--checkpoint", "out.exr.partial"], &taken);
+    folder.refused_given(&["--checkpoint", "scene.xml"], &read);
+    folder.command_refused(&["merge", "scene.xml", "-o", "both", "--png", "both"], &taken);
     std::fs::write(folder.path().join("part"), "of a render").expect("written");
-    folder.command_refused(&["merge", "part", "-o", "out.exr", "--png", "./part"], &words);
+    folder.command_refused(&["merge", "part", "-o", "out.exr", "--png", "./part"], &read);
     // Nor over a file that the scene reads.
     let (mesh, part) = (folder.path().join("a.obj"), folder.path().join("part.xml"));
     let triangle = "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n";
@@ -197,11 +197,11 @@ fn no_output_is_written_over_another_or_over_the_scene() {
         r#"<scene version="3.0.0"><include filename="part.xml"/></scene>"#,
     )
     .expect("written");
-    folder.refused_given(&["--png", "a.obj"], &words);
+    folder.refused_given(&["--png", "a.obj"], &read);
     for output in ["a.obj", "part.xml"] {
-        folder.refused_given(&["--checkpoint", output], &words);
+        folder.refused_given(&["--checkpoint", output], &read);
     }
-    folder.command_refused(&["render", "scene.xml", "-o", "a.obj"], &words);
+    folder.command_refused(&["render", "scene.xml", "-o", "a.obj"], &read);
     assert_eq!(std::fs::read_to_string(mesh).expect("it is there"), triangle);
 }
 

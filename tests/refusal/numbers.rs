@@ -117,12 +117,12 @@ fn numbers_out_of_range_are_refused() {
         (
             "shared_light_paths",
             "<integrator type=\"path\">\n<integer name=\"shared_light_paths\" value=\"4\"/></integrator>",
-            &["more light paths than pixels", "`reuse`"],
+            &["4 light paths for 1 pixels", "`reuse` as well"],
         ),
         (
             "shared_light_paths",
             "<integrator type=\"path\"><integer name=\"reuse\" value=\"4\"/>\n<integer name=\"shared_light_paths\" value=\"8\"/></integrator>",
-            &["more light paths than pixels", "`reuse`"],
+            &["8 light paths for 4 pixels", "at most 4"],
         ),
     ]);
 }

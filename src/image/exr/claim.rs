@@ -1,16 +1,24 @@
 //! Whether a file can hold what its header claims, checked before memory is allocated for it.
 
 use exr::meta::header::Header;
-use std::io::BufReader;
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 /// Most bytes of samples that a byte of the file can hold, with room to spare: deflate reaches 1032, and DWA,
 /// where a whole block is dark, little more.
 const MOST_PER_BYTE: u128 = 4096;
 
-/// Refuses a file that claims more samples than one of its length can hold.
+/// What every OpenEXR file begins with.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Refuses a file of another kind, and one that claims more samples than one of its length can hold.
 pub fn check(path: &Path) -> Result<(), String> {
-    let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
+    let mut file = std::fs::File::open(path).map_err(|error| error.to_string())?;
+    let mut begin = [0; 4];
+    if file.read_exact(&mut begin).is_err() || begin != MAGIC {
+        return Err("this is no OpenEXR file".into());
+    }
+    file.rewind().map_err(|error| error.to_string())?;
     let length = file.metadata().map_err(|error| error.to_string())?.len();
     let reader = exr::block::read(BufReader::new(file), false).map_err(|error| error.to_string())?;
     plausible(reader.headers(), length)

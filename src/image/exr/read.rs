@@ -27,6 +27,7 @@ pub fn read_exr(path: &Path) -> Result<Image, ImageError> {
 /// An image without its values, as [`Image`] has them in memory: every channel is empty, and so are the
 /// accumulators.
 pub(in crate::image) fn read_head(path: &Path) -> Result<Image, ImageError> {
+    claim::check(path).map_err(|error| ImageError::new(error).at(path))?;
     let file = std::fs::File::open(path).map_err(|error| ImageError::new(error).at(path))?;
     let reader = exr::block::read(std::io::BufReader::new(file), false);
     let headers = reader.map(|reader| reader.headers().to_vec());

@@ -124,11 +124,12 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     // The range bounds what a pilot decides about.
     let too_many = reuse != AUTO && shared_light_paths > i64::from(reuse);
     if too_many || reuse == 1 && shared_light_paths > 0 {
-        return Err(params.error(
-            "shared_light_paths",
-            "more light paths than pixels that share them",
-            "expected no more than `reuse`, which is 1 unless given: 2 to 64 pixels, or 0 for a pilot to decide",
-        ));
+        let message = format!("{shared_light_paths} light paths for {reuse} pixels that share them");
+        let help = match reuse {
+            1 => "expected `reuse` as well: as many pixels or more, or 0 for a pilot to decide".to_owned(),
+            _ => format!("expected at most {reuse}, or a larger `reuse`"),
+        };
+        return Err(params.error("shared_light_paths", message, help));
     }
     let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
     let links = params.choice_of("links", &LinkPolicy::ALL, about)?;

@@ -15,12 +15,20 @@ pub fn at<'a>(root: &'a mut Element, place: &[usize]) -> &'a mut Element {
 pub fn inner(document: &Document, parent: &[usize], tag: &str) -> Option<Place> {
     let element = parent.iter().fold(&document.root, |element, &child| &element.children[child]);
     element.children.iter().enumerate().find_map(|(number, child)| {
-        if child.tag == tag {
-            return Some([parent, &[number]].concat());
-        }
-        let id = child.attribute("id").filter(|_| child.tag == "ref")?;
-        with_id(&document.root, first_name(&document.aliases, &id.value), tag)
+        if child.tag == tag { Some([parent, &[number]].concat()) } else { meant(document, child, tag) }
     })
+}
+
+/// The numbers of the scene's children that are objects of a kind, or `<ref>`s to such.
+pub fn children(document: &Document, tag: &str) -> Vec<usize> {
+    let is = |child: &Element| child.tag == tag || meant(document, child, tag).is_some();
+    (0..).zip(&document.root.children).filter(|(_, child)| is(child)).map(|(number, _)| number).collect()
+}
+
+/// The object of a kind that a `<ref>` means.
+fn meant(document: &Document, child: &Element, tag: &str) -> Option<Place> {
+    let id = child.attribute("id").filter(|_| child.tag == "ref")?;
+    with_id(&document.root, first_name(&document.aliases, &id.value), tag)
 }
 
 /// The object of a kind with this id.

@@ -61,3 +61,22 @@ fn film_and_sampler_that_are_referred_to_are_those_that_change() {
         assert_eq!(sensor.sampler.kind, crate::sampler::Kind::Independent);
     }
 }
+
+#[test]
+fn another_sensor_may_be_chosen() {
+    let sensor = |size: u32| {
+        format!(
+            r#"<sensor type="perspective" id="s{size}"><film type="hdrfilm"><integer name="width" value="{size}"/>
+            <integer name="height" value="{size}"/></film></sensor>"#
+        )
+    };
+    let objects = [sensor(2), r#"<shape type="sphere"/>"#.into(), sensor(3), sensor(4)].concat();
+    let size = |sensor| loaded(&objects, &Overrides { sensor, ..Overrides::default() }).sensor.film.size.0;
+    assert_eq!([None, Some(0), Some(1), Some(2)].map(size), [2, 2, 3, 4]);
+    let mut document =
+        crate::scene::xml::read_text("scene.xml", &format!(r#"<scene version="3.0.0">{objects}</scene>"#))
+            .unwrap();
+    let overrides = Overrides { sensor: Some(3), ..Overrides::default() };
+    let refused = super::apply(&mut document, &overrides).unwrap_err().to_string();
+    assert!(refused.contains("no sensor number 3") && refused.contains("0 to 2"), "{refused}");
+}

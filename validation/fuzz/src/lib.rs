@@ -4,3 +4,4 @@ pub mod draw;
 pub mod inputs;
 pub mod paths;
 pub mod scenes;
+pub mod techniques;

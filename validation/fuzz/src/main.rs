@@ -1,4 +1,4 @@
-//! The command line: `fuzz scenes`, `fuzz paths`, `fuzz input`.
+//! The command line: `fuzz scenes`, `fuzz techniques`, `fuzz paths`, `fuzz input`.
 
 use clap::Parser;
 use etalon::image::write_file;
@@ -10,11 +10,13 @@ use fuzz::inputs::{FORMATS, Format};
 use fuzz::scenes::judge::{Answer, Failure, Judgement, judge};
 use fuzz::scenes::mitsuba::Mitsuba;
 use fuzz::scenes::{grammar, models::Models};
+use fuzz::techniques::{Finding, judge as judge_techniques};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
+use validation::Verdict;
 
 /// Counts the memory that inputs take.
 #[global_allocator]
@@ -42,6 +44,18 @@ enum Command {
         samples: u32,
         /// Where scenes that differ are left, and the record
         #[arg(long, default_value = "target/fuzzed-scenes")]
+        folder: PathBuf,
+    },
+    /// Rooms of glass and mirrors, by every technique and by plain path tracing: equal but for noise
+    Techniques {
+        /// Numbers of the scenes
+        #[arg(long, default_value = "0..100", value_delimiter = ',', value_parser = range)]
+        numbers: Vec<std::ops::Range<u64>>,
+        /// Samples of a pixel; what differs is confirmed with four times as many
+        #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u64).range(64..=1 << 24))]
+        samples: u64,
+        /// Where scenes that differ are left, and the record
+        #[arg(long, default_value = "target/fuzzed-techniques")]
         folder: PathBuf,
     },
     /// Paths through random scenes, by Etalon alone: 0 values that are not finite
@@ -97,6 +111,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<bool, String> {
     match command {
         Command::Scenes { numbers, samples, folder } => scenes(numbers, samples, &folder),
+        Command::Techniques { numbers, samples, folder } => techniques(numbers, samples, &folder),
         Command::Paths { paths, first, json } => follow(first, paths, json.as_deref()),
         Command::Input { format, seconds, count, first, seeds, folder, json, worker } => {
             let formats: Vec<&Format> = match &format {
@@ -175,11 +190,10 @@ fn write(json: Option<&Path>, document: &impl serde::Serialize) -> Result<(), St
 }
 
 fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
-    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
     // Written after every scene, so that results survive an interrupted run.
     let mut written = Ok(());
     let told = |record: &fuzz::paths::Record| written = write(json, record);
-    let record = fuzz::paths::follow(&Models::read()?, &files.to_string_lossy(), first, paths, told);
+    let record = fuzz::paths::follow(&Models::read()?, &files().to_string_lossy(), first, paths, told);
     let record = record.ok_or("a render stopped")?;
     written?;
     let fuzz::paths::Record { scenes, refused, paths, cut, not_finite, negative, first } = &record;
@@ -190,13 +204,61 @@ fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     Ok(first.is_empty())
 }
 
-fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Result<bool, String> {
-    std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let path = folder.join("record.jsonl");
-    let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
-    let mut record = file.map_err(|e| format!("{}: {e}", path.display()))?;
+/// A file of lines about scenes, to which a run adds its own.
+struct Record {
+    path: PathBuf,
+    file: std::fs::File,
+}
+
+impl Record {
+    fn within(folder: &Path) -> Result<Self, String> {
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        let path = folder.join("record.jsonl");
+        let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
+        file.map_err(|e| format!("{}: {e}", path.display())).map(|file| Self { path, file })
+    }
+
+    fn add(&mut self, line: &impl serde::Serialize) -> Result<(), String> {
+        let line = serde_json::to_string(line).map_err(|e| e.to_string())?;
+        writeln!(self.file, "{line}").map_err(|e| format!("{}: {e}", self.path.display()))
+    }
+}
+
+/// Where the files of random scenes are.
+fn files() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes")
+}
+
+fn techniques(numbers: Vec<std::ops::Range<u64>>, samples: u64, folder: &Path) -> Result<bool, String> {
+    let mut record = Record::within(folder)?;
     let models = Models::read()?;
-    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../references/scenes");
+    let mut counts: BTreeMap<(&str, Verdict), u32> = BTreeMap::new();
+    let mut clean = true;
+    for number in numbers.into_iter().flatten() {
+        for found in judge_techniques(&models, &files().to_string_lossy(), number, samples)? {
+            let Finding { technique, verdict, message, text, .. } = &found;
+            *counts.entry((technique, *verdict)).or_default() += 1;
+            if *verdict == Verdict::Different {
+                clean = false;
+                let name = folder.join(format!("{number} {technique}.xml"));
+                write_file(&name, text.as_bytes()).map_err(|e| e.to_string())?;
+                say(format_args!("{number}, {technique}: {message}"));
+            }
+            record.add(&found)?;
+        }
+    }
+    if counts.is_empty() {
+        return Err("there is no number in that range".into());
+    }
+    for ((technique, verdict), count) in counts {
+        say(format_args!("{technique}: {count} {verdict:?}"));
+    }
+    Ok(clean)
+}
+
+fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Result<bool, String> {
+    let mut record = Record::within(folder)?;
+    let (models, files) = (Models::read()?, files());
     let mut mitsuba = Mitsuba::start()?;
     let mut counts: BTreeMap<Answer, u32> = BTreeMap::new();
     for number in numbers.into_iter().flatten() {
@@ -215,8 +277,7 @@ fn scenes(numbers: Vec<std::ops::Range<u64>>, samples: u32, folder: &Path) -> Re
             say(format_args!("{number}: {answer:?} with {samples} samples: {message}"));
         }
         *counts.entry(found.answer).or_default() += 1;
-        let line = serde_json::to_string(&found).map_err(|e| e.to_string())?;
-        writeln!(record, "{line}").map_err(|e| format!("{}: {e}", path.display()))?;
+        record.add(&found)?;
     }
     if counts.is_empty() {
         return Err("there is no number in that range".into());

@@ -5,11 +5,13 @@
 //! techniques that are combined with others. Blind to lobes too rare to be drawn, and to what a weight should
 //! be.
 
-use super::{Check, Effort, always, draw, relative_difference, show};
+use super::{Check, Effort, always, draw, judge, relative_difference, show};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Sample, Scatterer},
-    statistics::{Stream, Verdict, binomial::binomial_two_sided, sidak},
+    statistics::{
+        Stream, Verdict, binomial::binomial_two_sided, power::detectable_difference, sidak, worst_of,
+    },
 };
 
 pub(super) const CHECK: Check = Check {
@@ -24,11 +26,14 @@ pub(super) const CHECK: Check = Check {
 /// More delta lobes than layers of coats, panes and mixtures of them have.
 const MOST: usize = 64;
 
+/// Most draws, where a probability takes so many to be known, in units of [`Effort::samples`].
+const PATIENCE: usize = 16;
+
 /// A lobe, and how often it was drawn. What differs in probability or weight is another lobe, even in the
 /// same direction.
-struct Lobe {
-    of: Sample,
-    count: u64,
+pub(super) struct Lobe {
+    pub of: Sample,
+    pub count: u64,
 }
 
 impl Lobe {
@@ -37,32 +42,75 @@ impl Lobe {
             && relative_difference(self.of.pdf, sample.pdf) <= tolerance
             && relative_difference(self.of.weight, sample.weight) <= tolerance
     }
+
+    fn probability(&self) -> f64 {
+        self.of.pdf.clamp(0.0, 1.0)
+    }
+}
+
+/// The delta lobes that are drawn for a direction.
+#[derive(Default)]
+pub(super) struct Lobes {
+    pub list: Vec<Lobe>,
+    draws: usize,
+    /// A direction beyond the first [`MOST`].
+    beyond: Option<DVec3>,
+}
+
+impl Lobes {
+    /// Draws until there are so many draws in all, or too many lobes.
+    pub fn draw(
+        &mut self,
+        scatterer: &dyn Scatterer,
+        wo: DVec3,
+        draws: usize,
+        tolerance: f64,
+        stream: &mut Stream,
+    ) {
+        while self.draws < draws && self.beyond.is_none() {
+            self.draws += 1;
+            let Some(sample) = draw(scatterer, wo, stream).filter(|sample| sample.delta) else { continue };
+            match self.list.iter().position(|lobe| lobe.has(&sample, tolerance)) {
+                Some(known) => self.list[known].count += 1,
+                None if self.list.len() == MOST => self.beyond = Some(sample.wi),
+                None => self.list.push(Lobe { of: sample, count: 1 }),
+            }
+        }
+    }
 }
 
 fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outcome {
-    let mut stream = Stream::new(seed);
-    let draws = effort.samples.div_ceil(16);
-    let mut lobes: Vec<Lobe> = vec![];
-    for _ in 0..draws {
-        let Some(sample) = draw(scatterer, wo, &mut stream).filter(|sample| sample.delta) else { continue };
-        match lobes.iter().position(|lobe| lobe.has(&sample, effort.tolerance)) {
-            Some(known) => lobes[known].count += 1,
-            None if lobes.len() == MOST => {
-                let message = format!(
-                    "samples that are said to be of delta lobes lead to more than {MOST} directions; one is {}",
-                    show(sample.wi)
-                );
-                return Outcome::new("delta", Verdict::Different, message);
-            }
-            None => lobes.push(Lobe { of: sample, count: 1 }),
-        }
+    let (mut stream, mut lobes) = (Stream::new(seed), Lobes::default());
+    let few = effort.samples.div_ceil(16);
+    lobes.draw(scatterer, wo, few, effort.tolerance, &mut stream);
+    // As many as it takes to know the probabilities that are stated: not those that are seen.
+    let level = sidak(effort.level, lobes.list.len().max(1));
+    let reach = detectable_difference(1.0, level, f64::INFINITY);
+    let laws = scatterer.laws();
+    let error_of_one = |lobe: &Lobe| {
+        let p = lobe.probability();
+        reach * (lobe.of.weight * laws.flux_factor(wo, lobe.of.wi)).abs() * (p * (1.0 - p)).sqrt()
+    };
+    let largest = lobes.list.iter().map(error_of_one).fold(0.0, worst_of);
+    let enough = (largest / effort.albedo) * (largest / effort.albedo);
+    let draws = (enough.min((PATIENCE * effort.samples) as f64).ceil() as usize).max(few);
+    lobes.draw(scatterer, wo, draws, effort.tolerance, &mut stream);
+    if let Some(direction) = lobes.beyond {
+        let message = format!(
+            "samples that are said to be of delta lobes lead to more than {MOST} directions; one is {}",
+            show(direction)
+        );
+        return Outcome::new("delta", Verdict::Different, message);
     }
-    let level = sidak(effort.level, lobes.len().max(1));
-    let wrong = lobes.iter().find(|Lobe { of, count }| {
-        let possible = of.pdf > 0.0 && of.pdf <= 1.0 + effort.tolerance;
-        !possible || binomial_two_sided(*count, draws as u64, of.pdf.min(1.0)) <= level
-    });
-    let drawn: u64 = lobes.iter().map(|lobe| lobe.count).sum();
+    let draws = lobes.draws;
+    let possible = |lobe: &Lobe| lobe.of.pdf > 0.0 && lobe.of.pdf <= 1.0 + effort.tolerance;
+    let p_value = |lobe: &Lobe| match possible(lobe) {
+        true => binomial_two_sided(lobe.count, draws as u64, lobe.probability()),
+        false => 0.0,
+    };
+    let detectable = largest / (draws as f64).sqrt();
+    let drawn: u64 = lobes.list.iter().map(|lobe| lobe.count).sum();
+    let wrong = lobes.list.iter().find(|lobe| judge(p_value(lobe), level, 0.0, 0.0) == Verdict::Different);
     let (verdict, message) = match wrong {
         Some(Lobe { of, count }) => {
             let share = *count as f64 / draws as f64;
@@ -73,13 +121,17 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
             );
             (Verdict::Different, message)
         }
-        None if lobes.is_empty() => (Verdict::Equivalent, "no delta lobe".to_owned()),
+        None if lobes.list.is_empty() => (Verdict::Equivalent, "no delta lobe".to_owned()),
         None => {
-            let message = format!("{drawn} of {draws} samples are of {} delta lobes", lobes.len());
-            (Verdict::Equivalent, message)
+            let message = format!(
+                "{drawn} of {draws} samples are of {} delta lobes; an albedo wrong by {detectable:.1e} would show",
+                lobes.list.len()
+            );
+            (judge(1.0, level, detectable, effort.albedo), message)
         }
     };
     Outcome::new("delta", verdict, message)
-        .figure("lobes", lobes.len() as f64)
+        .figure("lobes", lobes.list.len() as f64)
         .figure("share", drawn as f64 / draws as f64)
+        .detectable(detectable)
 }

@@ -2,10 +2,13 @@
 //!
 //! f(wo, wi) / η(wo)² = f(wi, wo) / η(wi)² (Veach 1997, eq. 5.14), for individual pairs of directions, both
 //! sampled from the model and uniform over the sphere.
+//!
+//! A delta lobe has the coefficient c = weight · pdf. Crossing, it is c = T (η(wo)/η(wi))², T being the same both
+//! ways, so there c η(wi)⁴ must be that of the way back times η(wo)⁴. Blind to lobes too rare to be drawn.
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Check, Effort, draw, has_no_digits, relative_difference, show};
+use super::{Check, Effort, delta::Lobes, draw, has_no_digits, relative_difference, show};
 use crate::{
     report::Outcome,
     scatterer::{DVec3, Laws, Scatterer, direction},
@@ -32,9 +35,12 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         let wi = sampled.filter(|_| turn % 2 == 0).map_or(uniform, |sample| sample.wi);
         let one_way = reduced(scatterer, &laws, wo, wi);
         let other_way = reduced(scatterer, &laws, wi, wo);
+        if one_way == 0.0 && other_way == 0.0 {
+            continue;
+        }
         // Finite, but without significant digits to compare.
         if worst_of(one_way, other_way) < effort.smallest {
-            silent &= one_way == 0.0 && other_way == 0.0;
+            silent = false;
             continue;
         }
         let error = relative_difference(one_way, other_way);
@@ -52,7 +58,21 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
             (largest, place) = (error, wi);
         }
     }
+    let lobes = delta_lobes(scatterer, &laws, wo, effort, &mut stream);
+    for Pair { wi, error, blurred: has_none } in &lobes.pairs {
+        checked += 1;
+        if *error > effort.tolerance && *has_none {
+            blurred += 1;
+            continue;
+        }
+        wrong += usize::from(error.is_nan() || *error > effort.tolerance);
+        if error.is_nan() || *error > largest {
+            (largest, place) = (*error, *wi);
+        }
+    }
     let verdict = match (wrong, checked) {
+        // A way back that was never drawn may be rare, or missing.
+        (0, _) if lobes.lost > 0 => Verdict::Inconclusive,
         // There is light, but never enough to compare.
         (0, 0) if !silent => Verdict::Inconclusive,
         // For example near a critical angle, where the Fresnel factor changes with every digit of a cosine.
@@ -61,7 +81,9 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         _ => Verdict::Different,
     };
     let message = if wrong == 0 && checked == 0 {
-        if silent { "no light outside delta lobes" } else { "no pair has digits to compare" }.to_string()
+        if silent { "no light" } else { "no pair has digits to compare" }.to_string()
+    } else if wrong == 0 && lobes.lost > 0 {
+        format!("the way back was never drawn of {} delta lobes", lobes.lost)
     } else if wrong == 0 {
         format!("{checked} pairs agree within {largest:.1e}, but for {blurred} where the value has no digits")
     } else {
@@ -71,6 +93,58 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         )
     };
     Outcome::new("reciprocity", verdict, message).figure("checked", checked as f64).figure("worst", largest)
+}
+
+/// A delta lobe and its way back.
+struct Pair {
+    wi: DVec3,
+    /// Relative difference of the two coefficients.
+    error: f64,
+    /// Whether the coefficient changes within the rounding of its direction.
+    blurred: bool,
+}
+
+struct Pairs {
+    pairs: Vec<Pair>,
+    /// Lobes whose way back was never drawn.
+    lost: usize,
+}
+
+fn delta_lobes(
+    scatterer: &dyn Scatterer,
+    laws: &Laws,
+    wo: DVec3,
+    effort: &Effort,
+    stream: &mut Stream,
+) -> Pairs {
+    let draws = effort.samples.div_ceil(16);
+    // The coefficients of all lobes that lead from one direction into another; `None` if none was drawn.
+    let mut coefficient = |from: DVec3, to: DVec3| {
+        let mut lobes = Lobes::default();
+        lobes.draw(scatterer, from, draws, effort.tolerance, stream);
+        // Directions are bent, so what was rounded once is not where it was.
+        let near = |wi: DVec3| (wi - to).length() <= 1e3 * effort.tolerance;
+        let leading = lobes.list.iter().filter(|lobe| near(lobe.of.wi));
+        let sum: f64 = leading.map(|lobe| lobe.of.weight * lobe.of.pdf).sum();
+        let factor = laws.index(to).powi(4);
+        (sum > 0.0).then_some(sum * factor)
+    };
+    let mut outward = Lobes::default();
+    outward.draw(scatterer, wo, draws, effort.tolerance, &mut Stream::new(0));
+    let (mut pairs, mut lost) = (vec![], 0);
+    for lobe in &outward.list {
+        let wi = lobe.of.wi;
+        match (coefficient(wo, wi), coefficient(wi, wo)) {
+            (Some(one_way), Some(other_way)) => {
+                let error = relative_difference(one_way, other_way);
+                let nudged = (wi + 4.0 * f64::EPSILON * wi.any_orthonormal_vector()).normalize();
+                let changed = coefficient(nudged, wo).map_or(1.0, |c| relative_difference(c, other_way));
+                pairs.push(Pair { wi, error, blurred: changed > 0.1 * effort.tolerance });
+            }
+            _ => lost += 1,
+        }
+    }
+    Pairs { pairs, lost }
 }
 
 /// f(wo, wi) / η(wo)².

@@ -71,7 +71,7 @@ fn saboteurs_are_rejected() {
     let conductor = Conductor { alpha: 0.2, r0: 0.9 };
     let dielectric = DiffuseDielectric { eta: 1.5 };
     let smooth = SmoothDielectric { eta: 1.5, reflectance: 0.3 };
-    let cases: [(&dyn Scatterer, Fault, &[&str]); 17] = [
+    let cases: [(&dyn Scatterer, Fault, &[&str]); 18] = [
         (&lambert, Fault::PdfScaled, &["normalisation", "furnace"]),
         (&conductor, Fault::PdfScaled, &["normalisation", "chi2", "furnace", "jacobian"]),
         (&lambert, Fault::NoCosine, &["furnace", "reciprocity"]),
@@ -89,6 +89,7 @@ fn saboteurs_are_rejected() {
         (&conductor, Fault::WeightTilted, &["moments", "weight"]),
         (&lambert, Fault::SpreadDelta, &["delta"]),
         (&smooth, Fault::UnlikelyDelta, &["delta"]),
+        (&smooth, Fault::OneWayDelta, &["reciprocity", "furnace"]),
     ];
     for (honest, fault, checks) in cases {
         for check in checks {

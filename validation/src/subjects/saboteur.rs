@@ -35,8 +35,10 @@ pub enum Fault {
     WeightTilted,
     /// Samples of a lobe that is spread are said to be of a delta lobe, outside which there is nothing.
     SpreadDelta,
-    /// Delta lobes are drawn more often than their pdf says.
+    /// Delta lobes are drawn 2 % more often than their pdf says.
     UnlikelyDelta,
+    /// Delta lobes that lead down are 1 % too bright.
+    OneWayDelta,
 }
 
 pub struct Sabotaged<'a> {
@@ -82,7 +84,9 @@ impl Scatterer for Sabotaged<'_> {
             Fault::DrawsLost if u[0] < 0.01 => return None,
             Fault::DrawsLost => return Some(honest),
             Fault::SpreadDelta => (sample.pdf, sample.delta) = (1.0, true),
-            Fault::UnlikelyDelta => sample.pdf *= 0.9,
+            Fault::UnlikelyDelta => sample.pdf *= 0.98,
+            Fault::OneWayDelta if honest.wi.z < 0.0 && wo.z > 0.0 => sample.weight *= 1.01,
+            Fault::OneWayDelta => return Some(honest),
             _ => {
                 sample.pdf = self.pdf(wo, honest.wi);
                 sample.weight = self.value(wo, honest.wi) / sample.pdf;

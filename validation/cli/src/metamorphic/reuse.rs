@@ -14,7 +14,7 @@ use etalon::spectrum::ColorMode;
 use validation::image::Image;
 
 /// One pixel of each square with this edge length.
-pub(super) fn one_of<const EDGE: usize>(image: &Image) -> Image {
+pub fn one_of<const EDGE: usize>(image: &Image) -> Image {
     let last = |place: usize| place % EDGE == EDGE - 1;
     chosen(image, (image.width / EDGE, image.height / EDGE), |column, row| last(column) && last(row))
 }

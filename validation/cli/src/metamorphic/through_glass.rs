@@ -59,7 +59,7 @@ pub fn relations() -> Vec<Relation> {
     let matte_slats = slats(&bsdf("twosided", &diffuse(0.2)));
     // They do not bend light: only their number tells a way through one from a way between them.
     let clear_slats = slats(&bsdf("thindielectric", ""));
-    let dense = slab(&glass(&float("int_ior", 2.2)));
+    let dense = slab(&bsdf("dielectric", &float("int_ior", 2.2)));
     let tube = shape(
         "cylinder",
         &[translate([-0.5, 0.0, 0.0])],

@@ -87,7 +87,7 @@ fn integrator(grower: &mut Grower) -> Option<Node> {
     Some(node)
 }
 
-fn sensor(grower: &mut Grower) -> Option<(Node, bool)> {
+pub(super) fn sensor(grower: &mut Grower) -> Option<(Node, bool)> {
     let mut node = grower.any("sensor", 0, |n| !n.children.is_empty())?;
     node.children.retain(|c| c.tag != "transform");
     let mut place = Node::new("transform", &[("name", "to_world")]);
@@ -115,7 +115,7 @@ fn sensor(grower: &mut Grower) -> Option<(Node, bool)> {
     Some((node.with(place).with(sampler).with(film), boxed))
 }
 
-fn floor(grower: &mut Grower) -> Option<Node> {
+pub(super) fn floor(grower: &mut Grower) -> Option<Node> {
     let place = Node::new("transform", &[("name", "to_world")])
         .with(Node::new("scale", &[("value", "8")]))
         .with(Node::new("rotate", &[("x", "1"), ("angle", "-90")]));
@@ -215,7 +215,7 @@ fn hoisted(mut object: Node, number: usize) -> Vec<Node> {
     vec![group, object]
 }
 
-fn look_at(origin: &str, target: &str) -> Node {
+pub(super) fn look_at(origin: &str, target: &str) -> Node {
     Node::new("lookat", &[("origin", origin), ("target", target), ("up", "0, 1, 0.01")])
 }
 

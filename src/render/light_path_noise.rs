@@ -1,0 +1,139 @@
+//! What errors of pixels have in common because one light path reaches several of them.
+//!
+//! Let a light path bring sₚ to pixel p, and T = Σₚ sₚ to the image. It adds E[T²] − E[T]² to the variance of
+//! the sum over pixels, and to those of the pixels E[sₚ²] − E[sₚ]² each. Their sum falls short of the former
+//! by E[T² − Σₚ sₚ²] − E[T]², but for Σₚ E[sₚ]², which is small against E[T]² where no pixel gets much of all
+//! light. Means over all light paths estimate both terms.
+
+use serde::{Deserialize, Serialize};
+
+/// Sums over light paths, of the first three channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LightPathNoise {
+    /// Of T.
+    sum: [f64; 3],
+    /// Of T² − Σₚ sₚ².
+    common: [f64; 3],
+}
+
+impl LightPathNoise {
+    /// Adds a light path by what it brings to each pixel that it reaches.
+    pub fn add_path<'a>(&mut self, brought: impl Iterator<Item = &'a [f64; 3]>) {
+        let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
+        for pixel in brought {
+            for c in 0..3 {
+                sum[c] += pixel[c];
+                squares[c] += pixel[c] * pixel[c];
+            }
+        }
+        for c in 0..3 {
+            self.sum[c] += sum[c];
+            self.common[c] += sum[c] * sum[c] - squares[c];
+        }
+    }
+
+    /// Adds other light paths.
+    pub fn add(&mut self, other: &Self) {
+        self.sum.iter_mut().zip(other.sum).for_each(|(sum, more)| *sum += more);
+        self.common.iter_mut().zip(other.common).for_each(|(sum, more)| *sum += more);
+    }
+
+    /// By how much the variance of the sum over pixels exceeds the sum of their variances, summed over
+    /// channels, if these are the sums over so many light paths, and the pixels are means over so many samples.
+    /// Where light paths reach ever other pixels errors cancel, and the sum of variances is left as it is.
+    pub fn excess(&self, light_paths: u64, samples: u64) -> f64 {
+        let of_channel = |c: usize| self.common[c] - self.sum[c] * self.sum[c] / light_paths as f64;
+        let of_sum: f64 = (0..3).map(of_channel).filter(|excess| *excess > 0.0).sum();
+        of_sum / (samples as f64 * samples as f64)
+    }
+}
+
+/// What one light path brings to pixels, while its contributions arrive.
+#[derive(Debug, Default)]
+pub struct Brought {
+    number: u64,
+    pixels: Vec<u32>,
+    values: Vec<[f64; 3]>,
+}
+
+impl Brought {
+    /// Notes a contribution of a light path to a pixel; those of one path must come together. What an earlier
+    /// path has brought is added to `noise` first.
+    pub fn note(&mut self, noise: &mut LightPathNoise, number: u64, pixel: u32, channels: &[f64]) {
+        if number != self.number {
+            self.settle(noise);
+            self.number = number;
+        }
+        let at = self.pixels.iter().position(|known| *known == pixel).unwrap_or_else(|| {
+            self.pixels.push(pixel);
+            self.values.push([0.0; 3]);
+            self.values.len() - 1
+        });
+        self.values[at].iter_mut().zip(channels).for_each(|(sum, value)| *sum += value);
+    }
+
+    /// Adds what the last path has brought.
+    pub fn settle(&mut self, noise: &mut LightPathNoise) {
+        noise.add_path(self.values.iter());
+        self.pixels.clear();
+        self.values.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_pcg::{Pcg32, rand_core::Rng};
+
+    /// Light paths that reach few of many pixels, several at a time: the variance of the sum over pixels is that
+    /// of the pixels and the excess.
+    #[test]
+    fn the_excess_is_what_pixels_do_not_know_of_each_other() {
+        const PIXELS: u32 = 64;
+        let mut rng = Pcg32::new(3, 1);
+        let mut uniform = || f64::from(rng.next_u32()) / 4294967296.0;
+        let (paths, samples) = (1 << 16, 16);
+        let (mut noise, mut brought) = (LightPathNoise::default(), Brought::default());
+        let mut squares = 0.0;
+        let mut moments = vec![[0.0; 2]; PIXELS as usize];
+        let mut sum = 0.0;
+        for number in 0..paths {
+            let mut total = 0.0;
+            let mut of_pixels = [0.0; PIXELS as usize];
+            if uniform() < 0.25 {
+                for _ in 0..4 {
+                    let (pixel, value) = ((uniform() * f64::from(PIXELS)) as u32, uniform());
+                    brought.note(&mut noise, number, pixel, &[value, 0.0, 0.0, 1.0]);
+                    of_pixels[pixel as usize] += value;
+                    total += value;
+                }
+            }
+            for (moments, value) in moments.iter_mut().zip(of_pixels) {
+                moments[0] += value;
+                moments[1] += value * value;
+            }
+            (sum, squares) = (sum + total, squares + total * total);
+        }
+        brought.settle(&mut noise);
+        let n = paths as f64;
+        let variance = |sum: f64, squares: f64| (squares - sum * sum / n) / 256.0;
+        let of_pixels: f64 = moments.iter().map(|[sum, squares]| variance(*sum, *squares)).sum();
+        let of_sum = variance(sum, squares);
+        let told = of_pixels + noise.excess(paths, samples);
+        assert!(
+            (told / of_sum - 1.0).abs() < 0.01 && of_pixels < 0.5 * of_sum,
+            "{told} {of_sum} {of_pixels}"
+        );
+    }
+
+    #[test]
+    fn paths_that_reach_one_pixel_each_have_nothing_in_common() {
+        let (mut noise, mut brought) = (LightPathNoise::default(), Brought::default());
+        for number in 0..100 {
+            brought.note(&mut noise, number, number as u32 % 7, &[1.0, 2.0, 3.0]);
+            brought.note(&mut noise, number, number as u32 % 7, &[1.0, 2.0, 3.0]);
+        }
+        brought.settle(&mut noise);
+        assert_eq!(noise.excess(100, 4), 0.0);
+    }
+}
