@@ -21,7 +21,7 @@ impl Arguments {
     pub fn run(self) -> Outcome {
         let scene = self.scene.load(0)?;
         let kernel = kernel_for(scene.features());
-        let left_out = Features(Features::ALL & !kernel.features.0);
+        let left_out = Features(Features::ALL).without(kernel.features);
         let mut materials: Vec<&str> = scene.materials.iter().map(|m| m.name()).collect();
         materials.sort_unstable();
         materials.dedup();

@@ -187,7 +187,7 @@ kernels! { "full": Features::ALL }
 
 /// The least kernel that suffices.
 pub fn kernel_for(features: Features) -> &'static KernelEntry {
-    let enough = |k: &&KernelEntry| k.features.0 & features.0 == features.0;
+    let enough = |k: &&KernelEntry| k.features.cover(features);
     KERNELS.iter().find(enough).unwrap_or(&KERNELS[KERNELS.len() - 1])
 }
 

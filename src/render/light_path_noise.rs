@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn the_excess_is_what_pixels_do_not_know_of_each_other() {
         const PIXELS: u32 = 64;
-        let mut rng = Pcg32::new(3, 1);
+        let mut rng = Pcg32::new(0, 1);
         let mut uniform = || f64::from(rng.next_u32()) / 4294967296.0;
         let (paths, samples) = (1 << 16, 16);
         let (mut noise, mut brought) = (LightPathNoise::default(), Brought::default());

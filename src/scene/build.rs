@@ -7,7 +7,7 @@ use super::objects::Objects;
 use super::owners::Owners;
 use super::params::Usage;
 use super::registry::construct;
-use super::xml::{self, Document};
+use super::xml::{self, Document, Element};
 use super::{Features, Overrides, Scene, lamps, overrides};
 use crate::bsdf::Traits;
 use crate::emitter::Emitters;
@@ -91,14 +91,32 @@ pub fn load_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, Scene
     build(&xml::read_text(name, text)?, mode)
 }
 
+/// What a document declares, read but not yet put together.
+struct Declared<'a, 'd> {
+    objects: Objects<'a, 'd>,
+    sensor: Sensor,
+    integrator: AnyIntegrator,
+}
+
 fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
-    let root = &document.root;
+    let loader = Loader::new(document, mode)?;
+    let Declared { objects, sensor, integrator } = read(&document.root, &loader)?;
+    let hash = hash(document, &loader, mode)?;
+    let files = [&document.files[..], &loader.files()].concat();
+    let mut scene = Scene { hash, files, ..assemble(objects, sensor, integrator, mode) };
+    let begin = Instant::now();
+    plan::settle(&mut scene);
+    scene.planning = begin.elapsed();
+    Ok(scene)
+}
+
+/// Reads the elements of a scene.
+fn read<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declared<'a, 'd>, SceneError> {
     if root.tag != "scene" {
         return Err(SceneError::at(&root.span, format!("the root is a <{}>", root.tag), "expected <scene>"));
     }
     root.only(&["version", "type", "id", "name"])?;
-    let loader = Loader::new(document, mode)?;
-    let mut objects = Objects::new(&loader);
+    let mut objects = Objects::new(loader);
     let (mut sensors, mut integrators) = (vec![], vec![]);
     for child in &root.children {
         let element = loader.resolve(child)?;
@@ -112,14 +130,14 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
                 objects.material(element)?;
             }
             "texture" | "spectrum" => {
-                AnyTexture::parse(element, &loader, Usage::Any)?;
+                AnyTexture::parse(element, loader, Usage::Any)?;
             }
             "medium" => loader.medium(element).map(drop)?,
-            "phase" => construct(PHASES, element, &loader, Usage::Unbounded).map(drop)?,
-            "volume" => construct(VOLUMES, element, &loader, Usage::Any).map(drop)?,
-            "film" => construct(FILMS, element, &loader, Usage::Unbounded).map(drop)?,
-            "rfilter" => construct(FILTERS, element, &loader, Usage::Unbounded).map(drop)?,
-            "sampler" => construct(SAMPLERS, element, &loader, Usage::Unbounded).map(drop)?,
+            "phase" => construct(PHASES, element, loader, Usage::Unbounded).map(drop)?,
+            "volume" => construct(VOLUMES, element, loader, Usage::Any).map(drop)?,
+            "film" => construct(FILMS, element, loader, Usage::Unbounded).map(drop)?,
+            "rfilter" => construct(FILTERS, element, loader, Usage::Unbounded).map(drop)?,
+            "sampler" => construct(SAMPLERS, element, loader, Usage::Unbounded).map(drop)?,
             "boolean" | "integer" | "float" if element.name().is_some_and(|n| OF_SEARCHES.contains(&n)) => {
                 element.only(&["name", "value"])?;
                 element.require("value")?;
@@ -137,13 +155,13 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         [] => return Err(SceneError::at(&root.span, "the scene has no sensor", "add a <sensor>")),
         // The first is used, as in Mitsuba; the others are read for the sake of their errors.
         [first, ref others @ ..] => {
-            others.iter().try_for_each(|other| Sensor::parse(other, &loader).map(drop))?;
-            Sensor::parse(first, &loader)?
+            others.iter().try_for_each(|other| Sensor::parse(other, loader).map(drop))?;
+            Sensor::parse(first, loader)?
         }
     };
     let integrator = match integrators[..] {
         [] => AnyIntegrator::default(),
-        [one] => construct(INTEGRATORS, one, &loader, Usage::Unbounded)?,
+        [one] => construct(INTEGRATORS, one, loader, Usage::Unbounded)?,
         [_, second, ..] => {
             return Err(SceneError::at(&second.span, "a second integrator", "expected only one"));
         }
@@ -151,7 +169,12 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let integrator = if media_matter(&objects, &sensor) { integrator } else { integrator.without_media() };
     let place = integrators.first().map_or(&root.span, |one| &one.span);
     check_channels(&sensor.film, &integrator, place)?;
-    let hash = hash(document, &loader, mode)?;
+    Ok(Declared { objects, sensor, integrator })
+}
+
+/// Puts together what was read: with all techniques that its integrator allows, before pilots choose among
+/// them.
+fn assemble(mut objects: Objects, sensor: Sensor, integrator: AnyIntegrator, mode: ColorMode) -> Scene {
     let features = features(&objects, &integrator);
     let choosing = |traits: Traits| traits.has_density && !traits.one_lobe;
     let several_lobes = objects.sides().any(choosing);
@@ -169,7 +192,7 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let mut links = Links::of(&shapes, &materials, mode)
         .filter(|_| !matches!(wanted, LinkPolicy::Never | LinkPolicy::Guided));
     links.iter_mut().for_each(|links| links.everywhere = wanted == LinkPolicy::Everywhere);
-    let mut scene = Scene {
+    Scene {
         shapes,
         owners,
         instances,
@@ -186,13 +209,9 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
         features,
         several_lobes,
         planning: Duration::ZERO,
-        hash,
-        files: [&document.files[..], &loader.files()].concat(),
-    };
-    let begin = Instant::now();
-    plan::settle(&mut scene);
-    scene.planning = begin.elapsed();
-    Ok(scene)
+        hash: String::new(),
+        files: vec![],
+    }
 }
 
 /// Whether light goes through media, or straight through surfaces.

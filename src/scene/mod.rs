@@ -192,6 +192,16 @@ impl Features {
     /// The kernel for textured scenes: features that often come together, cheap if unused.
     pub const TEXTURED: u32 = Self::TEXTURES | Self::ANISOTROPY | Self::ENVIRONMENT | Self::INSTANCES;
 
+    /// Whether all of the other's are among these.
+    pub fn cover(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// These but for the other's.
+    pub fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// The names of the features, for people.
     pub fn names(self) -> Vec<&'static str> {
         let all = [

@@ -270,7 +270,7 @@ mod tests {
         );
         let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
         let paths = scene.light_paths();
-        assert_eq!(paths > 0, scene.features().0 & Features::CAUSTICS != 0);
+        assert_eq!(paths > 0, scene.features().cover(Features(Features::CAUSTICS)));
         f64::from(paths) / 1024.0
     }
 

@@ -8,6 +8,7 @@ use etalon::spectrum::ColorMode;
 use serde::Serialize;
 use validate::metamorphic::{Relation, Term, one_of};
 use validate::stage::load;
+use validation::image::Image;
 use validation::{Outcome, Verdict};
 
 /// Largest relative difference of a mean that counts as equivalent.
@@ -20,6 +21,9 @@ const NO_LIGHT_PATHS: Parameter = ("float", "light_paths", "0");
 const LIGHT_PATHS: Parameter = ("float", "light_paths", "1");
 const NO_LINKS: Parameter = ("string", "links", "never");
 
+/// The parameter that has pixels share, here groups of 2 × 2.
+const REUSE: &str = "reuse";
+
 /// What all others are compared with.
 const PLAIN: &[Parameter] = &[NO_LIGHT_PATHS, NO_LINKS];
 
@@ -30,7 +34,7 @@ pub const TECHNIQUES: &[(&str, &[Parameter])] = &[
     ("links", &[NO_LIGHT_PATHS, ("string", "links", "everywhere")]),
     ("light paths and links", &[LIGHT_PATHS, ("string", "links", "everywhere")]),
     ("guided", &[NO_LIGHT_PATHS, ("string", "links", "guided")]),
-    ("re-use", &[("integer", "reuse", "4"), ("integer", "shared_light_paths", "4")]),
+    ("re-use", &[("integer", REUSE, "4"), ("integer", "shared_light_paths", "4")]),
 ];
 
 /// A technique on one scene.
@@ -82,8 +86,9 @@ fn told(scene: &Scene, parameters: &[Parameter]) -> String {
 fn relation(name: &str, scene: &Scene, sides: [&String; 2], samples: u64) -> Relation {
     let mode = if scene.spectral { ColorMode::Spectral } else { ColorMode::Rgb };
     // Of pixels that share what their paths find only one of each group, so that their noise is independent.
-    let [left, right] =
-        sides.map(|text| vec![Term { mode, view: Some(one_of::<2>), ..Term::new(text.clone()) }]);
+    let shares = sides.iter().any(|text| text.contains(REUSE));
+    let view = shares.then_some(one_of::<2> as fn(&Image) -> Image);
+    let [left, right] = sides.map(|text| vec![Term { mode, view, ..Term::new(text.clone()) }]);
     Relation::expectation(name, left, right).within(MARGIN).samples(samples)
 }
 

@@ -105,7 +105,7 @@ fn lamp(grower: &mut Grower) -> Option<Node> {
     let kind = *grower.draw.of(&["rectangle", "rectangle", "disk", "sphere", "cube"]);
     let mut at = |most: f64| grower.draw.between(-most, most);
     let (x, z, aside) = (at(1.5), at(1.0), at(1.0));
-    let (size, height) = (grower.draw.between(0.5, 1.2), grower.draw.between(2.6, 4.0));
+    let (size, height) = (grower.draw.between(0.8, 1.6), grower.draw.between(2.6, 4.0));
     let place = to_world([
         numbered("scale", &[("value", size)]),
         look_at(&format!("{x:.3}, {height:.3}, {z:.3}"), &format!("{:.3}, 0, {z:.3}", x + aside)),
