@@ -1,9 +1,9 @@
 //! What errors of pixels have in common because one light path reaches several of them.
 //!
-//! Let a light path bring sₚ to pixel p, and T = Σₚ sₚ to the image. It adds E[T²] − E[T]² to the variance of
-//! the sum over pixels, and to those of the pixels E[sₚ²] − E[sₚ]² each. Their sum falls short of the former
-//! by E[T² − Σₚ sₚ²] − E[T]², but for Σₚ E[sₚ]², which is small against E[T]² where no pixel gets much of all
-//! light. Means over all light paths estimate both terms.
+//! Let a light path bring sₚ to pixel p, and T = Σₚ sₚ to the image. With ⟨⟩ for expectations, it adds
+//! ⟨T²⟩ − ⟨T⟩² to the variance of the sum over pixels, and to those of the pixels ⟨sₚ²⟩ − ⟨sₚ⟩² each. Their sum
+//! falls short of the former by ⟨T² − Σₚ sₚ²⟩ − ⟨T⟩², but for Σₚ ⟨sₚ⟩², which is small against ⟨T⟩² where no
+//! pixel gets much of all light. Means over all light paths estimate both terms.
 
 use serde::{Deserialize, Serialize};
 
