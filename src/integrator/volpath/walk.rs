@@ -63,7 +63,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Follows the ray, edge number `edge` from 1 on, to the next vertex and chooses the next ray; `None` if the path ends.
+    /// Follows the ray, which is edge number `edge`, from 1 on, to the next vertex and chooses the next ray;
+    /// `None` if the path ends.
     pub fn step<const F: u32>(&mut self, edge: u32) -> Option<()> {
         let u = self.path.sampler.block(blocks::vertex(edge));
         self.counters.rays += 1;

@@ -59,9 +59,9 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
         }
     }
     let lobes = delta_lobes(scatterer, &laws, wo, effort, &mut stream);
-    for Pair { wi, error, blurred: has_none } in &lobes.pairs {
+    for Pair { wi, error, blurred: is_blurred } in &lobes.pairs {
         checked += 1;
-        if *error > effort.tolerance && *has_none {
+        if *is_blurred {
             blurred += 1;
             continue;
         }
@@ -100,7 +100,7 @@ struct Pair {
     wi: DVec3,
     /// Relative difference of the two coefficients.
     error: f64,
-    /// Whether the coefficient changes within the rounding of its direction.
+    /// Whether that may be because the coefficient changes within the rounding of its direction.
     blurred: bool,
 }
 
@@ -118,28 +118,33 @@ fn delta_lobes(
     stream: &mut Stream,
 ) -> Pairs {
     let draws = effort.samples.div_ceil(16);
-    // The coefficients of all lobes that lead from one direction into another; `None` if none was drawn.
-    let mut coefficient = |from: DVec3, to: DVec3| {
+    let mut lobes_from = |from: DVec3| {
         let mut lobes = Lobes::default();
         lobes.draw(scatterer, from, draws, effort.tolerance, stream);
+        lobes
+    };
+    // That of all lobes that lead into a direction; `None` if none was drawn.
+    let coefficient = |lobes: &Lobes, to: DVec3| {
         // Directions are bent, so what was rounded once is not where it was.
         let near = |wi: DVec3| (wi - to).length() <= 1e3 * effort.tolerance;
         let leading = lobes.list.iter().filter(|lobe| near(lobe.of.wi));
         let sum: f64 = leading.map(|lobe| lobe.of.weight * lobe.of.pdf).sum();
-        let factor = laws.index(to).powi(4);
-        (sum > 0.0).then_some(sum * factor)
+        (sum > 0.0).then_some(sum * laws.index(to).powi(4))
     };
-    let mut outward = Lobes::default();
-    outward.draw(scatterer, wo, draws, effort.tolerance, &mut Stream::new(0));
+    let outward = lobes_from(wo);
     let (mut pairs, mut lost) = (vec![], 0);
     for lobe in &outward.list {
         let wi = lobe.of.wi;
-        match (coefficient(wo, wi), coefficient(wi, wo)) {
+        match (coefficient(&outward, wi), coefficient(&lobes_from(wi), wo)) {
             (Some(one_way), Some(other_way)) => {
                 let error = relative_difference(one_way, other_way);
-                let nudged = (wi + 4.0 * f64::EPSILON * wi.any_orthonormal_vector()).normalize();
-                let changed = coefficient(nudged, wo).map_or(1.0, |c| relative_difference(c, other_way));
-                pairs.push(Pair { wi, error, blurred: changed > 0.1 * effort.tolerance });
+                let mut changes = || {
+                    let nudged = (wi + 4.0 * f64::EPSILON * wi.any_orthonormal_vector()).normalize();
+                    let change = |c| relative_difference(c, other_way);
+                    coefficient(&lobes_from(nudged), wo).map_or(1.0, change) > 0.1 * effort.tolerance
+                };
+                let blurred = error > effort.tolerance && changes();
+                pairs.push(Pair { wi, error, blurred });
             }
             _ => lost += 1,
         }
