@@ -90,7 +90,7 @@ fn run(scene: &Scene, seed: u32, target: f64) -> Result<Run, String> {
     let progress = Progress::default();
     let pilot = for_error(scene, &settings, target, &progress).map_err(|why| format!("{why:?}"))?;
     let settings = Settings { samples: 0..pilot.count, ..settings };
-    let (image, _) = render(scene, &settings, &progress).ok_or("no threads")?;
+    let (image, _) = render(scene, &settings, &progress).map_err(|e| e.to_string())?;
     let green = image.channel("G").ok_or("no green")?;
     let variance = green.variance.as_ref().ok_or("no variance")?;
     let green = green.mean.iter().zip(variance).map(|(&m, &v)| (f64::from(m), f64::from(v))).collect();

@@ -6,7 +6,8 @@
 //! cargo run --release --example convergence_scenes
 //! ```
 
-use etalon::image::{self, Channel, Image, Rgb8, Window};
+use etalon::film::Window;
+use etalon::image::{self, Channel, Image, Rgb8};
 use etalon::shape::mesh_data::{sea_urchin, write_ply};
 use std::error::Error;
 use std::f64::consts::PI;

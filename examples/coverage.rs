@@ -90,7 +90,7 @@ fn replicate(scene: &Scene, seed: u32, spp: u64) -> Result<Vec<Vec<f64>>, String
     for begin in (0..spp).step_by(BLOCK as usize) {
         let samples = begin..begin + BLOCK;
         let settings = Settings { seed, ..Settings::of(scene, samples) };
-        let (image, _) = render(scene, &settings, &Progress::default()).ok_or("no threads")?;
+        let (image, _) = render(scene, &settings, &Progress::default()).map_err(|e| e.to_string())?;
         let green = image.channel("G").ok_or("no green")?;
         for (pixel, mean) in pixels.iter_mut().zip(&green.mean) {
             pixel.push(f64::from(*mean));

@@ -4,7 +4,8 @@
 mod scenes;
 
 use etalon::film::BLOCK;
-use etalon::image::{Image, Window, merge};
+use etalon::film::Window;
+use etalon::image::{Image, merge};
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{Scene, load_text};
 use proptest::prelude::*;

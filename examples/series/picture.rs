@@ -31,8 +31,7 @@ impl Studio {
     /// Renders samples 0 to `samples` of every pixel.
     pub fn render(&self, scene: &Scene, samples: u32, seed: u32) -> Result<Image, Box<dyn Error>> {
         let settings = Settings { seed, threads: 0, ..Settings::of(scene, 0..u64::from(samples)) };
-        let (image, report) =
-            render(scene, &settings, &Progress::default()).ok_or("the threads could not be started")?;
+        let (image, report) = render(scene, &settings, &Progress::default())?;
         if report.non_finite > 0 {
             return Err(format!("{} samples are not finite", report.non_finite).into());
         }

@@ -51,13 +51,13 @@ impl Arguments {
             "geometry_bytes": scene.geometry_bytes(),
             "materials": materials,
             "emitters": emitters,
-            "light_paths": scene.light_paths(),
-            "links": match &scene.links {
-                None if scene.guide.is_some() => "guided",
+            "light_paths": scene.techniques.light_paths(),
+            "links": match &scene.techniques.links {
+                None if scene.techniques.guide.is_some() => "guided",
                 None => "never",
                 Some(links) if links.everywhere => "everywhere",
                 // Without light paths, `unaided` is every vertex.
-                Some(_) if scene.caustics.is_none() => "everywhere",
+                Some(_) if scene.techniques.caustics.is_none() => "everywhere",
                 Some(_) => "unaided",
             },
             "pixels_that_share": scene.integrator.reuse(),
@@ -65,7 +65,7 @@ impl Arguments {
                 None => "their own pixel",
                 Some(_) => "all pixels that the filter reaches",
             },
-            "shared_light_paths": scene.light_sources.as_ref().map_or(0, |sources| sources.paths),
+            "shared_light_paths": scene.techniques.light_sources.as_ref().map_or(0, |sources| sources.paths),
             "roulette": path.map(|path| match path.roulette {
                 Roulette { edges, vertices: u32::MAX, .. } => format!("after {edges} edges"),
                 Roulette { edges, vertices, chance } => format!(

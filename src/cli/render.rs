@@ -6,12 +6,13 @@ use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
 use super::watch::Watch;
 use super::{INTERRUPTED, NOT_FINITE, Outcome, SceneArguments, UNATTAINED, quoted, say};
-use etalon::image::{self, Image, Window};
+use etalon::film::Window;
+use etalon::image::{self, Image};
 use etalon::render::passes::Partial;
 use etalon::render::pilot::{self, NoCount, Pilot};
 use etalon::render::quality::Quality;
 use etalon::render::sample::channel_names;
-use etalon::render::{Progress, Report, Settings, checkpoint, memory};
+use etalon::render::{Progress, RenderError, Report, Settings, checkpoint, memory};
 use etalon::scene::Scene;
 use std::io;
 use std::ops::Range;
@@ -87,8 +88,8 @@ impl Arguments {
         if self.png.is_some() {
             image::check_developable(&channels)?;
         }
-        let passes = self.in_passes() || self.asks_pilot() || scene.caustics.is_some();
-        let light_paths = scene.light_paths().into();
+        let passes = self.in_passes() || self.asks_pilot() || scene.techniques.caustics.is_some();
+        let light_paths = scene.techniques.light_paths().into();
         let spreads = scene.sensor.film.spread.is_some();
         let needs = memory::Needs { channels: channels.len(), passes, light_paths, spreads };
         memory::check(&settings, needs, memory::available())?;
@@ -108,14 +109,19 @@ impl Arguments {
             self.tell_count(pilot)?;
         }
         let start = Instant::now();
-        let ending = watch.render(&scene, &settings, resumed)?;
-        let seconds = start.elapsed().as_secs_f64();
-        let Some((image, report)) = ending else {
-            let advice =
-                if self.checkpoint.is_none() { " With --checkpoint FILE a render can go on." } else { "" };
-            eprintln!("interrupted; no file was touched.{advice}");
-            return Ok(ExitCode::from(INTERRUPTED));
+        let (image, report) = match watch.render(&scene, &settings, resumed) {
+            Err(RenderError::Stopped) => {
+                let advice = if self.checkpoint.is_none() {
+                    " With --checkpoint FILE a render can go on."
+                } else {
+                    ""
+                };
+                eprintln!("interrupted; no file was touched.{advice}");
+                return Ok(ExitCode::from(INTERRUPTED));
+            }
+            rendered => rendered?,
         };
+        let seconds = start.elapsed().as_secs_f64();
         self.write(&image).map_err(|error| watch.keep(&scene, &settings, error))?;
         let summary = Summary {
             scene: &scene,
@@ -170,11 +176,7 @@ impl Arguments {
     fn settings(&self, scene: &Scene) -> Result<Settings, String> {
         let film = &scene.sensor.film;
         let window = self.crop.unwrap_or(film.crop);
-        let inside = window.x >= film.crop.x
-            && window.y >= film.crop.y
-            && u64::from(window.x) + u64::from(window.width) <= u64::from(film.crop.x + film.crop.width)
-            && u64::from(window.y) + u64::from(window.height) <= u64::from(film.crop.y + film.crop.height);
-        if !inside {
+        if !film.crop.encloses(&window) {
             let c = film.crop;
             let place = format!("{},{},{},{}", c.x, c.y, c.width, c.height);
             return Err(format!("--crop is not inside the film's {place}"));
@@ -226,7 +228,8 @@ impl Arguments {
         match count {
             Ok(pilot) => Ok(Some(pilot)),
             // The render will be stopped in the same way.
-            Err(NoCount::Stopped) => Ok(None),
+            Err(NoCount::Unfinished(RenderError::Stopped)) => Ok(None),
+            Err(NoCount::Unfinished(error)) => Err(error.to_string()),
             Err(NoCount::Black) => {
                 Err("--target-error: the pilot saw no light, and an error is relative to it; use --spp"
                     .into())

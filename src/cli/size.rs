@@ -1,7 +1,7 @@
 //! Parsers of the command line's short notations.
 
+use etalon::film::Window;
 use etalon::film::{BLOCK, Film};
-use etalon::image::Window;
 use std::ops::Range;
 
 /// `WxH`.

@@ -5,7 +5,7 @@ use super::render::Arguments;
 use etalon::image::{Image, ImageError};
 use etalon::render::passes::{Partial, render_passes};
 use etalon::render::preview::Preview;
-use etalon::render::{Progress, Report, Settings, checkpoint, render};
+use etalon::render::{Progress, RenderError, Report, Settings, checkpoint, render};
 use etalon::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -87,7 +87,7 @@ impl<'a> Watch<'a> {
         scene: &Scene,
         settings: &Settings,
         resumed: Option<Partial>,
-    ) -> Result<Option<(Image, Report)>, ImageError> {
+    ) -> Result<(Image, Report), RenderError> {
         let done = resumed.as_ref().map_or(0, |partial| partial.report.samples);
         self.progress.done.store(done, Ordering::Relaxed);
         let pixels = settings.window.pixels() as u64;
@@ -96,7 +96,7 @@ impl<'a> Watch<'a> {
         bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
         let bar = (!self.silent).then_some(bar);
         if !self.arguments.in_passes() {
-            return Ok(self.beside(bar, true, || render(scene, settings, self.progress)));
+            return self.beside(bar, true, || render(scene, settings, self.progress));
         }
         let begun = resumed.unwrap_or_else(|| Partial::new(scene, settings));
         let preview = self.arguments.preview.as_ref().and_then(|address| {
@@ -122,14 +122,13 @@ impl<'a> Watch<'a> {
                 }
                 if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
-        });
-        let Some(partial) = partial else { return Ok(None) };
+        })?;
         if let Some(Err(error)) = preview.map(|preview| preview.finish(&partial)) {
             eprintln!("warning: the preview broke off: {error}");
         }
         let (image, report) = partial.finished(scene, settings);
         self.complete.replace(Some(partial));
-        Ok(Some((image, report)))
+        Ok((image, report))
     }
 
     /// After the image could not be written: saves the sums, so that the work is not lost, and says so.

@@ -5,7 +5,8 @@
 //! grouped into fixed blocks of [`BLOCK`], each summed plainly in sample order; and the block sums are added
 //! by [`ExactSum`], whose bits depend only on *which* values were added.
 //!
-//! [`ChannelAccumulator`] is one channel of one pixel, [`Accumulators`] a rectangle of pixels.
+//! [`ChannelAccumulator`] is one channel of one pixel, [`Accumulators`] a rectangle of pixels,
+//! a [`Window`] such a rectangle's place on the film.
 
 mod accumulator;
 mod channel;
@@ -14,8 +15,10 @@ pub mod filter_sampler;
 pub mod filter_weights;
 mod grid;
 mod settings;
+mod window;
 
 pub use accumulator::ExactSum;
 pub use channel::{BLOCK, ChannelAccumulator};
 pub use grid::Accumulators;
 pub use settings::{Band, FILMS, Film};
+pub use window::Window;

@@ -3,7 +3,7 @@
 use super::filter::{FILTERS, Profile};
 use super::filter_sampler::FilterSampler;
 use super::filter_weights::{FilterWeights, Place, Weights};
-use crate::image::Window;
+use crate::film::Window;
 use crate::math::DVec2;
 use crate::scene::error::{SceneError, Span, known};
 use crate::scene::params::{Params, Usage};

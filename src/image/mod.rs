@@ -25,29 +25,9 @@ pub use provenance::{Attribute, Provenance};
 pub use sheet::contact_sheet;
 pub use srgb::encode_srgb;
 
-use crate::film::Accumulators;
+use crate::film::{Accumulators, Window};
 use std::fmt;
 use std::path::{Path, PathBuf};
-
-/// A rectangle of pixels within the film; `x`, `y` is its upper left pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Window {
-    /// First column.
-    pub x: u32,
-    /// First row.
-    pub y: u32,
-    /// Number of columns.
-    pub width: u32,
-    /// Number of rows.
-    pub height: u32,
-}
-
-impl Window {
-    /// Number of pixels.
-    pub fn pixels(&self) -> usize {
-        self.width as usize * self.height as usize
-    }
-}
 
 /// One channel of an image, pixel by pixel in rows.
 #[derive(Clone, Debug, PartialEq)]

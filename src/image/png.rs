@@ -98,7 +98,8 @@ pub fn encode_png(picture: &Rgb8) -> Result<Vec<u8>, ImageError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Channel, Window};
+    use crate::film::Window;
+    use crate::image::Channel;
 
     fn rgb(values: &[[f32; 3]]) -> Image {
         let channel = |(i, name): (usize, &str)| Channel {

@@ -15,6 +15,7 @@ pub mod light;
 pub mod links;
 mod moment;
 pub mod path;
+mod techniques;
 mod volpath;
 mod volpathmis;
 mod wavefront;
@@ -32,6 +33,7 @@ pub use depth::Depth;
 pub use direct::Direct;
 pub use moment::Moment;
 pub use path::Path;
+pub use techniques::Techniques;
 pub use volpath::VolPath;
 
 /// Any integrator.

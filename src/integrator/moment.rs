@@ -84,7 +84,7 @@ mod tests {
     /// Of so many samples: names of the channels and, channel by channel, the means.
     fn rendered(samples: u64) -> (Vec<String>, Vec<Vec<f64>>) {
         let scene = load_text("scene.xml", &ball_of_glass(INTEGRATOR), ColorMode::Rgb).unwrap();
-        assert!(scene.caustics.is_some());
+        assert!(scene.techniques.caustics.is_some());
         let settings = Settings::of(&scene, 0..samples);
         let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
         let mean = |values: &[f32]| values.iter().map(|v| f64::from(*v)).collect();

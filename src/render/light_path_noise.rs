@@ -18,7 +18,7 @@ pub struct LightPathNoise {
 
 impl LightPathNoise {
     /// Adds a light path by what it brings to each pixel that it reaches.
-    pub fn add_path<'a>(&mut self, brought: impl Iterator<Item = &'a [f64; 3]>) {
+    fn add_path<'a>(&mut self, brought: impl Iterator<Item = &'a [f64; 3]>) {
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
         for pixel in brought {
             for c in 0..3 {
@@ -48,35 +48,49 @@ impl LightPathNoise {
     }
 }
 
-/// What one light path brings to pixels, while its contributions arrive.
+/// Collects the noise of light paths, sample by sample, from their contributions as these arrive.
 #[derive(Debug, Default)]
-pub struct Brought {
-    number: u64,
+pub struct Collector {
+    /// Of each sample whose light paths have contributed.
+    of_samples: Vec<LightPathNoise>,
+    /// Number of the last sample and of its last light path.
+    last: Option<(u64, u64)>,
+    /// The pixels that this light path has reached, and what it has brought to each.
     pixels: Vec<u32>,
-    values: Vec<[f64; 3]>,
+    brought: Vec<[f64; 3]>,
 }
 
-impl Brought {
-    /// Notes a contribution of a light path to a pixel; those of one path must come together. What an earlier
-    /// path has brought is added to `noise` first.
-    pub fn note(&mut self, noise: &mut LightPathNoise, number: u64, pixel: u32, channels: &[f64]) {
-        if number != self.number {
-            self.settle(noise);
-            self.number = number;
+impl Collector {
+    /// Notes a contribution of a light path to a pixel. Those of one path must come together, and so must those
+    /// of one sample.
+    pub fn note(&mut self, sample: u64, light_path: u64, pixel: u32, channels: &[f64]) {
+        if self.last != Some((sample, light_path)) {
+            self.end_path();
+            if self.last.is_none_or(|(last, _)| last != sample) {
+                self.of_samples.push(LightPathNoise::default());
+            }
+            self.last = Some((sample, light_path));
         }
         let at = self.pixels.iter().position(|known| *known == pixel).unwrap_or_else(|| {
             self.pixels.push(pixel);
-            self.values.push([0.0; 3]);
-            self.values.len() - 1
+            self.brought.push([0.0; 3]);
+            self.brought.len() - 1
         });
-        self.values[at].iter_mut().zip(channels).for_each(|(sum, value)| *sum += value);
+        self.brought[at].iter_mut().zip(channels).for_each(|(sum, value)| *sum += value);
     }
 
-    /// Adds what the last path has brought.
-    pub fn settle(&mut self, noise: &mut LightPathNoise) {
-        noise.add_path(self.values.iter());
+    /// The noise of each sample, in the order in which they came.
+    pub fn finish(mut self) -> Vec<LightPathNoise> {
+        self.end_path();
+        self.of_samples
+    }
+
+    fn end_path(&mut self) {
+        if let Some(noise) = self.of_samples.last_mut() {
+            noise.add_path(self.brought.iter());
+        }
         self.pixels.clear();
-        self.values.clear();
+        self.brought.clear();
     }
 }
 
@@ -93,7 +107,8 @@ mod tests {
         let mut rng = Pcg32::new(0, 1);
         let mut uniform = || f64::from(rng.next_u32()) / 4294967296.0;
         let (paths, samples) = (1 << 16, 16);
-        let (mut noise, mut brought) = (LightPathNoise::default(), Brought::default());
+        const SAMPLE: u64 = (1 << 16) / 16;
+        let mut collector = Collector::default();
         let mut squares = 0.0;
         let mut moments = vec![[0.0; 2]; PIXELS as usize];
         let mut sum = 0.0;
@@ -103,7 +118,7 @@ mod tests {
             if uniform() < 0.25 {
                 for _ in 0..4 {
                     let (pixel, value) = ((uniform() * f64::from(PIXELS)) as u32, uniform());
-                    brought.note(&mut noise, number, pixel, &[value, 0.0, 0.0, 1.0]);
+                    collector.note(number / SAMPLE, number, pixel, &[value, 0.0, 0.0, 1.0]);
                     of_pixels[pixel as usize] += value;
                     total += value;
                 }
@@ -114,7 +129,10 @@ mod tests {
             }
             (sum, squares) = (sum + total, squares + total * total);
         }
-        brought.settle(&mut noise);
+        let mut noise = LightPathNoise::default();
+        let of_samples = collector.finish();
+        of_samples.iter().for_each(|of_sample| noise.add(of_sample));
+        assert_eq!(of_samples.len(), samples as usize);
         let n = paths as f64;
         let variance = |sum: f64, squares: f64| (squares - sum * sum / n) / 256.0;
         let of_pixels: f64 = moments.iter().map(|[sum, squares]| variance(*sum, *squares)).sum();
@@ -128,12 +146,13 @@ mod tests {
 
     #[test]
     fn paths_that_reach_one_pixel_each_have_nothing_in_common() {
-        let (mut noise, mut brought) = (LightPathNoise::default(), Brought::default());
+        let mut collector = Collector::default();
         for number in 0..100 {
-            brought.note(&mut noise, number, number as u32 % 7, &[1.0, 2.0, 3.0]);
-            brought.note(&mut noise, number, number as u32 % 7, &[1.0, 2.0, 3.0]);
+            collector.note(number / 25, number, number as u32 % 7, &[1.0, 2.0, 3.0]);
+            collector.note(number / 25, number, number as u32 % 7, &[1.0, 2.0, 3.0]);
         }
-        brought.settle(&mut noise);
-        assert_eq!(noise.excess(100, 4), 0.0);
+        let of_samples = collector.finish();
+        assert_eq!(of_samples.len(), 4);
+        assert!(of_samples.iter().all(|noise| noise.excess(25, 1) == 0.0));
     }
 }

@@ -97,7 +97,7 @@ pub fn check(settings: &Settings, needs: Needs, available: Option<u64>) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Window;
+    use crate::film::Window;
 
     fn settings(shard: bool) -> Settings {
         let window = Window { x: 0, y: 0, width: 1000, height: 1000 };

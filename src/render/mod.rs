@@ -5,6 +5,7 @@
 
 pub mod batch_means;
 pub mod checkpoint;
+mod error;
 pub mod light_path_noise;
 pub mod memory;
 pub mod passes;
@@ -19,10 +20,12 @@ pub mod spread;
 mod tile;
 
 use crate::film::BLOCK;
-use crate::image::{Channel, Image, Provenance, Window};
+use crate::film::Window;
+use crate::image::{Channel, Image, Provenance};
 use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::sampler::SampleId;
 use crate::scene::Scene;
+pub use error::RenderError;
 use passes::{Partial, render_passes};
 use quality::{Correlation, Noise, Quality};
 use rayon::prelude::*;
@@ -111,7 +114,7 @@ impl Report {
 pub struct Progress {
     /// Camera samples that are done.
     pub done: AtomicU64,
-    /// Set to stop early; the render then returns nothing.
+    /// Set to stop early; the render then ends with [`RenderError::Stopped`].
     pub stop: AtomicBool,
 }
 
@@ -121,40 +124,46 @@ const LISTED: usize = 8;
 /// Does some work with so many threads; 0 means one for each processor.
 ///
 /// # Errors
-/// Says how many cannot be started, and why.
-pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, String> {
-    match pool(threads) {
-        Ok(pool) => Ok(pool.install(work)),
-        Err(error) => Err(format!("{threads} threads cannot be started: {error}")),
-    }
+/// If they cannot be started.
+pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, RenderError> {
+    pool(threads).map(|pool| pool.install(work))
 }
 
-fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
-    ThreadPoolBuilder::new().num_threads(threads).build()
+fn pool(threads: usize) -> Result<ThreadPool, RenderError> {
+    let refused =
+        |error: ThreadPoolBuildError| RenderError::Threads { count: threads, why: error.to_string() };
+    ThreadPoolBuilder::new().num_threads(threads).build().map_err(refused)
 }
 
-/// Renders. `None` if `progress` was told to stop, or if the threads could not be started, which
-/// [`with_threads`] tells before.
-pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option<(Image, Report)> {
+/// Renders.
+///
+/// # Errors
+/// If `progress` was told to stop, or if the threads cannot be started.
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &Progress,
+) -> Result<(Image, Report), RenderError> {
     debug_assert_eq!(settings.samples.start % BLOCK, 0);
     // Exact sums are needed in the end, or light paths or samples of other pixels for as many samples as are
     // held at a time.
-    if settings.shard || scene.caustics.is_some() || scene.sensor.film.spread.is_some() {
+    if settings.shard || scene.techniques.caustics.is_some() || scene.sensor.film.spread.is_some() {
         let begun = Partial::new(scene, settings);
         let done = render_passes(scene, settings, begun, progress, |_| ControlFlow::Continue(()))?;
-        return Some(done.finished(scene, settings));
+        return Ok(done.finished(scene, settings));
     }
     let kernel = settings.kernel(scene);
     let maker = SampleMaker::new(scene, settings.seed, kernel);
     let names = maker.channel_names();
-    let pool = pool(settings.threads).ok()?;
-    let windows: Vec<Window> = tiles(settings.window).collect();
+    let pool = pool(settings.threads)?;
+    let windows: Vec<Window> = settings.window.tiles(TILE).collect();
     let (samples, correlation) = (&settings.samples, Correlation::of(scene));
     let part = |window| {
         let tile = tile(&maker, window, &Splats::default(), names.len(), samples, progress)?;
         Some(Part::of(tile, names.len(), samples.end - samples.start, correlation))
     };
-    let parts: Vec<Part> = pool.install(|| windows.into_par_iter().map(part).collect::<Option<_>>())?;
+    let parts: Option<Vec<Part>> = pool.install(|| windows.into_par_iter().map(part).collect());
+    let parts = parts.ok_or(RenderError::Stopped)?;
     let mut report = Report { kernel: kernel.name, threads: pool.current_num_threads(), ..Report::default() };
     let mut noise = Noise::default();
     for part in &parts {
@@ -164,7 +173,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &Progress) -> Option
     report.list_first();
     report.quality = Some(noise.quality(settings.window, None));
     let provenance = provenance(scene, settings, kernel);
-    Some((assemble(scene, settings.window, names, &parts, provenance), report))
+    Ok((assemble(scene, settings.window, names, &parts, provenance), report))
 }
 
 /// What is kept of a tile to whose sums no more samples will be added: sums are large.
@@ -200,35 +209,6 @@ fn provenance(scene: &Scene, settings: &Settings, kernel: &KernelEntry) -> Prove
     }
 }
 
-/// The tiles of a window: cut at multiples of their size on the film, so that no cell of pixels is cut
-/// without need.
-fn tiles(window: Window) -> impl Iterator<Item = Window> {
-    cut(window.y, window.height, TILE).flat_map(move |(y, height)| {
-        cut(window.x, window.width, TILE).map(move |(x, width)| Window { x, y, width, height })
-    })
-}
-
-/// Cuts so many pixels in a row at multiples of `edge` on the film: where each piece begins, and how long it
-/// is.
-fn cut(begin: u32, size: u32, edge: u32) -> impl Iterator<Item = (u32, u32)> {
-    (begin / edge * edge..begin + size).step_by(edge as usize).map(move |at| {
-        let first = at.max(begin);
-        (first, (at + edge).min(begin + size) - first)
-    })
-}
-
-/// Pixel `i` of a window, row by row, in coordinates of the film.
-fn pixel(window: Window, i: usize) -> (u32, u32) {
-    (window.x + i as u32 % window.width, window.y + i as u32 / window.width)
-}
-
-/// The inverse of [`pixel`]; `None` of a pixel that is not in the window.
-#[inline(always)]
-fn number_of(window: Window, (x, y): (u32, u32)) -> Option<usize> {
-    let (x, y) = (x.wrapping_sub(window.x), y.wrapping_sub(window.y));
-    (x < window.width && y < window.height).then(|| (y * window.width + x) as usize)
-}
-
 /// Places the parts; each pixel comes from exactly one.
 fn assemble(
     scene: &Scene,
@@ -242,7 +222,7 @@ fn assemble(
         names.into_iter().map(|name| Channel { name, mean: empty(), variance: Some(empty()) }).collect();
     for part in parts {
         for (i, moments) in part.moments.chunks_exact(channels.len()).enumerate() {
-            let (x, y) = pixel(part.window, i);
+            let (x, y) = part.window.pixel(i);
             let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
             for (channel, (mean, variance)) in channels.iter_mut().zip(moments) {
                 channel.mean[at] = *mean;

@@ -9,9 +9,10 @@ use super::light_path_noise::LightPathNoise;
 use super::quality::Quality;
 use super::spread::Spread;
 use super::tile::{Tile, tile};
-use super::{Progress, Report, Settings, pixel, provenance, tiles};
+use super::{Progress, RenderError, Report, Settings, TILE, provenance};
+use crate::film::Window;
 use crate::film::{Accumulators, BLOCK};
-use crate::image::{Channel, Image, Window};
+use crate::image::{Channel, Image};
 use crate::render::sample::SampleMaker;
 use crate::render::splats::{self, Splats};
 use crate::scene::Scene;
@@ -74,7 +75,7 @@ impl Partial {
 
     fn add(&mut self, window: Window, tile: &Tile) {
         for (i, sums) in tile.sums.chunks_exact(self.channels.len()).enumerate() {
-            let (x, y) = pixel(tile.window, i);
+            let (x, y) = tile.window.pixel(i);
             for (sum, part) in self.sums.pixel_mut(x - window.x, y - window.y).iter_mut().zip(sums) {
                 sum.merge(part);
             }
@@ -83,19 +84,21 @@ impl Partial {
     }
 }
 
-/// Goes on with a render to the end of `settings.samples`, or until `after_pass` breaks. `None` if `progress`
-/// was told to stop, which ends it in the middle of a pass, or if the threads could not be started.
+/// Goes on with a render to the end of `settings.samples`, or until `after_pass` breaks.
+///
+/// # Errors
+/// If `progress` was told to stop, which ends it in the middle of a pass, or if the threads cannot be started.
 pub fn render_passes(
     scene: &Scene,
     settings: &Settings,
     partial: Partial,
     progress: &Progress,
     mut after_pass: impl FnMut(&Partial) -> ControlFlow<()>,
-) -> Option<Partial> {
+) -> Result<Partial, RenderError> {
     let kernel = settings.kernel(scene);
     let maker = SampleMaker::new(scene, settings.seed, kernel);
-    let pool = super::pool(settings.threads).ok()?;
-    let windows: Vec<Window> = tiles(settings.window).collect();
+    let pool = super::pool(settings.threads)?;
+    let windows: Vec<Window> = settings.window.tiles(TILE).collect();
     let mut partial = partial;
     (partial.report.kernel, partial.report.threads) = (kernel.name, pool.current_num_threads());
     let spreads = scene.sensor.film.spread.is_some();
@@ -105,22 +108,25 @@ pub fn render_passes(
         let pass = next_pass(partial.samples.end, settings.samples.end, longest);
         let begin = Instant::now();
         let channels = partial.channels.len();
-        let splats = pool.install(|| Splats::trace(&maker, settings.window, &pass, progress))?;
+        let splats = pool
+            .install(|| Splats::trace(&maker, settings.window, &pass, progress))
+            .ok_or(RenderError::Stopped)?;
         partial.report.count(&splats.counters);
         partial.light_paths.add(&splats.noise);
         if let Some(spread) = &mut spread {
             let Partial { sums, means, .. } = &mut partial;
-            let report = pool.install(|| spread.add(&pass, &splats, sums, means, progress))?;
-            partial.report.add(&report);
+            let report = pool.install(|| spread.add(&pass, &splats, sums, means, progress));
+            partial.report.add(&report.ok_or(RenderError::Stopped)?);
         } else {
             let shared = Mutex::new(&mut partial);
-            pool.install(|| {
+            let done = pool.install(|| {
                 windows.par_iter().try_for_each(|&window| {
                     let done = tile(&maker, window, &splats, channels, &pass, progress)?;
                     shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
                     Some(())
                 })
-            })?;
+            });
+            done.ok_or(RenderError::Stopped)?;
         }
         partial.report.list_first();
         partial.samples.end = pass.end;
@@ -132,7 +138,7 @@ pub fn render_passes(
             break;
         }
     }
-    Some(partial)
+    Ok(partial)
 }
 
 /// The pass that begins at sample `done`, a multiple of [`BLOCK`]: aligned, at most `longest`, and not beyond
@@ -216,9 +222,9 @@ mod tests {
         let progress = Progress::default();
         let begun = || Partial::new(&scene, &settings);
         let ended = render_passes(&scene, &settings, begun(), &progress, |_| ControlFlow::Break(()));
-        assert_eq!(ended.map(|partial| partial.samples), Some(0..BLOCK));
+        assert_eq!(ended.map(|partial| partial.samples), Ok(0..BLOCK));
         progress.stop.store(true, std::sync::atomic::Ordering::Relaxed);
         let stopped = render_passes(&scene, &settings, begun(), &progress, |_| ControlFlow::Continue(()));
-        assert!(stopped.is_none());
+        assert_eq!(stopped.map(|_| ()), Err(RenderError::Stopped));
     }
 }

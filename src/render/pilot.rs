@@ -19,7 +19,7 @@
 
 use super::passes::{Partial, render_passes};
 use super::quality::Quality;
-use super::{Progress, Settings};
+use super::{Progress, RenderError, Settings};
 use crate::film::BLOCK;
 use crate::scene::Scene;
 use std::ops::ControlFlow;
@@ -51,10 +51,10 @@ pub struct Pilot {
 }
 
 /// Why a pilot finds no number of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoCount {
-    /// The render was stopped.
-    Stopped,
+    /// The pilot did not come to its end.
+    Unfinished(RenderError),
     /// The pilot saw no light, so that no error is relative to anything.
     Black,
     /// A sample was not finite.
@@ -141,7 +141,7 @@ fn run(
 ) -> Result<Partial, NoCount> {
     let settings = Settings { samples: 0..MOST, seed: settings.seed ^ OTHER_SEED, ..settings.clone() };
     let begun = Partial::new(scene, &settings);
-    render_passes(scene, &settings, begun, progress, after_pass).ok_or(NoCount::Stopped)
+    render_passes(scene, &settings, begun, progress, after_pass).map_err(NoCount::Unfinished)
 }
 
 #[cfg(test)]

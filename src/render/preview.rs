@@ -5,7 +5,7 @@
 //! needed: *create image* (4) and *update image*, version 3 (6).
 
 use super::passes::Partial;
-use crate::image::Window;
+use crate::film::Window;
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::Arc;

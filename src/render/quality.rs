@@ -2,8 +2,8 @@
 
 use super::batch_means::Scatter;
 use super::passes::Partial;
-use super::pixel;
-use crate::image::{Attribute, Image, Provenance, Window};
+use crate::film::Window;
+use crate::image::{Attribute, Image, Provenance};
 use crate::integrator::path::reuse::correlated_edge;
 use crate::scene::Scene;
 use crate::spectrum::ColorMode;
@@ -114,7 +114,7 @@ impl Noise {
             noise.channels += 1;
             let mut deviations = vec![0.0; columns * rows];
             for (i, (value, v)) in channel.into_iter().enumerate() {
-                let (x, y) = pixel(window, i);
+                let (x, y) = window.pixel(i);
                 let square =
                     (y / edge - window.y / edge) as usize * columns + (x / edge - window.x / edge) as usize;
                 *sum += value;
@@ -187,7 +187,7 @@ impl Quality {
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
         let mut noise = Noise::of(window, Correlation::of(scene), channels);
-        let light_paths = samples * u64::from(scene.light_paths());
+        let light_paths = samples * u64::from(scene.techniques.light_paths());
         if light_paths > 0 {
             noise.of_sum += partial.light_paths.excess(light_paths, samples);
         }

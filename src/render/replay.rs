@@ -2,7 +2,7 @@
 
 use super::sample::SampleMaker;
 use super::spread::Spread;
-use crate::image::Window;
+use crate::film::Window;
 use crate::integrator::path::reuse;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::sampler::SampleId;

@@ -121,7 +121,7 @@ impl<'a> SampleMaker<'a> {
 
     /// Number of light paths per sample number.
     pub fn light_paths(&self) -> u64 {
-        u64::from(self.scene.light_paths())
+        u64::from(self.scene.techniques.light_paths())
     }
 
     /// Traces the light paths with these numbers, counted over all samples, and passes to `splat`, for each
@@ -132,7 +132,7 @@ impl<'a> SampleMaker<'a> {
         counters: &mut Counters,
         mut splat: impl FnMut(u64, (u32, u32), &[f64]),
     ) {
-        let Some(caustics) = &self.scene.caustics else { return };
+        let Some(caustics) = &self.scene.techniques.caustics else { return };
         let mut values = vec![0.0; self.color_channels()];
         let drawn = (self.scene.sensor.sampler.kind, self.seed);
         caustics.trace(

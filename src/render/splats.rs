@@ -5,10 +5,10 @@
 //! function of scene, seed, pixel and number, and all that holds for samples (merging, blocks, variances)
 //! holds for both together.
 
-use super::light_path_noise::{Brought, LightPathNoise};
+use super::Progress;
+use super::light_path_noise::{Collector, LightPathNoise};
 use super::sample::SampleMaker;
-use super::{Progress, number_of};
-use crate::image::Window;
+use crate::film::Window;
 use crate::integrator::Counters;
 use crate::sampler::SampleId;
 use rayon::prelude::*;
@@ -64,28 +64,21 @@ impl Splats {
         // Cut at the same places whatever the range, so that sums over light paths are the same.
         let chunks = numbers.start / CHUNK..numbers.end.div_ceil(CHUNK);
         let part = |chunk: u64| {
-            let (mut part, mut brought) = (Part::default(), Brought::default());
+            let (mut part, mut noise) = (Part::default(), Collector::default());
             if progress.stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let Part { pixels, samples: offsets, values, noise, counters } = &mut part;
+            let Part { pixels, samples: offsets, values, counters, .. } = &mut part;
             let chunk = numbers.start.max(chunk * CHUNK)..numbers.end.min((chunk + 1) * CHUNK);
             maker.trace_light(chunk, counters, |number, pixel, channels| {
-                let Some(at) = number_of(window, pixel) else { return };
-                let offset = (number / per_sample - samples.start) as u32;
-                if offsets.last() != Some(&offset) {
-                    noise.last_mut().into_iter().for_each(|noise| brought.settle(noise));
-                    noise.push(LightPathNoise::default());
-                }
-                noise
-                    .last_mut()
-                    .into_iter()
-                    .for_each(|noise| brought.note(noise, number, at as u32, channels));
+                let Some(at) = window.index_of(pixel) else { return };
+                let sample = number / per_sample;
+                noise.note(sample, number, at as u32, channels);
                 pixels.push(at as u32);
-                offsets.push(offset);
+                offsets.push((sample - samples.start) as u32);
                 values.extend_from_slice(channels);
             });
-            noise.last_mut().into_iter().for_each(|noise| brought.settle(noise));
+            part.noise = noise.finish();
             Some(part)
         };
         let parts = chunks.into_par_iter().map(part).collect::<Option<Vec<Part>>>()?;

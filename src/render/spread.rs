@@ -14,10 +14,10 @@ use super::batch_means::BatchMeans;
 use super::sample::SampleMaker;
 use super::splats::Splats;
 use super::tile::{BATCH, add, batches};
-use super::{Progress, Report, cut, number_of};
+use super::{Progress, Report};
+use crate::film::Window;
 use crate::film::filter_weights::Weights;
 use crate::film::{Accumulators, ChannelAccumulator, Film};
-use crate::image::Window;
 use crate::integrator::Counters;
 use crate::integrator::path::reuse::CELL;
 use crate::sampler::SampleId;
@@ -61,7 +61,7 @@ impl<'a> Spread<'a> {
     pub fn new(maker: &'a SampleMaker<'a>, window: Window, channels: usize) -> Self {
         let film = maker.film();
         let reach = film.spread.as_ref().map_or(0, |spread| spread.reach());
-        let around = around(window, film.crop, reach);
+        let around = window.grown_within(reach, &film.crop);
         let size = channels * (around.height * window.width) as usize;
         let together = (TOGETHER / (size * size_of::<f64>())).clamp(1, MOST);
         Self { maker, film, window, around, reach, channels, columns: vec![0.0; together * size] }
@@ -136,7 +136,7 @@ impl<'a> Spread<'a> {
         let mut jobs = vec![];
         let mut rest = columns.as_mut_slice();
         for (sample, band) in
-            samples.clone().flat_map(|sample| bands(self.around).map(move |band| (sample, band)))
+            samples.clone().flat_map(|sample| self.around.bands(CELL).map(move |band| (sample, band)))
         {
             let (sums, others) = rest.split_at_mut(band.height as usize * length);
             jobs.push((sample, band, sums));
@@ -173,7 +173,7 @@ impl<'a> Spread<'a> {
             let values = &mut values[..channels * which.len()];
             self.maker.samples(which, &mut counters, values);
             for (&id, values) in which.iter().zip(values.chunks_exact(channels)) {
-                let Some(at) = number_of(band, id.pixel) else { continue };
+                let Some(at) = band.index_of(id.pixel) else { continue };
                 if values.iter().all(|value| value.is_finite()) {
                     row_by_row[at * channels..][..channels].copy_from_slice(values);
                 } else {
@@ -212,7 +212,7 @@ impl<'a> Spread<'a> {
         let begin = lost.partition_point(|lost| lost.row() < (sample, y));
         let row = Window { y, height: 1, ..self.window };
         for Lost { id, values } in lost[begin..].iter().take_while(|lost| lost.row() == (sample, y)) {
-            if let Some(at) = number_of(row, id.pixel) {
+            if let Some(at) = row.index_of(id.pixel) {
                 sums[at * self.channels..][..self.channels].copy_from_slice(values);
             }
         }
@@ -224,23 +224,6 @@ pub fn neighbours(at: u32, weights: &Option<Weights>, reach: u32) -> impl Iterat
     let weights = weights.unwrap_or_default().into_iter().enumerate();
     let weighty = weights.filter(|(_, weight)| *weight != 0.0);
     weighty.map(move |(i, weight)| (at as usize + i - reach as usize, weight))
-}
-
-/// The rows of a window in bands that cut no cell of pixels that share.
-fn bands(window: Window) -> impl Iterator<Item = Window> {
-    cut(window.y, window.height, CELL).map(move |(y, height)| Window { y, height, ..window })
-}
-
-/// A window with `reach` pixels more on each side, as far as they are on the film.
-fn around(window: Window, crop: Window, reach: u32) -> Window {
-    let grow = |begin: u32, size: u32, first: u32, all: u32| {
-        let low = begin.saturating_sub(reach).max(first);
-        let high = (begin + size + reach).min(first + all);
-        (low, high - low)
-    };
-    let (x, width) = grow(window.x, window.width, crop.x, crop.width);
-    let (y, height) = grow(window.y, window.height, crop.y, crop.height);
-    Window { x, y, width, height }
 }
 
 #[cfg(test)]

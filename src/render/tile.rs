@@ -2,9 +2,9 @@
 
 use super::sample::SampleMaker;
 use super::splats::Splats;
-use super::{LISTED, Progress, Report, number_of, pixel};
+use super::{LISTED, Progress, Report};
 use crate::film::ChannelAccumulator;
-use crate::image::Window;
+use crate::film::Window;
 use crate::integrator::Counters;
 use crate::integrator::path::reuse;
 use crate::sampler::SampleId;
@@ -44,7 +44,7 @@ pub fn tile(
         maker.samples(which, &mut counters, values);
         let before = tile.report.samples;
         for (&id, values) in which.iter().zip(values.chunks_exact_mut(channels)) {
-            if let Some(at) = number_of(window, id.pixel) {
+            if let Some(at) = window.index_of(id.pixel) {
                 let sums = &mut tile.sums[at * channels..][..channels];
                 add(maker, splats, id, values, sums, &mut tile.report);
             }
@@ -73,7 +73,7 @@ pub fn batches(
         // Pixel by pixel, and each pixel's samples in order.
         for i in 0..window.pixels() {
             for sample in samples.clone() {
-                which.push(SampleId { pixel: pixel(window, i), sample });
+                which.push(SampleId { pixel: window.pixel(i), sample });
                 if which.len() == BATCH {
                     make(&mut which)?;
                 }

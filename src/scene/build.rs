@@ -16,7 +16,7 @@ use crate::film::{FILMS, Film};
 use crate::image::check_names;
 use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{LinkPolicy, Links};
-use crate::integrator::{AnyIntegrator, INTEGRATORS};
+use crate::integrator::{AnyIntegrator, INTEGRATORS, Techniques};
 use crate::phase::PHASES;
 use crate::render::plan;
 use crate::render::sample::channel_names;
@@ -201,10 +201,7 @@ fn assemble(mut objects: Objects, sensor: Sensor, integrator: AnyIntegrator, mod
         accel,
         sensor,
         integrator,
-        caustics,
-        light_sources: None,
-        links,
-        guide: None,
+        techniques: Techniques { caustics, links, ..Techniques::default() },
         mode,
         features,
         several_lobes,

@@ -3,11 +3,35 @@
 
 mod place;
 
-use super::Overrides;
 use super::error::SceneError;
 use super::xml::{Document, Element};
 use place::{Place, at, children, inner};
 
+/// What a command line overrides of the scene file.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// Name of an integrator, which has its default settings.
+    pub integrator: Option<String>,
+    /// Edges of the longest path; −1 means no limit.
+    pub max_depth: Option<i64>,
+    /// Which of the scene's sensors, counted from 0, instead of the first.
+    pub sensor: Option<usize>,
+    /// Film size; the crop window becomes the whole film.
+    pub size: Option<(u32, u32)>,
+    pub seed: Option<u32>,
+    /// Name of a sampler.
+    pub sampler: Option<String>,
+    /// Light paths per camera path.
+    pub light_paths: Option<f64>,
+    /// Number of pixels that share what their paths find.
+    pub reuse: Option<u32>,
+    /// Light paths per group of pixels that share.
+    pub shared_light_paths: Option<u32>,
+    /// At which vertices emitters are sampled through glass and by mirrors.
+    pub links: Option<String>,
+}
+
+/// Writes what the command line says into the document.
 pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), SceneError> {
     let root = &mut document.root;
     if let Some(name) = &overrides.integrator {

@@ -1,9 +1,10 @@
 //! Reading of OpenEXR files.
 
 use super::{PREFIX, SHARD_PART, VARIANCE, claim, word_name};
+use crate::film::Window;
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::provenance::{Attribute, Provenance};
-use crate::image::{Channel, Image, ImageError, Window};
+use crate::image::{Channel, Image, ImageError};
 use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, FlatSamples, IntegerBounds, Layer, LayerAttributes, Layers,

@@ -1,7 +1,8 @@
 use super::{read_exr, write_exr};
 use crate::film::Accumulators;
+use crate::film::Window;
 use crate::image::provenance::tests::example;
-use crate::image::{Channel, Image, Window};
+use crate::image::{Channel, Image};
 use std::path::Path;
 
 /// An image of 37 × 41 pixels, more than one chunk high, within a film of 64 × 48.

@@ -3,10 +3,11 @@
 use super::samples::Samples;
 use super::{PREFIX, SHARD_PART, VARIANCE, word_name};
 use crate::film::Accumulators;
+use crate::film::Window;
 use crate::image::atomic::write_file;
 use crate::image::attributes::sort_attributes;
 use crate::image::provenance::Attribute;
-use crate::image::{Channel, Image, ImageError, Window};
+use crate::image::{Channel, Image, ImageError};
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, ImageAttributes, IntegerBounds,

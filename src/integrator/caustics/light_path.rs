@@ -146,7 +146,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         let vertex = Vertex::new(point, primitive, &frame, &bsdf, side, to_light);
         // The density of emitter samples from here by the same specular chain, over the probability that a
         // scattered path chooses the same lobes along it.
-        let asked = side.traits.has_density && scene.links.as_ref().is_some_and(|links| links.everywhere);
+        let asked =
+            side.traits.has_density && scene.techniques.links.as_ref().is_some_and(|links| links.everywhere);
         let linked =
             path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
                 let found = density_of(scene, vertex.origin(), to_light, passage, path.end, &λ, counters);

@@ -80,7 +80,7 @@ impl<'a> Chain<'a> {
     fn is_lens(&self, scene: &Scene) -> bool {
         match self.surfaces[..self.count] {
             [Surface::Glass(a), Surface::Glass(b)] if a == b => {
-                scene.links.as_ref().is_some_and(|links| links.lenses.have(a))
+                scene.techniques.links.as_ref().is_some_and(|links| links.lenses.have(a))
             }
             _ => false,
         }
@@ -98,7 +98,7 @@ impl<'a> Chain<'a> {
     ) -> Option<()> {
         let mut distance = length(to - p);
         let straight = (to - p) / distance;
-        if !scene.links.as_ref()?.may_be_between(p, straight, distance) {
+        if !scene.techniques.links.as_ref()?.may_be_between(p, straight, distance) {
             return Some(());
         }
         loop {

@@ -166,7 +166,7 @@ pub fn density_of(
 ) -> Option<f64> {
     let entry = &scene.emitters.list[emitter];
     let geometry = &scene.shapes[entry.shape? as usize].geometry;
-    let technique = scene.links.as_ref()?.technique(from.p, &passage)?;
+    let technique = scene.techniques.links.as_ref()?.technique(from.p, &passage)?;
     let seen_from = technique.seen_from(from.p)?;
     let towards = p - seen_from;
     let distance = length(towards);

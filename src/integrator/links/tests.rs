@@ -85,7 +85,7 @@ fn curved() -> Vec<(&'static str, Scene)> {
 
 /// The ways through glass alone, by a lens if there is one.
 fn links(scene: &Scene, x: DVec3, y: DVec3) -> Vec<Link> {
-    let lenses = scene.links.iter().map(|links| &links.lenses);
+    let lenses = scene.techniques.links.iter().map(|links| &links.lenses);
     let lenses = lenses.flat_map(|lenses| (0..lenses.len()).map(|i| Some(lenses.get(i))));
     [None].into_iter().chain(lenses).flat_map(|element| by(scene, x, y, element)).collect()
 }
@@ -183,7 +183,7 @@ fn both_sides_agree_on_the_density() {
         let Some(index) = scene.emitters.list.iter().position(|e| e.shape.is_some()) else { panic!() };
         let entry = &scene.emitters.list[index];
         let geometry = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-        let Links { lenses, mirrors, .. } = scene.links.as_ref().expect("there is glass");
+        let Links { lenses, mirrors, .. } = scene.techniques.links.as_ref().expect("there is glass");
         // By nothing else, through a ball, and with a reflection within.
         let inner = (0..mirrors.len()).filter(|i| mirrors.get(*i).lens().is_some());
         let elements = (0..lenses.len()).map(|i| (lenses, i)).chain(inner.map(|i| (mirrors, i)));

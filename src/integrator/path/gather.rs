@@ -53,14 +53,14 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         let Self { scene, vertex, state, λ, .. } = *self;
         let focuses = state.depth > 0 && vertex.side.traits.focuses();
         let ratio = if focuses { state.light_ratio } else { 0.0 };
-        let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.caustics {
+        let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.techniques.caustics {
             Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
                 let here = self.ratio(vertex.to_local(light.wi), 1.0);
                 ratio * here * caustics.last(scene, self.end(emitter, light), -light.wi) / own
             }
             _ => 0.0,
         };
-        let casts = F & Features::CAUSTICS != 0 && focuses && scene.caustics.is_some();
+        let casts = F & Features::CAUSTICS != 0 && focuses && scene.techniques.caustics.is_some();
         let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
         let receiver = gathers.at(vertex.point.p);
         let choice = match count {
@@ -97,11 +97,16 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     #[inline(always)]
     pub fn ways(&self) -> Ways<'s> {
         let Self { scene, vertex, state, .. } = *self;
-        let unaided = scene.caustics.is_none() || state.light_ratio == 0.0;
+        let unaided = scene.techniques.caustics.is_none() || state.light_ratio == 0.0;
         let asks = F & Features::CAUSTICS != 0 && vertex.side.traits.has_density;
         Ways {
-            links: scene.links.as_ref().filter(|links| asks && (links.everywhere || unaided)),
-            seen: scene.guide.as_ref().filter(|_| asks && unaided).map(|guide| guide.at(vertex.point.p)),
+            links: scene.techniques.links.as_ref().filter(|links| asks && (links.everywhere || unaided)),
+            seen: scene
+                .techniques
+                .guide
+                .as_ref()
+                .filter(|_| asks && unaided)
+                .map(|guide| guide.at(vertex.point.p)),
         }
     }
 
@@ -123,7 +128,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         }
         let (throughput, shares) = state.delivers::<F>(scene, shared, true);
         if let Some(links) = ways.links {
-            let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.caustics {
+            let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.techniques.caustics {
                 Some(caustics) if state.light_ratio > 0.0 && !vertex.side.traits.one_way => {
                     let here = self.ratio(vertex.to_local(link.direction), pdf);
                     state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
@@ -157,7 +162,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     pub fn ratio_behind(&self, sample: &Sample) -> f64 {
         let Self { scene, state, .. } = *self;
         let traits = self.vertex.side.traits;
-        if scene.caustics.is_none() || state.light_ratio == 0.0 {
+        if scene.techniques.caustics.is_none() || state.light_ratio == 0.0 {
             return state.light_ratio;
         }
         state.light_ratio

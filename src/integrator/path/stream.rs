@@ -144,7 +144,7 @@ impl Path {
     /// `edges`: two for a place on an emitter and a direction; a third for more digits of a choice between
     /// many emitters and for a choice between lobes; a fourth for roulette and for a choice between links.
     fn pairs(&self, scene: &Scene, edges: u32) -> usize {
-        if self.roulette.may_have_begun(edges) || scene.links.is_some() {
+        if self.roulette.may_have_begun(edges) || scene.techniques.links.is_some() {
             PAIRS
         } else if scene.emitters.list.len() > FEW_EMITTERS || scene.several_lobes {
             3

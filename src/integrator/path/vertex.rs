@@ -108,7 +108,7 @@ impl Path {
             let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, t, point);
             state.arrival.density_of_samples(scene, gathers.at(ray.origin), emitter, pdf) / state.arrival.pdf
         };
-        let by_light_path = match &scene.caustics {
+        let by_light_path = match &scene.techniques.caustics {
             Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
                 state.light_ratio * caustics.last(scene, end, -ray.direction)
             }
@@ -118,7 +118,7 @@ impl Path {
         let light = state.throughput * emitted * weight;
         if F & Features::REUSE == 0 || !state.shares {
             path.radiance += light;
-        } else if F & Features::CAUSTICS != 0 && scene.caustics.is_some() && state.from_caster {
+        } else if F & Features::CAUSTICS != 0 && scene.techniques.caustics.is_some() && state.from_caster {
             match shared.receives_casters(scene) {
                 true => shared.radiance += light,
                 false => path.radiance += shared.own * light,

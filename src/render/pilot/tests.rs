@@ -1,5 +1,5 @@
 use super::*;
-use crate::render::render;
+use crate::render::{RenderError, render};
 use crate::scene::load_text;
 use crate::spectrum::ColorMode;
 
@@ -107,7 +107,7 @@ fn what_has_no_error_has_no_count() {
     stopped.stop.store(true, std::sync::atomic::Ordering::Relaxed);
     let scene = scene(LIT);
     let pilot = for_error(&scene, &settings(&scene, 0), 0.01, &stopped);
-    assert_eq!(pilot.map(|pilot| pilot.count), Err(NoCount::Stopped));
+    assert_eq!(pilot.map(|pilot| pilot.count), Err(NoCount::Unfinished(RenderError::Stopped)));
 }
 
 #[test]

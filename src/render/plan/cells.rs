@@ -6,7 +6,7 @@
 //! weight either stratum by its share of the film.
 
 use super::scattered;
-use crate::image::Window;
+use crate::film::Window;
 use crate::integrator::path::reuse::CELL;
 
 /// Most cells that a look goes on to.

@@ -35,7 +35,8 @@ const ONE_IN: u64 = 256;
 /// Makes a scene's guide if its file or a pilot asks for one.
 pub fn settle(scene: &mut Scene) {
     let Some(wanted) = scene.integrator.path().map(|path| path.links) else { return };
-    let auto = wanted == LinkPolicy::Auto && !scene.links.as_ref().is_some_and(|links| links.everywhere);
+    let auto =
+        wanted == LinkPolicy::Auto && !scene.techniques.links.as_ref().is_some_and(|links| links.everywhere);
     if !auto && wanted != LinkPolicy::Guided {
         return;
     }
@@ -49,8 +50,8 @@ pub fn settle(scene: &mut Scene) {
         return;
     }
     let light_paths = f64::from(light_paths).min(enough) as u32;
-    scene.links = None;
-    scene.guide = Guide::new(photons(scene, &emission, light_paths));
+    scene.techniques.links = None;
+    scene.techniques.guide = Guide::new(photons(scene, &emission, light_paths));
 }
 
 /// Whether guided samples find enough that links do not, and are taken often enough, by a few photons.
@@ -58,10 +59,10 @@ fn pays(scene: &mut Scene, photons: Vec<Photon>) -> bool {
     let all: f64 = photons.iter().map(|photon| photon.power).sum();
     let left: f64 = photons.iter().map(|photon| photon.power * photon.left).sum();
     let Some(guide) = Guide::new(photons).filter(|_| left > LEFT * all) else { return false };
-    let links = scene.links.take();
-    scene.guide = Some(guide);
+    let links = scene.techniques.links.take();
+    scene.techniques.guide = Some(guide);
     let asked = guided_samples(scene) * ONE_IN > CAMERA_SAMPLES;
-    (scene.links, scene.guide) = (links, None);
+    (scene.techniques.links, scene.techniques.guide) = (links, None);
     asked
 }
 
@@ -92,7 +93,7 @@ mod tests {
                     <emitter type="area"/></shape>{inside}</scene>"#
         );
         let scene = load_text("room.xml", &text, ColorMode::Rgb).expect("it loads");
-        (scene.guide.is_some(), scene.links.is_some())
+        (scene.techniques.guide.is_some(), scene.techniques.links.is_some())
     }
 
     #[test]

@@ -15,7 +15,7 @@
 use super::cells::{Cells, first_of};
 use super::look::{Cell, Look};
 use super::{all_over, brightness, pilot_maker};
-use crate::image::Window;
+use crate::film::Window;
 use crate::integrator::Counters;
 use crate::integrator::links::LinkPolicy;
 use crate::sampler::SampleId;
@@ -61,19 +61,19 @@ const RAY: f64 = 2.0;
 
 /// Settles the number of light paths of a scene whose file does not.
 pub fn settle(scene: &mut Scene) {
-    if scene.caustics.is_none() || !is_free(scene) {
+    if scene.techniques.caustics.is_none() || !is_free(scene) {
         return;
     }
     let mut part = part_of_light_paths(scene);
     let auto = scene.integrator.path().is_some_and(|path| path.links == LinkPolicy::Auto);
-    if let Some(links) = scene.links.as_mut().filter(|_| auto && part > MUCH) {
+    if let Some(links) = scene.techniques.links.as_mut().filter(|_| auto && part > MUCH) {
         links.everywhere = true;
         part = part_of_light_paths(scene);
     }
     if part > 0.0 {
         set(scene, part.sqrt().max(FIRST));
     } else {
-        scene.caustics = None;
+        scene.techniques.caustics = None;
     }
 }
 
@@ -90,7 +90,7 @@ pub struct Brought {
 impl Brought {
     /// `None` if a scene has no light paths.
     pub fn of(scene: &Scene) -> Option<Self> {
-        let caustics = scene.caustics.as_ref()?;
+        let caustics = scene.techniques.caustics.as_ref()?;
         let film = scene.sensor.film.crop;
         let (tiles, rays) = splats(scene, FINE_TILES, MOST_LIGHT_PATHS);
         let ratios = if is_free(scene) {
@@ -157,7 +157,7 @@ pub fn balance(scene: &mut Scene) {
 pub fn set(scene: &mut Scene, ratio: f64) {
     let film = scene.sensor.film.crop;
     let ratio = ratio.max(FEWEST).min(most(film));
-    scene.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, film.pixels()));
+    scene.techniques.caustics.iter_mut().for_each(|caustics| caustics.set_ratio(ratio, film.pixels()));
 }
 
 /// The most light paths per camera path of a film.
@@ -202,7 +202,7 @@ fn splats(scene: &Scene, along: usize, most: u64) -> (Vec<Tile>, f64) {
     let film = scene.sensor.film.crop;
     let mut tiles = vec![Tile::default(); along * along];
     let mut counters = Counters::default();
-    let paths = f64::from(scene.light_paths());
+    let paths = f64::from(scene.techniques.light_paths());
     let maker = pilot_maker(scene);
     let (mut traced, mut next, mut places) = (0, LIGHT_PATHS, 0);
     loop {
@@ -269,7 +269,7 @@ mod tests {
                     <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>{inside}</scene>"#
         );
         let scene = load_text("box.xml", &text, ColorMode::Rgb).unwrap();
-        let paths = scene.light_paths();
+        let paths = scene.techniques.light_paths();
         assert_eq!(paths > 0, scene.features().cover(Features(Features::CAUSTICS)));
         f64::from(paths) / 1024.0
     }

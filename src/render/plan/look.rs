@@ -223,7 +223,7 @@ fn spread(film: &Film, place: Option<[Place; 2]>, corner: (u32, u32), seen: Squa
 mod tests {
     use super::super::cells::first_of;
     use super::*;
-    use crate::image::Window;
+    use crate::film::Window;
     use crate::render::spread::Spread;
     use crate::scene::load_text;
     use crate::spectrum::ColorMode;

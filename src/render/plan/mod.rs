@@ -14,9 +14,8 @@ mod look;
 mod race;
 pub mod reuse;
 
-use super::pixel;
 use super::sample::SampleMaker;
-use crate::image::Window;
+use crate::film::Window;
 use crate::integrator::kernel_for;
 use crate::sampler::SampleId;
 use crate::scene::Scene;
@@ -44,7 +43,7 @@ fn pilot_maker(scene: &Scene) -> SampleMaker<'_> {
 
 /// So many samples of pixels spread evenly over a window, for a pilot.
 fn all_over(window: Window, samples: u64) -> Vec<SampleId> {
-    let at = |i: u64| pixel(window, scattered(i, window.pixels() as u64) as usize);
+    let at = |i: u64| window.pixel(scattered(i, window.pixels() as u64) as usize);
     (0..samples).map(|sample| SampleId { pixel: at(sample), sample }).collect()
 }
 

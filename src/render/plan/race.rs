@@ -120,8 +120,8 @@ impl<'a> Race<'a> {
         let brought = Brought::of(scene);
         let evenly = || Cells::of(scene.sensor.film.crop, |_| false);
         let cells = brought.as_ref().map_or_else(evenly, Brought::cells);
-        let relieved =
-            scene.links.as_ref().is_some_and(|links| links.everywhere) && light_paths::is_free(scene);
+        let relieved = scene.techniques.links.as_ref().is_some_and(|links| links.everywhere)
+            && light_paths::is_free(scene);
         let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
         let with = brought.is_some();
         let fields = if with && relieved { vec![field(true), field(false)] } else { vec![field(with)] };
@@ -153,8 +153,8 @@ impl<'a> Race<'a> {
 
     /// Gives the scene these settings.
     fn dress(&mut self, caustics: bool, choice: Candidate) {
-        if self.brought.is_some() && self.scene.caustics.is_some() != caustics {
-            std::mem::swap(&mut self.scene.caustics, &mut self.aside);
+        if self.brought.is_some() && self.scene.techniques.caustics.is_some() != caustics {
+            std::mem::swap(&mut self.scene.techniques.caustics, &mut self.aside);
         }
         reuse::set(self.scene, choice);
     }

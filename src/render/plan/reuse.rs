@@ -37,7 +37,7 @@ pub fn settle(scene: &mut Scene) {
     };
     if !path.free.reuse {
         set(scene, given);
-        if scene.caustics.is_some() && light_paths::is_free(scene) {
+        if scene.techniques.caustics.is_some() && light_paths::is_free(scene) {
             light_paths::balance(scene);
         }
         return;
@@ -58,7 +58,7 @@ pub fn set(scene: &mut Scene, choice: Candidate) {
     if path.free.reuse && path.free.roulette {
         path.roulette = path.roulette.early();
     }
-    scene.light_sources = match light_paths {
+    scene.techniques.light_sources = match light_paths {
         0 => None,
         some => LightSources::new(some, &scene.shapes, &scene.emitters),
     };
@@ -74,7 +74,7 @@ mod tests {
         let text = scene(sides, wears, options, inside);
         let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
         let samples = scene.integrator.path().map_or(0, |path| path.first_emitter_samples);
-        (scene.integrator.reuse(), samples, scene.light_paths())
+        (scene.integrator.reuse(), samples, scene.techniques.light_paths())
     }
 
     /// In a closed box or an open one with this inside.
@@ -133,7 +133,7 @@ mod tests {
         let light_paths = |lamp: &str| {
             let text = scene("cube", BRIGHT, ASKED, lamp);
             let scene = load_text("box.xml", &text, ColorMode::Rgb).expect("it loads");
-            scene.light_sources.map_or(0, |sources| sources.paths)
+            scene.techniques.light_sources.map_or(0, |sources| sources.paths)
         };
         let spot = format!(
             r#"<shape type="rectangle"><transform name="to_world"><scale value="0.1"/><rotate y="1" angle="90"/><translate x="3.5" y="1"/></transform>{LAMP}</shape>"#

@@ -100,9 +100,8 @@ fn pixels_that_share_wavelengths_are_known_to_be_correlated() {
     let scene = load_text("sky.xml", sky, ColorMode::Spectral).expect("it loads");
     let quality = |seed| {
         let settings = Settings { seed, ..Settings::of(&scene, 0..16) };
-        render(&scene, &settings, &Progress::default())
-            .and_then(|(_, report)| report.quality)
-            .expect("it renders")
+        let (_, report) = render(&scene, &settings, &Progress::default()).expect("it renders");
+        report.quality.expect("it has samples")
     };
     let seen: Vec<Quality> = (0..128).map(quality).collect();
     let relative = |c: usize| {

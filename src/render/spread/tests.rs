@@ -1,7 +1,6 @@
 use super::*;
 use crate::image::Image;
 use crate::integrator::kernel_for;
-use crate::render::pixel;
 use crate::render::quality::{Correlation, Quality};
 use crate::render::{Progress, Settings, render};
 use crate::scene::{Scene, load_text};
@@ -92,7 +91,7 @@ fn a_pixel_is_the_weighted_sum_of_the_samples_around_it() {
         let place = maker.place_in_pixels(4).expect("it is the same in all pixels");
         let reach = film.spread.as_ref().map_or(0, |spread| spread.reach());
         for i in 0..film.crop.pixels() {
-            let (x, y) = pixel(film.crop, i);
+            let (x, y) = film.crop.pixel(i);
             let [columns, rows] = film.weights((x, y), place).expect("there are some");
             let mut sum = 0.0;
             for (j, row) in rows.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {

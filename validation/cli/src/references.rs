@@ -74,7 +74,7 @@ impl Reference {
             Overrides { seed: Some(seed), sampler: Some("independent".into()), ..Overrides::default() };
         let scene = scene::load(&self.scene, &[], self.mode, &overrides).map_err(|e| e.to_string())?;
         let settings = Settings { seed, threads: 0, ..Settings::of(&scene, 0..u64::from(samples)) };
-        let (rendered, _) = render(&scene, &settings, &Progress::default()).ok_or("the render stopped")?;
+        let (rendered, _) = render(&scene, &settings, &Progress::default()).map_err(|e| e.to_string())?;
         let mut ours = image::Image {
             width: rendered.crop.width as usize,
             height: rendered.crop.height as usize,

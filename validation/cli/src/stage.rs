@@ -130,7 +130,7 @@ pub fn load(text: &str, mode: ColorMode) -> Result<Scene, String> {
 
 /// Renders with one thread, since cases run in parallel. Errors: a sample that is not finite.
 pub fn expose(scene: &Scene, settings: &Settings) -> Result<Rendered, String> {
-    let (image, report) = render(scene, settings, &Progress::default()).ok_or("the render stopped")?;
+    let (image, report) = render(scene, settings, &Progress::default()).map_err(|e| e.to_string())?;
     match report.first_non_finite.first() {
         Some(first) => Err(format!("{} samples are not finite, first {first:?}", report.non_finite)),
         None => Ok(image),

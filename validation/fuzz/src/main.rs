@@ -194,7 +194,7 @@ fn follow(first: u64, paths: u64, json: Option<&Path>) -> Result<bool, String> {
     let mut written = Ok(());
     let told = |record: &fuzz::paths::Record| written = write(json, record);
     let record = fuzz::paths::follow(&Models::read()?, &files().to_string_lossy(), first, paths, told);
-    let record = record.ok_or("a render stopped")?;
+    let record = record?;
     written?;
     let fuzz::paths::Record { scenes, refused, paths, cut, not_finite, negative, first } = &record;
     say(format_args!(

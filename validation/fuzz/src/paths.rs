@@ -28,27 +28,30 @@ pub struct Record {
 }
 
 /// Renders the scenes from number `first` on until `paths` paths were traced; `told` gets the record after
-/// each. `None` if the grammar finds no scene or a render stops.
+/// each.
+///
+/// # Errors
+/// If the grammar has a dead end, or a render does not end.
 pub fn follow(
     models: &Models,
     folder: &str,
     first: u64,
     paths: u64,
     mut told: impl FnMut(&Record),
-) -> Option<Record> {
+) -> Result<Record, String> {
     let mut record = Record::default();
     for number in first.. {
         if record.paths >= paths {
             break;
         }
-        let scene = grammar::scene(models, folder, number)?;
+        let scene = grammar::scene(models, folder, number).ok_or("the grammar has a dead end")?;
         let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
         let Ok(loaded) = etalon::scene::load_text("scene.xml", &scene.text, mode) else {
             record.refused += 1;
             continue;
         };
         let settings = Settings { seed: number as u32, ..Settings::of(&loaded, 0..SAMPLES) };
-        let (image, report) = render(&loaded, &settings, &Progress::default())?;
+        let (image, report) = render(&loaded, &settings, &Progress::default()).map_err(|e| e.to_string())?;
         record.scenes += 1;
         record.paths += report.samples;
         record.cut += report.cut;
@@ -62,7 +65,7 @@ pub fn follow(
         }
         told(&record);
     }
-    Some(record)
+    Ok(record)
 }
 
 #[cfg(test)]

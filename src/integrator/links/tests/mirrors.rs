@@ -26,7 +26,7 @@ fn mirrors() -> Vec<(&'static str, Scene)> {
 
 /// The mirror of metal that shows the lamp.
 fn metal(scene: &Scene) -> &Element {
-    let mirrors = &scene.links.as_ref().expect("there is a mirror").mirrors;
+    let mirrors = &scene.techniques.links.as_ref().expect("there is a mirror").mirrors;
     let links =
         |mirror: &&Element| pairs().filter(|(x, y)| !by(scene, *x, *y, Some(mirror)).is_empty()).count();
     let of_metal = |mirror: &&Element| !scene.shape_of(mirror.primitives[0]).0.refracts();
@@ -125,7 +125,7 @@ fn both_sides_agree_on_the_density_by_mirrors() {
         let index = scene.emitters.list.iter().position(|e| e.shape.is_some()).expect("there is a lamp");
         let entry = &scene.emitters.list[index];
         let geometry = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-        let mirrors = &scene.links.as_ref().expect("there is a mirror").mirrors;
+        let mirrors = &scene.techniques.links.as_ref().expect("there is a mirror").mirrors;
         let mut tried = 0;
         for (x, _) in pairs() {
             let Some(image) = mirror.image(x) else { continue };

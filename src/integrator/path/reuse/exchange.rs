@@ -102,7 +102,7 @@ impl Exchange {
         contested: &mut Vec<Contested>,
         counters: &mut Counters,
     ) {
-        let Some(light_sources) = &scene.light_sources else { return };
+        let Some(light_sources) = &scene.techniques.light_sources else { return };
         let groups = || paths.chunk_by(|a, b| a.group == b.group);
         light_sources.find(scene, groups().map(|of| (of[0].sampler, of[0].λ)), &mut self.lit, counters);
         let mut first = 0;

@@ -81,7 +81,7 @@ impl LightPath {
         let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
         let to_light = -ray.direction;
         let side = shape.side_towards(point.ns.dot(to_light));
-        let left_to_others = edges == 1 && side.traits.focuses() && scene.caustics.is_some();
+        let left_to_others = edges == 1 && side.traits.focuses() && scene.techniques.caustics.is_some();
         if side.traits.one_way || !side.traits.has_density || left_to_others {
             return None;
         }

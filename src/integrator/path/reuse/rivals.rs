@@ -132,7 +132,7 @@ impl Tail {
         end: EmitterPoint,
         w: DVec3,
     ) -> Option<Rivals> {
-        let sources = scene.light_sources.as_ref().filter(|_| self.ratio > 0.0)?;
+        let sources = scene.techniques.light_sources.as_ref().filter(|_| self.ratio > 0.0)?;
         let by_light = self.ratio * factor() * sources.last(scene, end, w);
         (by_light > 0.0).then(|| Rivals::new(by_light, self.to_source, sources.paths))
     }

@@ -107,7 +107,8 @@ impl Shared {
     /// pixel's alone; but light paths do not reach the camera by mirrors or glass.
     #[inline(always)]
     pub fn receives_casters(&self, scene: &Scene) -> bool {
-        scene.caustics.is_none() || self.receiver.as_ref().is_some_and(|receiver| receiver.edges > 0)
+        scene.techniques.caustics.is_none()
+            || self.receiver.as_ref().is_some_and(|receiver| receiver.edges > 0)
     }
 
     /// Notes the vertex as receiver or source if it is one, and whether what the path finds from here on is

@@ -3,7 +3,7 @@
 use super::still_life::*;
 use super::{Relation, Term};
 use crate::stage::*;
-use etalon::image::Window;
+use etalon::film::Window;
 use etalon::spectrum::ColorMode;
 
 pub fn relations() -> Vec<Relation> {

@@ -29,7 +29,8 @@ pub use reuse::one_of;
 
 use crate::stage::{Family, TWICE, confirmed, expose, fault, gather, load, measured};
 use etalon::film::BLOCK;
-use etalon::image::{Window, merge};
+use etalon::film::Window;
+use etalon::image::merge;
 use etalon::render::Settings;
 use etalon::spectrum::ColorMode;
 use std::path::PathBuf;

@@ -189,7 +189,7 @@ fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image,
     let loaded =
         etalon::scene::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
     let settings = Settings { seed, ..Settings::of(&loaded, 0..u64::from(samples)) };
-    let (image, report) = render(&loaded, &settings, &Progress::default()).ok_or("the render stopped")?;
+    let (image, report) = render(&loaded, &settings, &Progress::default()).map_err(|e| e.to_string())?;
     if report.non_finite > 0 {
         return Err(format!("{} samples are not finite: {:?}", report.non_finite, report.first_non_finite));
     }
