@@ -15,7 +15,7 @@ pub struct Blend {
 }
 
 /// A mixture at a point.
-pub struct Mixture<'a> {
+pub struct BlendBsdf<'a> {
     /// The share of the second material.
     weight: f64,
     nested: &'a [Box<AnyMaterial>; 2],
@@ -49,7 +49,7 @@ impl Material for Blend {
         r#"<bsdf type="blendbsdf"><float name="weight" value="0.3"/><bsdf type="dielectric"/><bsdf type="twosided">
             <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></bsdf></bsdf>"#,
     ];
-    type Bsdf<'a> = Mixture<'a>;
+    type Bsdf<'a> = BlendBsdf<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let about = "share of the second material: 0 is the first alone, 1 the second";
@@ -69,8 +69,13 @@ impl Material for Blend {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Mixture<'a> {
-        Mixture { weight: self.weight.eval_scalar(point.uv).clamp(0.0, 1.0), nested: &self.nested, point, λ }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> BlendBsdf<'a> {
+        BlendBsdf {
+            weight: self.weight.eval_scalar(point.uv).clamp(0.0, 1.0),
+            nested: &self.nested,
+            point,
+            λ,
+        }
     }
 
     fn traits(&self) -> Traits {
@@ -79,7 +84,7 @@ impl Material for Blend {
     }
 }
 
-impl Mixture<'_> {
+impl BlendBsdf<'_> {
     /// One material's part of the mixture.
     #[inline]
     fn part(&self, index: usize, share: f64, wo: DVec3, wi: DVec3) -> Evaluation {
@@ -91,7 +96,7 @@ impl Mixture<'_> {
     }
 }
 
-impl Bsdf for Mixture<'_> {
+impl Bsdf for BlendBsdf<'_> {
     /// That of the material that reflects more in its lobe.
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {

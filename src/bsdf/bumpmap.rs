@@ -1,6 +1,6 @@
 //! Normals from heights.
 
-use super::shading_normal::{Adapter, Perturbed};
+use super::shading_normal::{Adapter, PerturbedBsdf};
 use super::{Material, Traits};
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
@@ -29,7 +29,7 @@ impl Material for BumpMap {
     ];
     // As in `normalmap`.
     const RECIPROCAL: bool = false;
-    type Bsdf<'a> = Perturbed<'a>;
+    type Bsdf<'a> = PerturbedBsdf<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let scale = params.float("scale", 1.0, "factor upon the height, which is in units of the scene")?;
@@ -48,7 +48,7 @@ impl Material for BumpMap {
     /// The normal of the surface p + h·n, without ∂n: (∂p/∂u + n ∂h/∂u) × (∂p/∂v + n ∂h/∂v), with ∂p in the
     /// plane across the shading normal n (Blinn 1978).
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Perturbed<'a> {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> PerturbedBsdf<'a> {
         let slope = self.heights.gradient(point.uv).unwrap_or(DVec2::ZERO) * self.scale;
         let n = point.ns;
         let inclined = |tangent: DVec3, slope: f64| tangent + n * (slope - n.dot(tangent));

@@ -14,7 +14,7 @@ pub struct Conductor {
 }
 
 /// A mirror at a point.
-pub struct Mirror {
+pub struct ConductorBsdf {
     metal: Reflector,
 }
 
@@ -33,15 +33,15 @@ impl Material for Conductor {
     const WHITE: &'static [&'static str] = &[
         r#"<bsdf type="twosided"><bsdf type="conductor"><string name="material" value="none"/></bsdf></bsdf>"#,
     ];
-    type Bsdf<'a> = Mirror;
+    type Bsdf<'a> = ConductorBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         Ok(Self { metal: Metal::parse(params)? })
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Mirror {
-        Mirror { metal: self.metal.at(point, λ) }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> ConductorBsdf {
+        ConductorBsdf { metal: self.metal.at(point, λ) }
     }
 
     fn traits(&self) -> Traits {
@@ -49,7 +49,7 @@ impl Material for Conductor {
     }
 }
 
-impl Bsdf for Mirror {
+impl Bsdf for ConductorBsdf {
     #[inline]
     fn evaluate(&self, _wo: DVec3, _wi: DVec3) -> Evaluation {
         Evaluation::ZERO

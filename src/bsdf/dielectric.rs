@@ -24,7 +24,7 @@ pub struct Dielectric {
 }
 
 /// An interface at a point.
-pub struct Pane {
+pub struct DielectricBsdf {
     /// η inside / η outside of lane 0.
     eta: f64,
     /// The same of all lanes, where they differ and are alive.
@@ -54,7 +54,7 @@ impl Material for Dielectric {
         r#"<bsdf type="dielectric"><string name="fresnel" value="schlick"/></bsdf>"#,
         r#"<bsdf type="dielectric"><string name="dispersion" value="sf11"/></bsdf>"#,
     ];
-    type Bsdf<'a> = Pane;
+    type Bsdf<'a> = DielectricBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let index = match ior::dispersive(params, "bk7")? {
@@ -72,7 +72,7 @@ impl Material for Dielectric {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Pane {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> DielectricBsdf {
         let (eta, lanes) = match &self.index {
             Index::Constant(eta) => (*eta, None),
             Index::Dispersive(law, outside) if λ.is_collapsed() => (law.eta(λ.nm[0]) / outside, None),
@@ -82,7 +82,7 @@ impl Material for Dielectric {
             }
         };
         let [reflectance, transmittance] = self.tints.at(point, λ);
-        Pane { eta, lanes, schlick: self.schlick, reflectance, transmittance }
+        DielectricBsdf { eta, lanes, schlick: self.schlick, reflectance, transmittance }
     }
 
     fn traits(&self) -> Traits {
@@ -100,7 +100,7 @@ impl Material for Dielectric {
     }
 }
 
-impl Pane {
+impl DielectricBsdf {
     /// Reflection and transmission for light at `cos` on the near side, `eta` = η far / η near.
     #[inline]
     fn interface(&self, cos: f64, eta: f64) -> Interface {
@@ -151,7 +151,7 @@ pub(super) fn seen(eta: f64, wo: DVec3) -> f64 {
     if wo.z > 0.0 { eta } else { 1.0 / eta }
 }
 
-impl Bsdf for Pane {
+impl Bsdf for DielectricBsdf {
     #[inline]
     fn evaluate(&self, _wo: DVec3, _wi: DVec3) -> Evaluation {
         Evaluation::ZERO
@@ -176,7 +176,7 @@ mod tests {
     use crate::spectrum::materials::Dispersion;
     use crate::texture::AnyTexture;
 
-    fn pane(λ: &Wavelengths) -> Pane {
+    fn pane(λ: &Wavelengths) -> DielectricBsdf {
         let index = Index::Dispersive(Dispersion::named("sf11").unwrap(), 1.0);
         let one = || AnyTexture::default_value(1.0, Usage::Reflectance, ColorMode::Spectral);
         let glass =
@@ -184,7 +184,7 @@ mod tests {
         glass.at(&SurfacePoint::flat(), λ)
     }
 
-    fn samples(pane: &Pane, wo: DVec3) -> Vec<Sample> {
+    fn samples(pane: &DielectricBsdf, wo: DVec3) -> Vec<Sample> {
         const N: usize = 20_000;
         (0..N).filter_map(|i| pane.sample(wo, (i as f64 + 0.5) / N as f64, DVec2::ZERO)).collect()
     }

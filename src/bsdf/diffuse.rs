@@ -21,7 +21,7 @@ impl Diffuse {
 }
 
 /// A reflectance at a point.
-pub struct Lambert {
+pub struct DiffuseBsdf {
     reflectance: Spectrum,
 }
 
@@ -37,7 +37,7 @@ impl Material for Diffuse {
     const WHITE: &'static [&'static str] = &[
         r#"<bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></bsdf>"#,
     ];
-    type Bsdf<'a> = Lambert;
+    type Bsdf<'a> = DiffuseBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let about = "fraction of light reflected";
@@ -46,8 +46,8 @@ impl Material for Diffuse {
 
     // Most vertices of most scenes are of this kind, and with many kernels the compiler thinks better of it.
     #[inline(always)]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Lambert {
-        Lambert { reflectance: self.reflectance.eval(point.uv, λ) }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> DiffuseBsdf {
+        DiffuseBsdf { reflectance: self.reflectance.eval(point.uv, λ) }
     }
 
     fn traits(&self) -> Traits {
@@ -55,7 +55,7 @@ impl Material for Diffuse {
     }
 }
 
-impl Bsdf for Lambert {
+impl Bsdf for DiffuseBsdf {
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if wo.z <= 0.0 || wi.z <= 0.0 {

@@ -3,9 +3,9 @@
 use super::mirror;
 use crate::math::DVec3;
 
-/// Of what is scattered, at least a little is taken to follow the cosine, which bounds what emitters cost that
-/// are chosen too seldom where facets shadow one another.
-const MOST: f64 = 0.95;
+/// Largest [`Lobe::share`]. Where facets shadow one another the true lobe is another than this one, and an
+/// emitter that is off it would be chosen almost never, with a huge weight, if nothing followed the cosine.
+const LARGEST_SHARE: f64 = 0.95;
 
 /// The directions in which a glossy surface reflects most.
 ///
@@ -29,7 +29,7 @@ impl Lobe {
     /// Of facets of roughness α about the normal, seen from ω (local).
     #[inline]
     pub fn of_facets(wo: DVec3, alpha: f64, share: f64) -> Self {
-        Self { axis: mirror(wo), alpha2: alpha * alpha, share: share.min(MOST) }
+        Self { axis: mirror(wo), alpha2: alpha * alpha, share: share.min(LARGEST_SHARE) }
     }
 
     /// How many times more light is scattered from a direction than by a matte surface that reflects as much

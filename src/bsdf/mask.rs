@@ -15,7 +15,7 @@ pub struct Mask {
 }
 
 /// A material with an opacity, at a point.
-pub struct Veil<'a> {
+pub struct MaskBsdf<'a> {
     opacity: f64,
     nested: &'a AnyMaterial,
     point: &'a SurfacePoint,
@@ -42,7 +42,7 @@ impl Material for Mask {
     ];
     const WHITE: &'static [&'static str] = &[r#"<bsdf type="mask"><float name="opacity" value="0.3"/>
             <bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></bsdf></bsdf>"#];
-    type Bsdf<'a> = Veil<'a>;
+    type Bsdf<'a> = MaskBsdf<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let about = "share of the light that meets the material";
@@ -51,8 +51,13 @@ impl Material for Mask {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Veil<'a> {
-        Veil { opacity: self.opacity.eval_scalar(point.uv).clamp(0.0, 1.0), nested: &self.nested, point, λ }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> MaskBsdf<'a> {
+        MaskBsdf {
+            opacity: self.opacity.eval_scalar(point.uv).clamp(0.0, 1.0),
+            nested: &self.nested,
+            point,
+            λ,
+        }
     }
 
     fn traits(&self) -> Traits {
@@ -62,7 +67,7 @@ impl Material for Mask {
     }
 }
 
-impl Bsdf for Veil<'_> {
+impl Bsdf for MaskBsdf<'_> {
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {
         self.nested.at(self.point, self.λ).lobe(wo)

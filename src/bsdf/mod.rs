@@ -88,13 +88,13 @@ pub struct Traits {
     pub relief: bool,
     /// Its sides are materials of their own, and light goes from one to the other: a path is scattered by
     /// another material from its other end, so only camera paths can follow it.
-    pub one_way: bool,
+    pub irreversible: bool,
 }
 
 impl Traits {
     /// Whether it is a caster: light from an emitter leaves it in few directions.
-    pub fn focuses(&self) -> bool {
-        !self.one_way && (self.glossy || !self.has_density && !self.relief)
+    pub fn is_caster(&self) -> bool {
+        !self.irreversible && (self.glossy || !self.has_density && !self.relief)
     }
 
     /// Traits of a material made of both: `one_lobe`, `only_rough`, `refracts` and `mirrors` if both have
@@ -109,7 +109,7 @@ impl Traits {
             has_null: self.has_null || other.has_null,
             glossy: self.glossy || other.glossy,
             relief: self.relief || other.relief,
-            one_way: self.one_way || other.one_way,
+            irreversible: self.irreversible || other.irreversible,
             one_lobe: self.one_lobe && other.one_lobe,
             only_rough: self.only_rough && other.only_rough,
             refracts: self.refracts && other.refracts,

@@ -1,6 +1,6 @@
 //! Normals from an image.
 
-use super::shading_normal::{Adapter, Perturbed};
+use super::shading_normal::{Adapter, PerturbedBsdf};
 use super::{Material, Traits};
 use crate::math::DVec3;
 use crate::scene::error::SceneError;
@@ -32,7 +32,7 @@ impl Material for NormalMap {
     // The cosine is about the perturbed normal for one direction only: f(ω, ω′)·cos/cos is not symmetric
     // (Veach 1997, §5.3.2).
     const RECIPROCAL: bool = false;
-    type Bsdf<'a> = Perturbed<'a>;
+    type Bsdf<'a> = PerturbedBsdf<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let about =
@@ -50,7 +50,7 @@ impl Material for NormalMap {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Perturbed<'a> {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> PerturbedBsdf<'a> {
         let encoded = self.normals.eval_vector(point.uv).unwrap_or(DVec3::new(0.5, 0.5, 1.0));
         self.adapter.about(encoded * 2.0 - 1.0, point.frame(true), point, λ)
     }

@@ -18,7 +18,7 @@ pub struct Plastic {
 }
 
 /// Plastic at a point.
-pub struct Glazed {
+pub struct PlasticBsdf {
     coat: Coated,
 }
 
@@ -36,7 +36,7 @@ impl Material for Plastic {
         </bsdf>"#,
         r#"<bsdf type="plastic"><float name="int_ior" value="1.3"/><string name="ext_ior" value="water"/></bsdf>"#,
     ];
-    type Bsdf<'a> = Glazed;
+    type Bsdf<'a> = PlasticBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let coat = Coat::parse(params)?;
@@ -47,8 +47,8 @@ impl Material for Plastic {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Glazed {
-        Glazed { coat: self.coat.at(point, λ, self.internal) }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> PlasticBsdf {
+        PlasticBsdf { coat: self.coat.at(point, λ, self.internal) }
     }
 
     fn traits(&self) -> Traits {
@@ -67,14 +67,14 @@ fn fitted_diffuse_reflectance(eta: f64) -> f64 {
     0.919317 + x * (-3.4793 + x * (6.75335 + x * (-7.80989 + x * (4.98554 + x * -1.36881))))
 }
 
-impl Glazed {
+impl PlasticBsdf {
     #[inline]
     fn face(&self, w: DVec3) -> Interface {
         fresnel::dielectric(w.z, self.coat.eta)
     }
 }
 
-impl Bsdf for Glazed {
+impl Bsdf for PlasticBsdf {
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if wo.z <= 0.0 || wi.z <= 0.0 {

@@ -22,7 +22,7 @@ pub struct PrincipledThin {
     spec_tint: AnyTexture,
     diff_trans: AnyTexture,
     eta: AnyTexture,
-    /// Factors of the probabilities of the [lobes](Sheet::chances), besides the lobes' weights.
+    /// Factors of the probabilities of the [lobes](PrincipledThinBsdf::chances), besides the lobes' weights.
     rates: [f64; 4],
 }
 
@@ -48,7 +48,7 @@ impl Material for PrincipledThin {
     ];
     // Light that the mirrored facet's back would face is left out, and which it is depends on the viewer.
     const RECIPROCAL: bool = false;
-    type Bsdf<'a> = Sheet;
+    type Bsdf<'a> = PrincipledThinBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = Base::parse(params)?;
@@ -75,7 +75,7 @@ impl Material for PrincipledThin {
         Ok(Self { base, spec_trans, spec_tint, diff_trans, eta, rates })
     }
 
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Sheet {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> PrincipledThinBsdf {
         let [specular, spec_tint] =
             [&self.spec_trans, &self.spec_tint].map(|texture| share_at(texture, point));
         let through = 0.5 * self.diff_trans.eval_scalar(point.uv).clamp(0.0, 2.0);
@@ -85,7 +85,7 @@ impl Material for PrincipledThin {
         let weights = [0, 1, 2, 3].map(|lobe| shares[lobe] * self.rates[lobe]);
         let total: f64 = weights.iter().sum();
         let (base, hue) = self.base.at(point, λ, [matte, matte], spec_tint);
-        Sheet {
+        PrincipledThinBsdf {
             reflecting: self.base.facets(point, base.roughness),
             // Light bends twice in the sheet, which blurs it as much as one reflection at such facets
             // (Burley 2015, figure 15).
@@ -115,7 +115,7 @@ impl Material for PrincipledThin {
 }
 
 /// A thin sheet at a point: its two sides are alike.
-pub struct Sheet {
+pub struct PrincipledThinBsdf {
     /// What the matte lobe reflects.
     matte: Matte,
     /// Share of matte light that goes through.
@@ -132,7 +132,7 @@ pub struct Sheet {
     chances: [f64; 4],
 }
 
-impl Sheet {
+impl PrincipledThinBsdf {
     /// Reflectance of a facet, in part by Schlick's approximation where that has a colour.
     fn fresnel(&self, cos: f64) -> Spectrum {
         let face = fresnel::dielectric(cos, self.eta);
@@ -186,7 +186,7 @@ fn turned(w: DVec3) -> DVec3 {
     DVec3::new(w.x, w.y, -w.z)
 }
 
-impl Bsdf for Sheet {
+impl Bsdf for PrincipledThinBsdf {
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if wo.z == 0.0 || wi.z == 0.0 {
             return Evaluation::ZERO;

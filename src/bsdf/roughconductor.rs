@@ -17,7 +17,7 @@ pub struct RoughConductor {
 }
 
 /// A rough metal at a point.
-pub struct RoughMirror {
+pub struct RoughConductorBsdf {
     metal: Reflector,
     facets: Distribution,
 }
@@ -48,15 +48,15 @@ impl Material for RoughConductor {
             <boolean name="sample_visible" value="false"/>
         </bsdf>"#,
     ];
-    type Bsdf<'a> = RoughMirror;
+    type Bsdf<'a> = RoughConductorBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         Ok(Self { metal: Metal::parse(params)?, roughness: Roughness::parse(params)? })
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> RoughMirror {
-        RoughMirror { metal: self.metal.at(point, λ), facets: self.roughness.at(point.uv) }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> RoughConductorBsdf {
+        RoughConductorBsdf { metal: self.metal.at(point, λ), facets: self.roughness.at(point.uv) }
     }
 
     fn traits(&self) -> Traits {
@@ -72,7 +72,7 @@ impl Material for RoughConductor {
     }
 }
 
-impl Bsdf for RoughMirror {
+impl Bsdf for RoughConductorBsdf {
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {
         Lobe::of_facets(wo, self.facets.alpha(), 1.0)

@@ -23,7 +23,7 @@ pub struct RoughDielectric {
 }
 
 /// Ground glass at a point.
-pub struct Frosted {
+pub struct RoughDielectricBsdf {
     eta: f64,
     facets: Distribution,
     reflectance: Spectrum,
@@ -57,7 +57,7 @@ impl Material for RoughDielectric {
             <float name="alpha" value="0.25"/><boolean name="sample_visible" value="false"/>
         </bsdf>"#,
     ];
-    type Bsdf<'a> = Frosted;
+    type Bsdf<'a> = RoughDielectricBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let eta = ior::relative(params, "bk7")?;
@@ -66,9 +66,9 @@ impl Material for RoughDielectric {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Frosted {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> RoughDielectricBsdf {
         let [reflectance, transmittance] = self.tints.at(point, λ);
-        Frosted { eta: self.eta, facets: self.roughness.at(point.uv), reflectance, transmittance }
+        RoughDielectricBsdf { eta: self.eta, facets: self.roughness.at(point.uv), reflectance, transmittance }
     }
 
     fn traits(&self) -> Traits {
@@ -83,7 +83,7 @@ impl Material for RoughDielectric {
     }
 }
 
-impl Frosted {
+impl RoughDielectricBsdf {
     /// Value and density, both without tint, for directions with wo.z > 0 that meet at a facet `m`; `eta` =
     /// η far / η near.
     #[inline]
@@ -111,7 +111,7 @@ impl Frosted {
     }
 }
 
-impl Bsdf for Frosted {
+impl Bsdf for RoughDielectricBsdf {
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
         if wo.z == 0.0 || wi.z == 0.0 {

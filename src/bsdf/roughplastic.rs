@@ -22,7 +22,7 @@ pub struct RoughPlastic {
 }
 
 /// Rough plastic at a point.
-pub struct Satin<'a> {
+pub struct RoughPlasticBsdf<'a> {
     coat: Coated,
     facets: Distribution,
     transmittance: &'a Transmittance,
@@ -47,7 +47,7 @@ impl Material for RoughPlastic {
             <boolean name="sample_visible" value="false"/>
         </bsdf>"#,
     ];
-    type Bsdf<'a> = Satin<'a>;
+    type Bsdf<'a> = RoughPlasticBsdf<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let coat = Coat::parse(params)?;
@@ -67,9 +67,9 @@ impl Material for RoughPlastic {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Satin<'a> {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> RoughPlasticBsdf<'a> {
         let coat = self.coat.at(point, λ, self.internal);
-        Satin { coat, facets: self.facets, transmittance: &self.transmittance }
+        RoughPlasticBsdf { coat, facets: self.facets, transmittance: &self.transmittance }
     }
 
     fn traits(&self) -> Traits {
@@ -90,7 +90,7 @@ fn roughness(params: &mut Params) -> Result<f64, SceneError> {
     Ok(u)
 }
 
-impl Bsdf for Satin<'_> {
+impl Bsdf for RoughPlasticBsdf<'_> {
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {
         let out_of = self.transmittance.at(wo.z);

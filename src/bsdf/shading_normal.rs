@@ -20,13 +20,13 @@ pub struct Adapter {
 }
 
 /// A nested material about another normal, at a point.
-pub struct Perturbed<'a> {
+pub struct PerturbedBsdf<'a> {
     adapter: &'a Adapter,
     point: &'a SurfacePoint,
     λ: &'a Wavelengths,
     /// The surface's own frame, in whose coordinates directions arrive.
     surface: Frame,
-    /// Perturbed normal, unit length, in the coordinates of `surface`.
+    /// PerturbedBsdf normal, unit length, in the coordinates of `surface`.
     normal: DVec3,
 }
 
@@ -48,10 +48,10 @@ impl Adapter {
         surface: Frame,
         point: &'a SurfacePoint,
         λ: &'a Wavelengths,
-    ) -> Perturbed<'a> {
+    ) -> PerturbedBsdf<'a> {
         let length2 = normal.length_squared();
         let normal = if length2 > 0.0 && length2.is_finite() { unit(normal) } else { DVec3::Z };
-        Perturbed { adapter: self, point, λ, surface, normal }
+        PerturbedBsdf { adapter: self, point, λ, surface, normal }
     }
 
     /// Traits of the nested material, with a relief, and always anisotropic, as the tangent is needed.
@@ -60,7 +60,7 @@ impl Adapter {
     }
 }
 
-impl Perturbed<'_> {
+impl PerturbedBsdf<'_> {
     /// The normal that is seen from ωo. One that faces away is turned by half a turn about the surface's
     /// normal (Schüßler et al. 2017, "Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing").
     #[inline]
@@ -92,7 +92,7 @@ impl Perturbed<'_> {
     }
 }
 
-impl Bsdf for Perturbed<'_> {
+impl Bsdf for PerturbedBsdf<'_> {
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {
         self.with_nested(self.normal_seen_from(wo), |nested, frame| {
@@ -151,7 +151,7 @@ mod tests {
     use crate::spectrum::ColorMode;
 
     /// Calls `f` with a nested material about a normal, on a flat surface.
-    fn with(nested: &str, settings: &str, normal: DVec3, f: impl FnOnce(Perturbed)) {
+    fn with(nested: &str, settings: &str, normal: DVec3, f: impl FnOnce(PerturbedBsdf)) {
         let text = format!("<bsdf version=\"3.0.0\" type=\"normalmap\">{settings}{nested}</bsdf>");
         let document = xml::read_text("example", &text).unwrap();
         let loader = Loader::new(&document, ColorMode::Rgb).unwrap();

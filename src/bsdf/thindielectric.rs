@@ -17,7 +17,7 @@ pub struct ThinDielectric {
 }
 
 /// A window pane at a point.
-pub struct Window {
+pub struct ThinDielectricBsdf {
     eta: f64,
     reflectance: Spectrum,
     transmittance: Spectrum,
@@ -35,16 +35,16 @@ impl Material for ThinDielectric {
         </bsdf>"#,
     ];
     const WHITE: &'static [&'static str] = &[r#"<bsdf type="thindielectric"/>"#];
-    type Bsdf<'a> = Window;
+    type Bsdf<'a> = ThinDielectricBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         Ok(Self { eta: ior::relative(params, "bk7")?, tints: Tints::parse(params)? })
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Window {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> ThinDielectricBsdf {
         let [reflectance, transmittance] = self.tints.at(point, λ);
-        Window { eta: self.eta, reflectance, transmittance }
+        ThinDielectricBsdf { eta: self.eta, reflectance, transmittance }
     }
 
     fn traits(&self) -> Traits {
@@ -60,7 +60,7 @@ impl Material for ThinDielectric {
     }
 }
 
-impl Bsdf for Window {
+impl Bsdf for ThinDielectricBsdf {
     #[inline]
     fn evaluate(&self, _wo: DVec3, _wi: DVec3) -> Evaluation {
         Evaluation::ZERO

@@ -15,7 +15,7 @@ pub struct TwoSided {
 }
 
 /// The two sides at a point.
-pub struct Sides<'a> {
+pub struct TwoSidedBsdf<'a> {
     material: &'a TwoSided,
     point: &'a SurfacePoint,
     λ: &'a Wavelengths,
@@ -33,7 +33,7 @@ impl Material for TwoSided {
         r#"<bsdf type="twosided"><bsdf type="roughplastic"><float name="alpha" value="0.2"/></bsdf></bsdf>"#,
         r#"<bsdf type="twosided"><bsdf type="conductor"/></bsdf>"#,
     ];
-    type Bsdf<'a> = Sides<'a>;
+    type Bsdf<'a> = TwoSidedBsdf<'a>;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let allow = params.boolean(
@@ -62,13 +62,13 @@ impl Material for TwoSided {
     }
 
     #[inline]
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Sides<'a> {
-        Sides { material: self, point, λ }
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> TwoSidedBsdf<'a> {
+        TwoSidedBsdf { material: self, point, λ }
     }
 
     fn traits(&self) -> Traits {
         let both = self.back.iter().fold(self.front.traits(), |traits, back| traits.or(back.traits()));
-        Traits { one_way: both.transmits, ..both }
+        Traits { irreversible: both.transmits, ..both }
     }
 }
 
@@ -94,7 +94,7 @@ fn from_side(z: f64, w: DVec3) -> DVec3 {
     if z < 0.0 { DVec3::new(w.x, w.y, -w.z) } else { w }
 }
 
-impl Bsdf for Sides<'_> {
+impl Bsdf for TwoSidedBsdf<'_> {
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {
         let lobe = self.material.facing(wo.z).at(self.point, self.λ).lobe(from_side(wo.z, wo));

@@ -2,7 +2,7 @@
 
 use super::{Outcome, SceneArguments, say, tax};
 use etalon::integrator::kernel_for;
-use etalon::integrator::path::Roulette;
+use etalon::integrator::Roulette;
 use etalon::sampler::Kind;
 use etalon::scene::Features;
 use std::process::ExitCode;

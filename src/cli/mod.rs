@@ -242,7 +242,7 @@ fn definition(text: &str) -> Result<(String, String), String> {
 }
 
 fn light_paths(text: &str) -> Result<f64, String> {
-    let range = etalon::integrator::path::LIGHT_PATHS;
+    let range = etalon::integrator::path::RATIOS;
     let share = text.parse().ok().filter(|share| range.contains(share));
     share.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
 }

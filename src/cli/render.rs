@@ -271,7 +271,7 @@ impl Arguments {
             eprintln!(
                 "warning: {} paths were cut at {} vertices",
                 report.cut,
-                etalon::integrator::path::MAX_VERTICES
+                etalon::integrator::MAX_VERTICES
             );
         }
         if report.non_finite == 0 {

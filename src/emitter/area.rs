@@ -106,8 +106,8 @@ impl Area {
         self.radiance.varies()
     }
 
-    /// Along the normal; for a shape that is closed, whose shadow has a quarter of its surface on average, in
-    /// any direction.
+    /// Radiant intensity in W·sr⁻¹·nm⁻¹, the mean over the spectrum, where it is largest: along the normal. A
+    /// closed shape shows a quarter of its surface to any direction, on average over directions (Cauchy).
     pub fn intensity(&self, shape: &Geometry, normals: Cone) -> f64 {
         let seen = if normals == Cone::EVERYWHERE { 0.25 } else { 1.0 };
         self.radiance.mean() * shape.area() * seen

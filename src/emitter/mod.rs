@@ -110,7 +110,7 @@ pub struct DirectSample {
     pub n: DVec3,
 }
 
-/// Radiance that is known, or a place in the map of the surroundings: looking there waits for memory, in vain
+/// Radiance that is known, or a place in the environment map: looking there waits for memory, in vain
 /// if the place is not seen.
 #[derive(Clone, Copy, Debug)]
 pub enum Radiance {
@@ -123,7 +123,7 @@ pub enum Radiance {
 pub struct View {
     /// Unit, world.
     pub direction: DVec3,
-    /// Where a map of the surroundings has it.
+    /// Where a environment map has it.
     pub place: Option<MapPlace>,
 }
 

@@ -139,7 +139,7 @@ impl Emitters {
         self.environment.map(|index| self.list[index].emitter.view(direction))
     }
 
-    /// The radiance of a place in the map of the surroundings, zero if there is no map.
+    /// The radiance of a place in the environment map, zero if there is no map.
     #[inline]
     pub fn mapped(&self, place: &MapPlace, λ: &Wavelengths) -> Spectrum {
         match self.environment.map(|index| &self.list[index].emitter) {

@@ -1,4 +1,5 @@
-//! What a pixel remembers of its samples, independent of the order in which they arrive.
+//! The film: its size, filters and channels, and what a pixel remembers of its samples, independent of the order
+//! in which they arrive.
 //!
 //! A render is a function of scene, seed and sample range, so the numbers a pixel ends with must not depend
 //! on threads, tiles, processes or the order of a merge. Two things make that so: consecutive samples are

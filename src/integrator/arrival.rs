@@ -31,20 +31,20 @@ impl Arrival {
 
 /// Light from the environment along a ray that met nothing.
 #[inline]
-pub fn environment(
+pub fn environment_along(
     scene: &Scene,
     ray: &Ray,
     gathers: &Gathers,
     arrival: &Arrival,
     λ: &Wavelengths,
 ) -> Spectrum {
-    let seen = |view| surroundings(scene, &view, gathers.at(ray.origin), arrival, λ);
+    let seen = |view| environment_in_view(scene, &view, gathers.at(ray.origin), arrival, λ);
     scene.emitters.view(ray.direction).map_or(Spectrum::ZERO, seen)
 }
 
-/// Light that a ray from this vertex sees out of the scene.
+/// The same, where the environment has been looked up already.
 #[inline]
-pub fn surroundings(
+pub fn environment_in_view(
     scene: &Scene,
     view: &View,
     from: GatherPoint,

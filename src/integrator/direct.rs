@@ -1,6 +1,6 @@
 //! Direct light only.
 
-use super::arrival::{Arrival, environment};
+use super::arrival::{Arrival, environment_along};
 use super::light::{self, Samples, Vertex, power_heuristic};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
@@ -58,7 +58,7 @@ impl Direct {
                 return if hidden {
                     Spectrum::ZERO
                 } else {
-                    environment(scene, &ray, &Gathers::EVERYWHERE, &Arrival::FROM_CAMERA, λ)
+                    environment_along(scene, &ray, &Gathers::EVERYWHERE, &Arrival::FROM_CAMERA, λ)
                 };
             };
             let (shape, point) = scene.surface::<F>(&ray, &hit);
@@ -122,7 +122,7 @@ impl Direct {
             let arrival = Arrival { pdf, delta, emitter_samples: self.emitter_samples };
             let seen = F & Features::ENVIRONMENT != 0;
             return if seen {
-                environment(scene, ray, choice.at.gathers, &arrival, λ)
+                environment_along(scene, ray, choice.at.gathers, &arrival, λ)
             } else {
                 Spectrum::ZERO
             };

@@ -100,7 +100,7 @@ pub struct Proposal {
     pub ray: Ray,
     /// Contribution to the radiance that leaves the vertex towards `wo`, with its MIS weight.
     pub radiance: Spectrum,
-    /// The place in the map of the surroundings with whose radiance the contribution is to be multiplied.
+    /// The place in the environment map with whose radiance the contribution is to be multiplied.
     pub of: Option<MapPlace>,
 }
 

@@ -15,6 +15,7 @@ pub mod light;
 pub mod links;
 mod moment;
 pub mod path;
+mod roulette;
 mod techniques;
 mod volpath;
 mod volpathmis;
@@ -22,6 +23,7 @@ mod wavefront;
 
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;
+pub use crate::sampler::blocks::MAX_VERTICES;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
@@ -33,6 +35,7 @@ pub use depth::Depth;
 pub use direct::Direct;
 pub use moment::Moment;
 pub use path::Path;
+pub use roulette::Roulette;
 pub use techniques::Techniques;
 pub use volpath::VolPath;
 
@@ -102,7 +105,7 @@ pub struct Counters {
     pub shared: u64,
     /// Sources that light paths have found for groups of pixels.
     pub light_sources: u64,
-    /// Paths that reached the hard limit of vertices and were cut; see [`path::MAX_VERTICES`].
+    /// Paths that reached the hard limit of vertices and were cut; see [`MAX_VERTICES`].
     pub cut: u64,
     /// Guided emitter samples; see [`guide`].
     pub guided: u64,

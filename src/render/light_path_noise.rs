@@ -40,7 +40,9 @@ impl LightPathNoise {
 
     /// By how much the variance of the sum over pixels exceeds the sum of their variances, summed over
     /// channels, if these are the sums over so many light paths, and the pixels are means over so many samples.
-    /// Where light paths reach ever other pixels errors cancel, and the sum of variances is left as it is.
+    ///
+    /// Where light paths rarely reach two pixels it is negative: the more of them go to one pixel, the fewer go
+    /// to others. Such channels are left out, so that no error is underestimated.
     pub fn excess(&self, light_paths: u64, samples: u64) -> f64 {
         let of_channel = |c: usize| self.common[c] - self.sum[c] * self.sum[c] / light_paths as f64;
         let of_sum: f64 = (0..3).map(of_channel).filter(|excess| *excess > 0.0).sum();

@@ -3,8 +3,9 @@
 /// The block of the camera, or of the emitter where a light path begins.
 pub const START: u32 = 0;
 
-/// Most vertices of a path.
-pub const MOST_VERTICES: u32 = 1 << 20;
+/// No path goes on beyond this many vertices. Roulette ends paths long before, except where nothing is ever
+/// absorbed; such paths are counted and reported.
+pub const MAX_VERTICES: u32 = 1 << 20;
 /// How many emitter samples a vertex can take.
 pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
 /// Blocks of a guided emitter sample at each vertex.
@@ -12,22 +13,22 @@ pub const GUIDED_OF_VERTEX: u32 = 1 << 5;
 /// Blocks of a light path for a group of pixels: one for its emitter, one for each vertex.
 pub const SHARED_OF_PATH: u32 = 1 << 4;
 
-/// Where the blocks of the vertices begin, …
+/// First block of the vertices of a path.
 const VERTICES: u32 = 1;
-/// … those of light paths for groups of pixels, …
+/// First block of light paths for groups of pixels.
 const SHARED_LIGHT_PATHS: u32 = 1 << 28;
-/// … those of guided emitter samples, …
+/// First block of guided emitter samples.
 const GUIDED: u32 = 1 << 29;
-/// … those of emitter samples where a vertex takes several, …
+/// First block of emitter samples at vertices that take several.
 const EMITTER_SAMPLES: u32 = 1 << 30;
-/// … and those of flights through media.
+/// First block of flights through media.
 const FLIGHTS: u32 = 1 << 31;
 
 const _: () = assert!(
-    VERTICES + MOST_VERTICES <= SHARED_LIGHT_PATHS
-        && GUIDED + MOST_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
-        && MOST_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
-        && EMITTER_SAMPLES + (MOST_VERTICES * MOST_EMITTER_SAMPLES - 1) < FLIGHTS
+    VERTICES + MAX_VERTICES <= SHARED_LIGHT_PATHS
+        && GUIDED + MAX_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
+        && MAX_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
+        && EMITTER_SAMPLES + (MAX_VERTICES * MOST_EMITTER_SAMPLES - 1) < FLIGHTS
 );
 
 /// The vertex of a path at the end of edge number `edges`, which is at least 1.

@@ -80,7 +80,7 @@ fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError>
     Ok(SamplerSettings { kind, samples, seed })
 }
 
-/// The numbers of one camera sample.
+/// The numbers of one path: that of a camera sample, a light path, or a photon.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     kind: Kind,

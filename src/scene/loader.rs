@@ -16,9 +16,11 @@ use std::sync::Arc;
 
 /// Most objects that are being read, each within the one before.
 const DEEPEST: usize = 64;
-/// Objects within objects are read again, by `<ref>`s, so many times for each element of the document, and
-/// this often besides. Each time costs some hundred bytes.
-const REPEATS: (usize, usize) = (16, 1 << 16);
+/// A document of n elements may have objects within its objects read again, by `<ref>`s, n times this and
+/// [`REPEATS_OF_ANY`] times. Each time costs some hundred bytes.
+const REPEATS_OF_ELEMENT: usize = 16;
+/// How often objects may be read again, however short the document is.
+const REPEATS_OF_ANY: usize = 1 << 16;
 
 /// Names, caches and the colour mode of one reading.
 pub struct Loader<'d> {
@@ -116,8 +118,7 @@ impl<'d> Loader<'d> {
         if !self.read.borrow_mut().insert(element) && open.len() > 1 {
             self.repeats.set(self.repeats.get() + 1);
         }
-        let (each, besides) = REPEATS;
-        let most = each * self.elements + besides;
+        let most = REPEATS_OF_ELEMENT * self.elements + REPEATS_OF_ANY;
         if self.repeats.get() > most {
             let message = format!("<ref>s repeat objects within objects more than {most} times");
             return Err(SceneError::at(

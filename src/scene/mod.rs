@@ -2,6 +2,7 @@
 //!
 //! Reading has three stages. [`xml`] makes a tree of elements whose every piece knows its place in the file;
 //! the models read their own parameters from it through [`params`]; `build` puts what they made into arrays.
+//! Then pilots choose among the techniques that the file leaves open; see [`crate::render::plan`].
 
 mod build;
 pub mod catalogue;

@@ -184,12 +184,12 @@ impl<'a, 'd> Objects<'a, 'd> {
     fn add(&mut self, material: AnyMaterial) -> [Side; 2] {
         match material {
             AnyMaterial::TwoSided(both) => {
-                let one_way = both.traits().one_way;
+                let irreversible = both.traits().irreversible;
                 let (front, back) = both.into_sides();
                 let front = self.side(front, false);
                 let sides =
                     [front, back.map_or(Side { turned: true, ..front }, |back| self.side(back, true))];
-                sides.map(|side| Side { traits: Traits { one_way, ..side.traits }, ..side })
+                sides.map(|side| Side { traits: Traits { irreversible, ..side.traits }, ..side })
             }
             other => [self.side(other, false); 2],
         }

@@ -32,6 +32,11 @@ impl Shape {
         self.sides.iter().all(|side| side.traits.refracts)
     }
 
+    /// Whether light paths are aimed at it: a side of it is of a caster.
+    pub fn is_caster(&self) -> bool {
+        self.sides.iter().any(|side| side.traits.is_caster())
+    }
+
     /// Whether a side of it reflects like a mirror and in no other way.
     pub fn mirrors(&self) -> bool {
         self.sides.iter().any(|side| side.traits.mirrors)

@@ -72,8 +72,9 @@ impl SpectralFunction {
     }
 
     /// The mean over the visible range, or over the channels: a weight for choosing between lobes and lights.
-    /// What no eye sees a film may have a band for, so that where all is outside it is no less than that; 0
-    /// only if the function is.
+    ///
+    /// What is zero in all of the visible range may still light a spectral film whose bands lie outside. Then
+    /// it is the mean over its own range, or a bound of it: 0 only if the function is zero everywhere.
     pub fn mean(&self) -> f64 {
         let visible = self.visible_mean();
         match self {

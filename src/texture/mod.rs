@@ -2,7 +2,8 @@
 //! too, because a scene file may give either wherever it gives a colour.
 //!
 //! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line
-//! to [`TEXTURES`].
+//! to [`TEXTURES`]. One that varies over a surface in a new way also is a variant of [`AnyTexture`], whose
+//! methods then ask what it answers.
 
 pub mod bitmap;
 mod blackbody;

@@ -11,7 +11,7 @@ use crate::math::{DVec2, DVec3, warp};
 use crate::spectrum::Spectrum;
 
 /// All lobes at a point.
-pub struct Layers {
+pub struct PrincipledBsdf {
     /// What neither this nor `clear` takes is metal, which has no sheen.
     pub matte: Matte,
     /// Colour of the base over its luminance; 1 where nothing is tinted.
@@ -57,7 +57,7 @@ impl Meeting {
     }
 }
 
-impl Layers {
+impl PrincipledBsdf {
     /// (1 − cos θ)⁵ for Schlick's approximation, with the angle on the thinner side.
     fn schlick_weight(&self, at: &Meeting) -> f64 {
         fifth(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
@@ -144,7 +144,7 @@ impl Layers {
     }
 }
 
-impl Bsdf for Layers {
+impl Bsdf for PrincipledBsdf {
     #[inline]
     fn lobe(&self, wo: DVec3) -> Lobe {
         let reflected = fresnel::dielectric(wo.z.abs(), self.eta).reflectance;

@@ -18,7 +18,7 @@ use crate::shape::SurfacePoint;
 use crate::spectrum::Wavelengths;
 use crate::texture::AnyTexture;
 use gtr1::Gtr1;
-pub use layers::Layers;
+pub use layers::PrincipledBsdf;
 use matte::{Base, share_at};
 
 /// The parameters of the model.
@@ -66,7 +66,7 @@ impl Material for Principled {
             <float name="diffuse_reflectance_sampling_rate" value="1.5"/>
         </bsdf>"#,
     ];
-    type Bsdf<'a> = Layers;
+    type Bsdf<'a> = PrincipledBsdf;
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = Base::parse(params)?;
@@ -93,7 +93,7 @@ impl Material for Principled {
         Ok(Self { base, metallic, spec_trans, spec_tint, clearcoat, clearcoat_gloss, eta, rates })
     }
 
-    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Layers {
+    fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> PrincipledBsdf {
         let share = |texture: &AnyTexture| share_at(texture, point);
         let [metallic, spec_trans, spec_tint, clearcoat] =
             [&self.metallic, &self.spec_trans, &self.spec_tint, &self.clearcoat].map(share);
@@ -101,7 +101,7 @@ impl Material for Principled {
         let (diffuse, coat) = (matte * self.rates.diffuse, 0.25 * clearcoat * self.rates.coat);
         let total = diffuse + coat + self.rates.specular;
         let (base, hue) = self.base.at(point, λ, [matte, 1.0 - metallic], spec_tint);
-        Layers {
+        PrincipledBsdf {
             facets: self.base.facets(point, base.roughness),
             matte: base,
             hue,

@@ -1,4 +1,4 @@
-//! Sampling of directions towards an image of the surroundings, by its importance there and by how much a
+//! Sampling of directions towards an image of the environment, by its importance there and by how much a
 //! surface faces it.
 //!
 //! A surface of normal n gathers L(ω) cos θ. First a *block* of cells is chosen, by its importance and the

@@ -1,7 +1,6 @@
 //! Sampling of a light path's first edge.
 
 use super::aim::Aim;
-use super::is_caster;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{Ball, DVec3, Discrete, Ray};
 use crate::sampler::{EmitterNumbers, Numbers};
@@ -32,8 +31,8 @@ pub struct Start {
 impl Emission {
     /// Aimed at the casters. `None` without casters or without area emitters.
     pub fn new(emitters: &Emitters, shapes: &[Shape], instances: &Instances) -> Option<Self> {
-        let own = shapes.iter().filter(|s| is_caster(s)).map(|s| s.geometry.ball());
-        let placed = instances.bounds_of_groups_with(is_caster).into_iter().map(Ball::of_box);
+        let own = shapes.iter().filter(|s| s.is_caster()).map(|s| s.geometry.ball());
+        let placed = instances.bounds_of_groups_with(Shape::is_caster).into_iter().map(Ball::of_box);
         let casters: Vec<_> = own.chain(placed).collect();
         if casters.is_empty() { None } else { Self::aimed(emitters, shapes, Aim::new(&casters)) }
     }
@@ -82,7 +81,7 @@ impl Emission {
 
     /// The density with which [`Emission::sample`] makes a point and the direction w from it, in m⁻²·sr⁻¹,
     /// over the cosine between w and the normal there.
-    pub fn over_cos(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
+    pub fn density_over_cos(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
         let Some(shape) = scene.emitters.list[end.emitter].shape else { return 0.0 };
         let pdf = 1.0 / scene.shapes[shape as usize].geometry.area();
         let density = self.choice.probability(end.emitter) * pdf * self.aim.from(end.p, end.n).density(w);

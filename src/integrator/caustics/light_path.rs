@@ -1,13 +1,13 @@
 //! A light path: its state, its scattering, and its connections with the camera.
 
-use super::Caustics;
 use super::connections::Connections;
+use super::{Caustics, Leg, ratio_at_camera, ratio_at_vertex};
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::light::{Vertex, density_of_finding, power_heuristic_of_three};
 use crate::integrator::links::{Passage, density_of};
-use crate::integrator::path::roulette;
+use crate::integrator::roulette::roulette;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Scene, Side};
@@ -99,7 +99,7 @@ impl Caustics {
     ) -> Option<Ray> {
         let (shape, point) = scene.surface::<F>(landing.ray, &landing.hit);
         let side = shape.side_towards(point.ns.dot(-landing.ray.direction));
-        if side.traits.one_way || landing.edges == 1 && !side.traits.focuses() {
+        if side.traits.irreversible || landing.edges == 1 && !side.traits.is_caster() {
             return None;
         }
         // The camera looks through emitters that are hidden.
@@ -183,7 +183,10 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         } else {
             let back = bsdf.evaluate(sample.wi, vertex.wo);
             path.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
-            path.ratio *= super::further(sample.pdf, back.pdf, cos_camera, cos_light);
+            path.ratio *= ratio_at_vertex(
+                Leg { pdf: sample.pdf, cos: cos_camera },
+                Leg { pdf: back.pdf, cos: cos_light },
+            );
             if let Some(linked) = linked {
                 path.by_emitter = linked / back.pdf;
             } else if edges == 1 {
@@ -238,7 +241,7 @@ impl Caustics {
         let cos_light = point.ng.dot(to_light).abs();
         let pixels = f64::from(film.size.0) * f64::from(film.size.1);
         let seen = view.per_area * pixels * point.ng.dot(view.towards).abs();
-        let ratio = path.ratio * super::first(scattered.pdf, cos_light, seen);
+        let ratio = path.ratio * ratio_at_camera(Leg { pdf: scattered.pdf, cos: cos_light }, seen);
         if ratio == 0.0 {
             // Another technique is infinitely likelier.
             return;

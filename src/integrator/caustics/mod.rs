@@ -51,14 +51,15 @@ pub use light_path::{Landing, Splat};
 
 /// Light paths per camera path, until a pilot has found how much of the light they find; see
 /// [`crate::render::plan`].
-const LIGHT_PATHS: f64 = 0.25;
+const DEFAULT_RATIO: f64 = 0.25;
 
 /// The light paths of a scene: how they start, and how many there are.
 #[derive(Debug)]
 pub struct Caustics {
     emission: Emission,
-    /// Those of the camera paths, and how many emitter samples these take at a vertex.
+    /// How long camera paths may become; light paths make the same.
     lengths: Lengths,
+    /// How many emitter samples camera paths take at a vertex.
     emitter_samples: f64,
     /// M, the number of light paths per sample number.
     pub paths: u32,
@@ -74,7 +75,7 @@ impl Caustics {
         emitters: &Emitters,
     ) -> Option<Self> {
         let settings = integrator.path()?;
-        let ratio = settings.light_paths.unwrap_or(LIGHT_PATHS);
+        let ratio = settings.light_paths.unwrap_or(DEFAULT_RATIO);
         if settings.lengths.max_depth < 3 || ratio == 0.0 {
             return None;
         }
@@ -90,25 +91,28 @@ impl Caustics {
         self.paths = (ratio * pixels as f64).ceil().min(f64::from(u32::MAX)) as u32;
     }
 
-    /// The factor of r at xₙ, where w is the direction back to xₙ₋₁.
-    pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
-        f64::from(self.paths) * self.emission.over_cos(scene, end, w)
+    /// The factor of r at xₙ, M pₐ(xₙ) p(xₙ→xₙ₋₁) / cosₙ, where w is the direction back to xₙ₋₁.
+    pub fn ratio_at_emitter(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
+        f64::from(self.paths) * self.emission.density_over_cos(scene, end, w)
     }
 }
 
-/// Whether light paths are aimed at a shape: a side of it has narrow lobes.
-pub fn is_caster(shape: &Shape) -> bool {
-    shape.sides.iter().any(|side| side.traits.focuses())
+/// One of the two directions by which a path leaves a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg {
+    /// The density in sr⁻¹ with which it is sampled where the path comes by the other.
+    pub pdf: f64,
+    /// The cosine with the geometric normal, without its sign.
+    pub cos: f64,
 }
 
-/// The factor of r at x₁, whose lobe has the density `pdf`: no light path can be connected with the camera by
-/// a lobe without one. `seen` is J.
-pub fn first(pdf: f64, cos_light: f64, seen: f64) -> f64 {
-    cos_light / (pdf * seen)
+/// The factor of r at x₁, cos₁ / (p(x₁→x₂) J), whose lobe must have a density: no light path can be connected
+/// with the camera by a lobe without one. `seen` is J.
+pub fn ratio_at_camera(to_light: Leg, seen: f64) -> f64 {
+    to_light.cos / (to_light.pdf * seen)
 }
 
-/// ρ of a vertex whose lobe has a density; `to_camera` and `to_light` are the densities with which either is
-/// sampled from the other, and the cosines are those of the two directions.
-pub fn further(to_camera: f64, to_light: f64, cos_camera: f64, cos_light: f64) -> f64 {
-    to_camera * cos_light / (to_light * cos_camera)
+/// ρᵢ, the factor of r at a vertex between these two whose lobe has a density.
+pub fn ratio_at_vertex(to_camera: Leg, to_light: Leg) -> f64 {
+    to_camera.pdf * to_light.cos / (to_light.pdf * to_camera.cos)
 }

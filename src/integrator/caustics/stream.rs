@@ -4,7 +4,7 @@ use super::Caustics;
 use super::connections::Connections;
 use super::light_path::{Landing, LightPath, Splat};
 use crate::integrator::Counters;
-use crate::integrator::path::MAX_VERTICES;
+use crate::integrator::MAX_VERTICES;
 use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
 use crate::sampler::{Kind, ManyNumbers, PAIRS, Sampler, blocks};
 use crate::scene::{Features, Scene};

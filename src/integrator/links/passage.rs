@@ -23,7 +23,7 @@ pub fn turn(side: &Side, wo: DVec3, sample: &Sample) -> Option<Turn> {
         Turn::Through => side.traits.refracts,
         Turn::Back => side.traits.mirrors,
     };
-    (can && !side.traits.one_way && sample.delta && !sample.dispersed).then_some(turn)
+    (can && !side.traits.irreversible && sample.delta && !sample.dispersed).then_some(turn)
 }
 
 /// A specular chain between two vertices that scatter with a density.

@@ -3,7 +3,7 @@
 use super::reuse::Shared;
 use crate::emitter::{Gathers, View};
 use crate::integrator::CameraPath;
-use crate::integrator::arrival::{Arrival, surroundings};
+use crate::integrator::arrival::{Arrival, environment_in_view};
 use crate::math::DVec3;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -40,8 +40,8 @@ impl Escapes {
         shared: &mut [Shared],
     ) {
         for Escape { path, shares, throughput, from, arrival, view } in self.0.drain(..) {
-            let light =
-                throughput * surroundings(scene, &view, gathers[path].at(from), &arrival, &paths[path].λ);
+            let light = throughput
+                * environment_in_view(scene, &view, gathers[path].at(from), &arrival, &paths[path].λ);
             let found = if shares { &mut shared[path].radiance } else { &mut paths[path].radiance };
             *found += light;
         }

@@ -6,10 +6,11 @@ use super::shadows::{Destination, Shadows};
 use super::stream::State;
 use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers};
+use crate::integrator::Counters;
+use crate::integrator::caustics::{Leg, ratio_at_camera, ratio_at_vertex};
 use crate::integrator::guide::{self, Directions, GuidedSample};
 use crate::integrator::light::{self, Sampled, Samples, Vertex};
 use crate::integrator::links::{self, Link, LinkSample, Links};
-use crate::integrator::{Counters, caustics};
 use crate::math::{DVec3, Ray};
 use crate::sampler::{Numbers, PAIRS, Sampler};
 use crate::scene::{Features, Scene};
@@ -51,16 +52,16 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     #[inline(always)]
     pub fn by_emitters(&self, count: u32, gathers: &Gathers, shared: &Shared, shadows: &mut Shadows) {
         let Self { scene, vertex, state, λ, .. } = *self;
-        let focuses = state.depth > 0 && vertex.side.traits.focuses();
-        let ratio = if focuses { state.light_ratio } else { 0.0 };
+        let caster = state.depth > 0 && vertex.side.traits.is_caster();
+        let ratio = if caster { state.light_ratio } else { 0.0 };
         let light_paths = |emitter: usize, light: &DirectSample, own: f64| match &scene.techniques.caustics {
             Some(caustics) if F & Features::CAUSTICS != 0 && ratio > 0.0 && light.n != DVec3::ZERO => {
                 let here = self.ratio(vertex.to_local(light.wi), 1.0);
-                ratio * here * caustics.last(scene, self.end(emitter, light), -light.wi) / own
+                ratio * here * caustics.ratio_at_emitter(scene, self.end(emitter, light), -light.wi) / own
             }
             _ => 0.0,
         };
-        let casts = F & Features::CAUSTICS != 0 && focuses && scene.techniques.caustics.is_some();
+        let casts = F & Features::CAUSTICS != 0 && caster && scene.techniques.caustics.is_some();
         let (throughput, shares) = state.delivers::<F>(scene, shared, casts);
         let receiver = gathers.at(vertex.point.p);
         let choice = match count {
@@ -129,9 +130,10 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         let (throughput, shares) = state.delivers::<F>(scene, shared, true);
         if let Some(links) = ways.links {
             let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.techniques.caustics {
-                Some(caustics) if state.light_ratio > 0.0 && !vertex.side.traits.one_way => {
+                Some(caustics) if state.light_ratio > 0.0 && !vertex.side.traits.irreversible => {
                     let here = self.ratio(vertex.to_local(link.direction), pdf);
-                    state.light_ratio * here / link.eta2 * caustics.last(scene, end, -link.last.direction)
+                    state.light_ratio * here / link.eta2
+                        * caustics.ratio_at_emitter(scene, end, -link.last.direction)
                 }
                 _ => 0.0,
             };
@@ -167,25 +169,25 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         }
         state.light_ratio
             * match sample.delta {
-                _ if traits.one_way => 0.0,
+                _ if traits.irreversible => 0.0,
                 true if traits.relief || state.depth == 0 => 0.0,
                 true => 1.0 / (sample.eta * sample.eta),
                 false => self.ratio(sample.wi, sample.pdf),
             }
     }
 
-    /// The factor of r (see [`caustics`]) that the vertex brings with a direction to the light (local) that
+    /// The factor of r (see [`caustics`](crate::integrator::caustics)) that the vertex brings with a direction to the light (local) that
     /// was sampled with density `pdf`.
     fn ratio(&self, to_light: DVec3, pdf: f64) -> f64 {
         let Self { scene, vertex, wo, .. } = *self;
         let point = vertex.point;
-        let cos_light = point.ng.dot(vertex.to_world(to_light)).abs();
+        let towards = Leg { pdf, cos: point.ng.dot(vertex.to_world(to_light)).abs() };
         let cos_camera = point.ng.dot(wo).abs();
         match self.first {
-            Some(ray) => caustics::first(pdf, cos_light, scene.pixels_per_area(&ray, point.p) * cos_camera),
+            Some(ray) => ratio_at_camera(towards, scene.pixels_per_area(&ray, point.p) * cos_camera),
             None => {
-                let to_camera = vertex.bsdf.evaluate(to_light, vertex.wo).pdf;
-                caustics::further(to_camera, pdf, cos_camera, cos_light)
+                let back = vertex.bsdf.evaluate(to_light, vertex.wo).pdf;
+                ratio_at_vertex(Leg { pdf: back, cos: cos_camera }, towards)
             }
         }
     }

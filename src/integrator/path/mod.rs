@@ -3,7 +3,6 @@
 mod escapes;
 mod gather;
 pub mod reuse;
-mod roulette;
 mod scatter;
 mod shadows;
 mod stream;
@@ -12,11 +11,11 @@ mod vertex;
 use super::AnyIntegrator;
 use super::lengths::Lengths;
 use super::links::LinkPolicy;
-use crate::sampler::blocks::{MOST_EMITTER_SAMPLES, MOST_VERTICES};
+use super::roulette::Roulette;
+use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;
-pub use roulette::{Roulette, roulette};
 
 pub const NAME: &str = "path";
 pub const ABOUT: &str = "Path tracing: all light that a camera path can find, unbiased.";
@@ -25,10 +24,6 @@ pub const EXAMPLES: &[&str] = &[
     r#"<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
         <integer name="emitter_samples" value="4"/></integrator>"#,
 ];
-
-/// No path goes on beyond this many vertices. Roulette ends paths long before, except where nothing is ever
-/// absorbed; such paths are counted and reported.
-pub const MAX_VERTICES: u32 = MOST_VERTICES;
 
 /// Up to this many emitters, one number both chooses the emitter and places the sample on it: the choice
 /// takes four of its 32 bits.
@@ -71,7 +66,7 @@ pub struct Free {
 }
 
 /// Valid numbers of light paths per camera path.
-pub const LIGHT_PATHS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
+pub const RATIOS: std::ops::RangeInclusive<f64> = 0.0..=64.0;
 
 impl Default for Path {
     fn default() -> Self {
@@ -106,8 +101,8 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     let about =
         "light paths to a camera path, where there are caustics; 0 leaves all to camera paths (an extension)";
     let light_paths = params.optional_float("light_paths", about)?;
-    if light_paths.is_some_and(|share| !LIGHT_PATHS.contains(&share)) {
-        let help = format!("expected {} to {}", LIGHT_PATHS.start(), LIGHT_PATHS.end());
+    if light_paths.is_some_and(|share| !RATIOS.contains(&share)) {
+        let help = format!("expected {} to {}", RATIOS.start(), RATIOS.end());
         return Err(params.error("light_paths", "no such share", help));
     }
     let about = "neighbouring pixels that share what their paths find: a power of two up to 64, or 0 for a pilot to decide (an extension)";

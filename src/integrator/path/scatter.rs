@@ -57,7 +57,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             first: Some(path.ray).filter(|_| state.depth == 0),
         };
         let emitter_samples =
-            if state.mirrored { settings.first_emitter_samples } else { settings.emitter_samples };
+            if state.specular_so_far { settings.first_emitter_samples } else { settings.emitter_samples };
         if side.traits.has_density {
             if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
                 *gathers = vertex.gathers(scene, vertex.wo);
@@ -74,7 +74,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             state.light_ratio = here.ratio_behind(&sample);
             // Whether or not light paths could make what is behind it: pixels that share must agree on what
             // they share.
-            state.from_caster = state.depth > 0 && side.traits.focuses();
+            state.from_caster = state.depth > 0 && side.traits.is_caster();
             if ways.any() {
                 *way = Way::begin(vertex.origin(), vertex.to_world(sample.wi), &sample, ways.seen);
             } else if side.traits.has_density {
@@ -91,8 +91,8 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         state.eta2 *= sample.eta * sample.eta;
         state.arrival = Arrival { pdf: sample.pdf, delta: sample.delta, emitter_samples };
         state.direct_view &= sample.null;
-        state.mirrored &= sample.delta;
-        state.vertices += u32::from(!state.mirrored);
+        state.specular_so_far &= sample.delta;
+        state.vertices_since_rough += u32::from(!state.specular_so_far);
         state.depth += 1;
         if state.throughput.is_zero() {
             return None;
@@ -106,7 +106,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             // By the largest lane: a red path between red walls must not end early because of its other
             // lanes. What is shared must not end because the path's own receiver is dark: others see it too.
             let carried = path.λ.peak(state.throughput) as f64 * state.eta2;
-            let (edges, vertices) = (state.depth, state.vertices);
+            let (edges, vertices) = (state.depth, state.vertices_since_rough);
             state.throughput *=
                 settings.roulette.play(carried, edges, vertices, sample.delta, u.roulette())?;
         }

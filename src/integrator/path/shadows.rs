@@ -25,7 +25,7 @@ pub struct Destination {
 pub struct Shadows {
     pub rays: Vec<Ray>,
     light: Vec<(Destination, Spectrum)>,
-    /// The place in the map of the surroundings that a contribution comes from, by its place here: what is
+    /// The place in the environment map that a contribution comes from, by its place here: what is
     /// there is looked up if it arrives.
     mapped: Vec<(usize, MapPlace)>,
     /// What else finds some of what is shared, by its place.

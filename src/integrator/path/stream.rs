@@ -26,12 +26,13 @@ pub struct State {
     /// Whether the ray still goes straight from the camera.
     pub direct_view: bool,
     /// Whether the path has only been through lobes without density, such as mirrors and smooth glass.
-    pub mirrored: bool,
-    /// Number of vertices since then.
-    pub vertices: u32,
-    /// The factors of how much likelier light paths make this path, and whether they would begin at the last
-    /// vertex; see [`caustics`](crate::integrator::caustics).
+    pub specular_so_far: bool,
+    /// Vertices from the first with a density on, that one included.
+    pub vertices_since_rough: u32,
+    /// The product of the factors of r at the vertices so far: the density with which light paths make this
+    /// path, over that of its own; see [`caustics`](crate::integrator::caustics). 0 if they cannot.
     pub light_ratio: f64,
+    /// Whether the last vertex is on a caster, at which light paths that end here would have been aimed.
     pub from_caster: bool,
     /// What is found from here on is shared with other pixels; the throughput begins anew.
     pub shares: bool,
@@ -47,8 +48,8 @@ impl State {
         arrival: Arrival::FROM_CAMERA,
         depth: 0,
         direct_view: true,
-        mirrored: true,
-        vertices: 0,
+        specular_so_far: true,
+        vertices_since_rough: 0,
         light_ratio: 1.0,
         from_caster: false,
         shares: false,
@@ -61,8 +62,9 @@ impl State {
         if F & Features::REUSE != 0 && self.shares { self.throughput * shared.own } else { self.throughput }
     }
 
-    /// What light from here on is multiplied with, and whether pixels share it: what a caster `casts` they do
-    /// not all.
+    /// The throughput for light that is found from here on, and whether it goes to all pixels that share or to
+    /// the path's own. Light from a caster (`casts`), which light paths find too, they share only where
+    /// [`Shared::receives_casters`].
     #[inline(always)]
     pub fn delivers<const F: u32>(&self, scene: &Scene, shared: &Shared, casts: bool) -> (Spectrum, bool) {
         let shares = F & Features::REUSE != 0 && self.shares && (!casts || shared.receives_casters(scene));

@@ -1,7 +1,7 @@
 //! What no expectation shows: settings that change the noise alone.
 
-use super::roulette::{ENDLESS, Roulette};
 use crate::image::Image;
+use crate::integrator::roulette::{ENDLESS, Roulette};
 use crate::render::{Progress, Report, Settings, render};
 use crate::scene::load_text;
 use crate::spectrum::ColorMode;

@@ -1,12 +1,13 @@
 //! A vertex of a camera path: the emission that it meets, and the surface at which it scatters.
 
+use super::Path;
 use super::escapes::Escape;
 use super::reuse::Contested;
 use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::{InFlight, Pending};
-use super::{MAX_VERTICES, Path};
 use crate::emitter::EmitterPoint;
+use crate::integrator::MAX_VERTICES;
 use crate::integrator::light::power_heuristic_of_three;
 use crate::integrator::wavefront::Arrived;
 use crate::integrator::{Counters, Event};
@@ -110,7 +111,7 @@ impl Path {
         };
         let by_light_path = match &scene.techniques.caustics {
             Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
-                state.light_ratio * caustics.last(scene, end, -ray.direction)
+                state.light_ratio * caustics.ratio_at_emitter(scene, end, -ray.direction)
             }
             _ => 0.0,
         };

@@ -16,8 +16,9 @@
 mod visibility;
 mod walk;
 
+use super::MAX_VERTICES;
 use super::lengths::Lengths;
-use super::path::{Free, MAX_VERTICES, Path};
+use super::path::{Free, Path};
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;

@@ -3,10 +3,10 @@
 use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::emitter::{Choice, Gathers};
-use crate::integrator::arrival::{Arrival, environment};
+use crate::integrator::arrival::{Arrival, environment_along};
 use crate::integrator::lengths::Lengths;
 use crate::integrator::light::{self, Samples, Vertex, power_heuristic};
-use crate::integrator::path::roulette;
+use crate::integrator::roulette::roulette;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
 use crate::medium::{Flight, FlightNumbers, Medium};
@@ -29,11 +29,13 @@ pub struct Walk<'a> {
     medium: Option<&'a Medium>,
     /// How often the path was scattered; passing straight through a surface does not count.
     depth: u32,
-    /// Where it was last scattered, for the densities of emitters, how, how light was gathered there,
-    /// and how far it has come since.
+    /// Where the path was last scattered (world), which the densities of emitters ask for.
     from: DVec3,
+    /// How its direction was sampled there.
     arrival: Arrival,
+    /// From where light was gathered there.
     gathers: Gathers,
+    /// Distance since, across surfaces that it passed straight.
     travelled: f64,
 }
 
@@ -104,8 +106,8 @@ impl<'a> Walk<'a> {
         let hidden = self.lengths.hide_emitters && self.depth == 0;
         if F & Features::ENVIRONMENT != 0 && !hidden {
             let ray = Ray { origin: self.from, ..self.ray };
-            self.radiance +=
-                self.throughput * environment(self.scene, &ray, &self.gathers, &self.arrival, &self.path.λ);
+            self.radiance += self.throughput
+                * environment_along(self.scene, &ray, &self.gathers, &self.arrival, &self.path.λ);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The cells of a film that looks are taken at, in an order that all looks share.
 //!
-//! Light paths may make all their noise in a small part of the film, where few of some cells all over it lie,
-//! or none: a pilot would not see that more light paths pay. So the cells are drawn from two strata. Of every
+//! Light paths may make all their noise in a small part of the film. Cells spread evenly may miss that part,
+//! and a pilot would not see that more light paths pay. So the cells are drawn from two strata. Of every
 //! beginning of the order at least a quarter are *noisy*, if there are so many, and means over the film
 //! weight either stratum by its share of the film.
 

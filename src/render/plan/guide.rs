@@ -15,9 +15,9 @@ use crate::integrator::links::LinkPolicy;
 use crate::scene::Scene;
 
 /// Light paths per pixel, with which photons are made.
-const LIGHT_PATHS: usize = 4;
+const PHOTON_PATHS_PER_PIXEL: usize = 4;
 /// Most of these light paths in all: a few tenths of a second.
-const MOST_LIGHT_PATHS: usize = 1 << 18;
+const MOST_PHOTON_PATHS: usize = 1 << 18;
 /// Number of photons that is enough: four times as many would make a hundredth less noise.
 const MOST_PHOTONS: f64 = (1 << 16) as f64;
 
@@ -41,7 +41,8 @@ pub fn settle(scene: &mut Scene) {
         return;
     }
     let Some(emission) = Emission::new(&scene.emitters, &scene.shapes, &scene.instances) else { return };
-    let light_paths = (LIGHT_PATHS * scene.sensor.film.crop.pixels()).min(MOST_LIGHT_PATHS) as u32;
+    let light_paths =
+        (PHOTON_PATHS_PER_PIXEL * scene.sensor.film.crop.pixels()).min(MOST_PHOTON_PATHS) as u32;
     let few = PILOT.min(light_paths);
     let first = photons(scene, &emission, few);
     // This may exceed all light paths, where few of them leave a photon.

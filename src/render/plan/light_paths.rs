@@ -9,8 +9,9 @@
 //!
 //! Once all else is settled ([`balance`]), V and W and the costs are measured, with the weights that the two
 //! kinds of path have beside as many light paths as were guessed. V + W/s is then an upper bound: the weights
-//! of s light paths would leave less. Since few light paths are left little light to find, it would keep few
-//! of them few, so the guess is not below a quarter.
+//! of s light paths would leave less. With a small guess these weights leave nearly all light to the camera
+//! paths, so W comes out small and would confirm the small guess whatever is true: the guess is not below a
+//! quarter.
 
 use super::cells::{Cells, first_of};
 use super::look::{Cell, Look};
@@ -24,11 +25,11 @@ use crate::scene::Scene;
 /// Camera samples of the pilot: some milliseconds.
 const CAMERA_SAMPLES: u64 = 2048;
 /// Light paths of the pilot: some milliseconds.
-const LIGHT_PATHS: u64 = 8192;
+const PILOT_PATHS: u64 = 8192;
 /// Where they bring light to fewer places of a tile than this on average, there are more of them.
 const PLACES: usize = 8;
 /// Most light paths of the pilot.
-const MOST_LIGHT_PATHS: u64 = 16 * LIGHT_PATHS;
+const MOST_LIGHT_PATHS: u64 = 16 * PILOT_PATHS;
 
 /// Tiles along each side of the image where light is measured: few, for there may be few samples in each.
 const TILES: usize = 8;
@@ -78,7 +79,7 @@ pub fn settle(scene: &mut Scene) {
 }
 
 /// What light paths bring to a film, and what they cost.
-pub struct Brought {
+pub struct LightPathGain {
     film: Window,
     tiles: Vec<Tile>,
     /// Cost of a light path, in rays of camera paths.
@@ -87,7 +88,7 @@ pub struct Brought {
     ratios: Vec<f64>,
 }
 
-impl Brought {
+impl LightPathGain {
     /// `None` if a scene has no light paths.
     pub fn of(scene: &Scene) -> Option<Self> {
         let caustics = scene.techniques.caustics.as_ref()?;
@@ -148,7 +149,7 @@ impl Brought {
 
 /// Settles the number of light paths by the noise and the cost of camera paths, once all else is settled.
 pub fn balance(scene: &mut Scene) {
-    if let Some(brought) = Brought::of(scene) {
+    if let Some(brought) = LightPathGain::of(scene) {
         set(scene, brought.best_with(&Look::at(scene, &brought.cells())).1);
     }
 }
@@ -204,7 +205,7 @@ fn splats(scene: &Scene, along: usize, most: u64) -> (Vec<Tile>, f64) {
     let mut counters = Counters::default();
     let paths = f64::from(scene.techniques.light_paths());
     let maker = pilot_maker(scene);
-    let (mut traced, mut next, mut places) = (0, LIGHT_PATHS, 0);
+    let (mut traced, mut next, mut places) = (0, PILOT_PATHS, 0);
     loop {
         maker.trace_light(traced..next, &mut counters, |_, at, values| {
             // As if it had been the only light path.
@@ -244,7 +245,7 @@ fn part_of_light_paths(scene: &Scene) -> f64 {
         let (light, samples) = &mut seen[tile(film, TILES, *pixel)];
         (*light, *samples) = (*light + brightness(values), *samples + 1.0);
     }
-    let (brought, _) = splats(scene, TILES, LIGHT_PATHS);
+    let (brought, _) = splats(scene, TILES, PILOT_PATHS);
     let part =
         |((seen, samples), brought): (&(f64, f64), &Tile)| brought.light / (seen / samples + brought.light);
     let parts = seen.iter().zip(&brought).map(part);

@@ -33,9 +33,9 @@ const CACHED: f64 = 8192.0;
 /// Samples of each pixel of a cell.
 const CAMERA_SAMPLES: u64 = 32;
 
-/// Cells of a look that does not go on, unless the film has fewer: enough, and between one number and the
-/// other as many as make one sample of every pixel of the film.
-const ENOUGH: [u64; 2] = [24, 64];
+/// Fewest and most cells that [`Look::at`] visits, unless the film has fewer. In between: as many as make, all
+/// together, one sample of every pixel of the film.
+const CELLS_OF_ONE_LOOK: [u64; 2] = [24, 64];
 
 /// Samples of a block, of which the sums are compared: noise that stratification removes must not count.
 const LOOK_BLOCK: u64 = 8;
@@ -106,7 +106,7 @@ impl Sight {
 impl Look {
     /// A look that does not go on, with the scene's settings as they are.
     pub fn at(scene: &Scene, cells: &Cells) -> Self {
-        let [fewest, most] = ENOUGH;
+        let [fewest, most] = CELLS_OF_ONE_LOOK;
         let one_of_each_pixel =
             scene.sensor.film.crop.pixels() as u64 / (u64::from(CELL * CELL) * CAMERA_SAMPLES);
         let mut sight = Sight::default();

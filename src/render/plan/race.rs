@@ -3,7 +3,7 @@
 
 use super::cells::Cells;
 use super::direct::Direct;
-use super::light_paths::{self, Brought};
+use super::light_paths::{self, LightPathGain};
 use super::look::{Cell, Look, Sight};
 use super::reuse::{self, Candidate};
 use crate::integrator::caustics::Caustics;
@@ -17,7 +17,7 @@ const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
 
 /// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
 /// one colour and few samples, overestimates their gain where little noise is left.
-const LIGHT_PATHS: (u32, f64) = (8, 1.4);
+const PIXELS_PER_LIGHT_PATH: (u32, f64) = (8, 1.4);
 
 /// Numbers of emitter samples, as multiples of what other vertices take, each with its factor (see
 /// [`PIXELS`]).
@@ -26,8 +26,8 @@ const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
 /// Numbers of cells of the stages of a race; the last is all that a look goes on to.
 const STAGES: [usize; 4] = [8, 16, 32, usize::MAX];
 
-/// What shares more pixels, or light paths, waits until a product of what shares less is within this factor
-/// of the best: it has not been seen to be best otherwise.
+/// A candidate that shares more pixels, or has shared light paths, enters the race only when one that shares
+/// less has a product within this factor of the best. In no scene that was tried would it have won otherwise.
 const FAR: f64 = 1.3;
 
 /// What is not better than the best so far by this factor, however unlucky it was, drops out.
@@ -51,7 +51,7 @@ pub struct Judged {
 
 impl Judged {
     /// By a look that was measured or is predicted.
-    fn new(choice: Candidate, look: Look, price: f64, brought: Option<&Brought>) -> Self {
+    fn new(choice: Candidate, look: Look, price: f64, brought: Option<&LightPathGain>) -> Self {
         let (look, caustics) = match brought.map(|brought| brought.best_with(&look)) {
             Some((look, light_paths)) => (look, Some(light_paths)),
             None => (look, None),
@@ -105,7 +105,7 @@ pub struct Race<'a> {
     /// All numbers of emitter samples, with their factors.
     samples: Vec<(u32, f64)>,
     /// What light paths for caustics bring.
-    brought: Option<Brought>,
+    brought: Option<LightPathGain>,
     /// These light paths, while the scene is without them.
     aside: Option<Caustics>,
 }
@@ -117,9 +117,9 @@ impl<'a> Race<'a> {
         let times = |(times, price): (u32, f64)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price);
         let samples =
             if free.first_emitter_samples { SAMPLES.map(times).into() } else { vec![(given.samples, 1.0)] };
-        let brought = Brought::of(scene);
+        let brought = LightPathGain::of(scene);
         let evenly = || Cells::of(scene.sensor.film.crop, |_| false);
-        let cells = brought.as_ref().map_or_else(evenly, Brought::cells);
+        let cells = brought.as_ref().map_or_else(evenly, LightPathGain::cells);
         let relieved = scene.techniques.links.as_ref().is_some_and(|links| links.everywhere)
             && light_paths::is_free(scene);
         let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
@@ -202,7 +202,7 @@ impl<'a> Race<'a> {
 
 impl Field {
     fn new(caustics: bool, given: Candidate, samples: &[(u32, f64)], shares_light_paths: bool) -> Self {
-        let (each, more) = LIGHT_PATHS;
+        let (each, more) = PIXELS_PER_LIGHT_PATH;
         let (mut waiting, mut unlit_before, mut lit_before) = (vec![], given, None);
         for (pixels, price) in PIXELS {
             let unlit = Candidate { pixels, ..given };
@@ -231,7 +231,7 @@ impl Field {
     }
 
     /// What is in the race, judged, by entrant.
-    fn judged(&self, brought: Option<&Brought>) -> impl Iterator<Item = Vec<Judged>> {
+    fn judged(&self, brought: Option<&LightPathGain>) -> impl Iterator<Item = Vec<Judged>> {
         let (first, brought) = (&self.entrants[0], brought.filter(|_| self.caustics));
         let direct = self.many.as_ref().map(|many| {
             let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look());
@@ -241,7 +241,7 @@ impl Field {
     }
 
     /// Lets in those that wait for what is within a limit, and says how many there were.
-    fn let_in(&mut self, limit: f64, brought: Option<&Brought>, samples: &[(u32, f64)]) -> usize {
+    fn let_in(&mut self, limit: f64, brought: Option<&LightPathGain>, samples: &[(u32, f64)]) -> usize {
         let judged: Vec<_> = self.judged(brought).collect();
         let near = |(entrant, judged): (&Entrant, Vec<Judged>)| {
             judged.iter().any(|judged| judged.product <= limit).then_some(entrant.choice)
@@ -270,7 +270,7 @@ impl Entrant {
     }
 
     /// With each number of emitter samples that is in the race.
-    fn judged(&self, direct: Option<&Direct>, brought: Option<&Brought>) -> Vec<Judged> {
+    fn judged(&self, direct: Option<&Direct>, brought: Option<&LightPathGain>) -> Vec<Judged> {
         if self.samples.is_empty() {
             return vec![];
         }

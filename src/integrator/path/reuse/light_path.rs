@@ -5,9 +5,9 @@ use super::rivals::Rivals;
 use super::shared::Source;
 use crate::bsdf::Bsdf;
 use crate::emitter::EmitterPoint;
-use crate::integrator::caustics::{Landing, further};
+use crate::integrator::caustics::{Landing, Leg, ratio_at_vertex};
 use crate::integrator::light::{Vertex, density_of_finding};
-use crate::integrator::path::roulette;
+use crate::integrator::roulette::roulette;
 use crate::math::{DVec3, Ray};
 use crate::sampler::{Sampler, blocks};
 use crate::scene::{Features, Scene};
@@ -81,8 +81,8 @@ impl LightPath {
         let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
         let to_light = -ray.direction;
         let side = shape.side_towards(point.ns.dot(to_light));
-        let left_to_others = edges == 1 && side.traits.focuses() && scene.techniques.caustics.is_some();
-        if side.traits.one_way || !side.traits.has_density || left_to_others {
+        let left_to_others = edges == 1 && side.traits.is_caster() && scene.techniques.caustics.is_some();
+        if side.traits.irreversible || !side.traits.has_density || left_to_others {
             return None;
         }
         let frame = side.frame::<{ Features::ALL }>(&point);
@@ -129,7 +129,10 @@ impl LightPath {
         let cos_camera = point.ng.dot(to_camera).abs();
         let back = bsdf.evaluate(sample.wi, vertex.wo);
         self.throughput *= back.value * (cos_camera / (sample.pdf * cos_light)) as f32;
-        self.ratio *= further(sample.pdf, back.pdf + by_emitter(sample.wi), cos_camera, cos_light);
+        self.ratio *= ratio_at_vertex(
+            Leg { pdf: sample.pdf, cos: cos_camera },
+            Leg { pdf: back.pdf + by_emitter(sample.wi), cos: cos_light },
+        );
         self.from_matte = if albedo.is_some() { sample.pdf } else { 0.0 };
         if self.throughput.is_zero() {
             return None;

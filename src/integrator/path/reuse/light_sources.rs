@@ -47,8 +47,8 @@ impl LightSources {
     }
 
     /// The factor of c at vₙ, where w is the direction back to vₙ₋₁.
-    pub fn last(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
-        f64::from(self.paths) * self.emission.over_cos(scene, end, w)
+    pub fn ratio_at_emitter(&self, scene: &Scene, end: EmitterPoint, w: DVec3) -> f64 {
+        f64::from(self.paths) * self.emission.density_over_cos(scene, end, w)
     }
 
     /// Finds the sources of groups, for each of which a sampler and the wavelengths are given, in the order

@@ -24,7 +24,7 @@
 use super::shared::Source;
 use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::EmitterPoint;
-use crate::integrator::caustics::further;
+use crate::integrator::caustics::{Leg, ratio_at_vertex};
 use crate::integrator::light::Vertex;
 use crate::math::{DVec3, INV_PI};
 use crate::sampler::blocks::SHARED_OF_PATH;
@@ -87,7 +87,7 @@ impl Tail {
 
     /// Updates the state at the vertex where the path has arrived.
     pub fn arrive<B: Bsdf>(&mut self, source: Option<&Source>, vertex: &Vertex<B>) {
-        if self.edges == MOST_EDGES || vertex.side.traits.one_way {
+        if self.edges == MOST_EDGES || vertex.side.traits.irreversible {
             // All that is found from here on is longer than what light paths make, or they do not come here.
             self.ratio = 0.0;
         }
@@ -111,8 +111,9 @@ impl Tail {
         if self.edges == 0 {
             return cos_light / pdf;
         }
-        let to_camera = vertex.bsdf.evaluate(to_light, vertex.wo).pdf;
-        further(to_camera, pdf, ng.dot(vertex.to_world(vertex.wo)).abs(), cos_light)
+        let back = vertex.bsdf.evaluate(to_light, vertex.wo).pdf;
+        let cos_camera = ng.dot(vertex.to_world(vertex.wo)).abs();
+        ratio_at_vertex(Leg { pdf: back, cos: cos_camera }, Leg { pdf, cos: cos_light })
     }
 
     /// Updates the state for the direction that was sampled at a vertex.
@@ -133,7 +134,7 @@ impl Tail {
         w: DVec3,
     ) -> Option<Rivals> {
         let sources = scene.techniques.light_sources.as_ref().filter(|_| self.ratio > 0.0)?;
-        let by_light = self.ratio * factor() * sources.last(scene, end, w);
+        let by_light = self.ratio * factor() * sources.ratio_at_emitter(scene, end, w);
         (by_light > 0.0).then(|| Rivals::new(by_light, self.to_source, sources.paths))
     }
 }

@@ -103,8 +103,9 @@ impl Shared {
     pub const NOTHING: Self =
         Self { receiver: None, source: None, own: Spectrum::ZERO, radiance: Spectrum::ZERO };
 
-    /// Whether light cast by casters is shared as well. Where light paths find it too, its MIS weight is one
-    /// pixel's alone; but light paths do not reach the camera by mirrors or glass.
+    /// Whether light that comes from a caster is shared as well. Where light paths compete for it, its MIS weight
+    /// depends on the pixel, so it is not. They do not compete where the pixel sees its receiver by mirrors or
+    /// through glass, to which no light path can be connected.
     #[inline(always)]
     pub fn receives_casters(&self, scene: &Scene) -> bool {
         scene.techniques.caustics.is_none()
@@ -128,7 +129,7 @@ impl Shared {
         let goes_on = state.depth + 1 < settings.roulette.edges;
         let lobes = || albedo.is_none().then_some(Lobes { point: *point, side: *side, fixed: vertex.wo });
         let begins = match (&self.receiver, &self.source) {
-            (None, _) if faces && state.mirrored && goes_on => {
+            (None, _) if faces && state.specular_so_far && goes_on => {
                 let weight = state.throughput * albedo.unwrap_or(Spectrum::ONE);
                 if !weight.is_zero() && !λ.is_collapsed() {
                     let (p, n, edges) = (point.p, vertex.to_world(DVec3::Z), state.depth);
@@ -138,7 +139,7 @@ impl Shared {
                 false
             }
             // Light paths do not come to what is one-way.
-            (Some(receiver), _) if state.depth == receiver.edges + 1 && !side.traits.one_way => {
+            (Some(receiver), _) if state.depth == receiver.edges + 1 && !side.traits.irreversible => {
                 if faces && (albedo.is_some() || goes_on) {
                     let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
                     let (albedo, lobes) = (albedo.unwrap_or(Spectrum::ONE), lobes());
