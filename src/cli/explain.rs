@@ -1,8 +1,8 @@
 //! `etalon explain`
 
 use super::{Outcome, SceneArguments, say, tax};
-use etalon::integrator::kernel_for;
 use etalon::integrator::Roulette;
+use etalon::integrator::kernel_for;
 use etalon::sampler::Kind;
 use etalon::scene::Features;
 use std::process::ExitCode;

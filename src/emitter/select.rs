@@ -9,7 +9,7 @@
 use super::tree::{Cluster, SeenTree, Tree};
 use super::{AnyEmitter, GatherPoint, Gathers, MapPlace, View};
 use crate::math::discrete::with_digits;
-use crate::math::{BELOW_ONE, DVec2, DVec3};
+use crate::math::{BELOW_ONE, Chosen, DVec2, DVec3};
 use crate::sampler::EmitterNumbers;
 use crate::shape::Geometry;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -185,14 +185,14 @@ impl<'a> Choice<'a> {
         self.known.unwrap_or_else(|| emitters.estimates(self.at))
     }
 
-    /// The emitter that the first number of the place falls on, its probability, and the place on it: the
-    /// numbers, rescaled for reuse; see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None`
-    /// if no emitter lights the point.
+    /// The emitter that the first number of the place falls on; what is left of the numbers is for the place on
+    /// it, see [`Discrete::sample_strip`](crate::math::Discrete::sample_strip). `None` if no emitter lights the
+    /// point.
     #[inline]
-    pub fn sample(&self, emitters: &Emitters, numbers: EmitterNumbers) -> Option<(usize, f64, DVec2)> {
+    pub fn sample(&self, emitters: &Emitters, numbers: EmitterNumbers) -> Option<Chosen<DVec2>> {
         match emitters.list.len() {
             0 => None,
-            1 => Some((0, 1.0, numbers.place)),
+            1 => Some(Chosen { index: 0, probability: 1.0, rest: numbers.place }),
             _ => self.sample_several(emitters, numbers),
         }
     }
@@ -215,7 +215,7 @@ impl<'a> Choice<'a> {
         &self,
         emitters: &Emitters,
         EmitterNumbers { place: u, digits }: EmitterNumbers,
-    ) -> Option<(usize, f64, DVec2)> {
+    ) -> Option<Chosen<DVec2>> {
         let estimates = self.estimates(emitters);
         let mut left = with_digits(u.x, digits);
         // Rounding may lead past the last.
@@ -223,7 +223,8 @@ impl<'a> Choice<'a> {
         for (emitter, distant) in &emitters.far {
             let Some(irradiance) = distant.irradiance_of(self.at.gathers) else { continue };
             let probability = estimates.probability(irradiance);
-            let chosen = |rest: f64| Some((*emitter as usize, probability, DVec2::new(rest, u.y)));
+            let index = *emitter as usize;
+            let chosen = |rest: f64| Some(Chosen { index, probability, rest: DVec2::new(rest, u.y) });
             if left < probability {
                 return chosen(left / probability);
             }
@@ -232,8 +233,12 @@ impl<'a> Choice<'a> {
         }
         let (Some((tree, leaves)), Some(seen)) = (&emitters.near, &estimates.near) else { return last };
         let probability = estimates.probability(seen.total());
-        let (leaf, chance, rest) = tree.sample(seen, (left / probability).min(BELOW_ONE))?;
-        Some((leaves[leaf] as usize, probability * chance, DVec2::new(rest, u.y)))
+        let leaf = tree.sample(seen, (left / probability).min(BELOW_ONE))?;
+        Some(Chosen {
+            index: leaves[leaf.index] as usize,
+            probability: probability * leaf.probability,
+            rest: DVec2::new(leaf.rest, u.y),
+        })
     }
 
     #[inline(never)]
@@ -279,8 +284,9 @@ mod tests {
             for i in 0..NUMBERS {
                 let u = DVec2::new((i as f64 + 0.5) / NUMBERS as f64, 0.25);
                 let numbers = EmitterNumbers { place: u, digits: 0.0 };
-                let (index, probability, rest) = choice.sample(&emitters, numbers).unwrap();
-                assert_eq!(of_several.sample(&emitters, numbers), Some((index, probability, rest)));
+                let chosen = choice.sample(&emitters, numbers).unwrap();
+                assert_eq!(of_several.sample(&emitters, numbers), Some(chosen));
+                let Chosen { index, probability, rest } = chosen;
                 assert!((probability - choice.probability(&emitters, index)).abs() < 1e-15);
                 assert!((0.0..1.0).contains(&rest.x) && rest.y == u.y);
                 shares[index] += 1.0 / NUMBERS as f64;

@@ -3,7 +3,7 @@
 use crate::bsdf::{Bsdf, Lobe};
 use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers, MapPlace, Radiance};
 use crate::math::ray::Ends;
-use crate::math::{DVec3, Frame, Origin, Ray};
+use crate::math::{Chosen, DVec3, Frame, Origin, Ray};
 use crate::sampler::EmitterNumbers;
 use crate::scene::{Scene, Side};
 use crate::shape::SurfacePoint;
@@ -149,7 +149,7 @@ pub fn sample_emitter<B: Bsdf>(
     λ: &Wavelengths,
     light_paths: impl Fn(usize, &DirectSample, f64) -> f64,
 ) -> Option<(Proposal, Sampled)> {
-    let (index, probability, u) = choice.sample(&scene.emitters, numbers)?;
+    let Chosen { index, probability, rest: u } = choice.sample(&scene.emitters, numbers)?;
     let entry = &scene.emitters.list[index];
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let light = entry.emitter.sample(shape, choice.at.p, choice.at.gathers.n, u, λ)?;

@@ -2,6 +2,16 @@
 
 use super::{BELOW_ONE, DVec2};
 
+/// What a random number has chosen of several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chosen<Rest = f64> {
+    pub index: usize,
+    /// Of choosing this index.
+    pub probability: f64,
+    /// The number, or the numbers, rescaled to [0, 1) within the choice for reuse.
+    pub rest: Rest,
+}
+
 /// A discrete distribution over indices, sampled by search in its running sum.
 #[derive(Clone, Debug, Default)]
 pub struct Discrete {
@@ -65,9 +75,9 @@ impl Discrete {
         self.cumulative[i] - if i == 0 { 0.0 } else { self.cumulative[i - 1] }
     }
 
-    /// The index that u in [0, 1) falls on, its probability, and u rescaled to [0, 1) within it for reuse.
+    /// The index that u in [0, 1) falls on.
     #[inline]
-    pub fn sample(&self, u: f64) -> (usize, f64, f64) {
+    pub fn sample(&self, u: f64) -> Chosen {
         let last = self.cumulative.len() - 1;
         let mut i = self.guide[((u * self.cumulative.len() as f64) as usize).min(last)] as usize;
         // k/n may have been rounded to above u.
@@ -79,19 +89,18 @@ impl Discrete {
         }
         let below = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
         let probability = self.cumulative[i] - below;
-        (i, probability, ((u - below) / probability).min(BELOW_ONE))
+        Chosen { index: i, probability, rest: ((u - below) / probability).min(BELOW_ONE) }
     }
 
-    /// The index that the first of two numbers in [0, 1) falls on, its probability, and the two numbers, the
-    /// first rescaled to [0, 1), for reuse.
+    /// The index that the first of two numbers in [0, 1) falls on; both are left for reuse.
     ///
     /// Each index gets a strip of the unit square, over which points that are stratified over the square are
     /// stratified as well. If another number made the choice, each index would get an arbitrary subset of
     /// them. The choice uses up bits of the first number; `digits`, in [0, 1), adds 32 bits to it.
     #[inline]
-    pub fn sample_strip(&self, u: DVec2, digits: f64) -> (usize, f64, DVec2) {
-        let (index, probability, rest) = self.sample(with_digits(u.x, digits));
-        (index, probability, DVec2::new(rest, u.y))
+    pub fn sample_strip(&self, u: DVec2, digits: f64) -> Chosen<DVec2> {
+        let Chosen { index, probability, rest } = self.sample(with_digits(u.x, digits));
+        Chosen { index, probability, rest: DVec2::new(rest, u.y) }
     }
 }
 
@@ -112,7 +121,7 @@ mod tests {
         let points = (0..n * n).map(|i| (f64::from(i % n) / f64::from(n), f64::from(i / n) / f64::from(n)));
         let mut counts = [[[0; 2]; 2]; 3];
         for (x, y) in points {
-            let (index, probability, rest) = d.sample_strip(DVec2::new(x, y), 0.5);
+            let Chosen { index, probability, rest } = d.sample_strip(DVec2::new(x, y), 0.5);
             assert!(probability == d.probability(index) && rest.y == y);
             counts[index][usize::from(rest.x >= 0.5)][usize::from(y >= 0.5)] += 1;
         }
@@ -126,7 +135,7 @@ mod tests {
         assert_eq!(with_digits(1.0 - word, 1.0 - word), BELOW_ONE);
         // A hundred thousand emitters leave 15 bits of 32, and all of these.
         let d = Discrete::new(std::iter::repeat_n(1.0, 100_000));
-        let rest = |digits: f64| d.sample_strip(DVec2::new(0.3, 0.0), digits).2.x;
+        let rest = |digits: f64| d.sample_strip(DVec2::new(0.3, 0.0), digits).rest.x;
         assert!((rest(0.5) - rest(0.0) - 0.5 * word * 1e5).abs() < 1e-6 * word * 1e5, "{}", rest(0.5));
     }
 
@@ -139,7 +148,7 @@ mod tests {
         probes.extend((0..37).map(|k| f64::from(k) / 37.0));
         for u in probes {
             let bisected = d.cumulative.partition_point(|&c| c <= u).min(d.len() - 1);
-            assert_eq!(d.sample(u).0, bisected, "{u}");
+            assert_eq!(d.sample(u).index, bisected, "{u}");
         }
     }
 
@@ -148,14 +157,14 @@ mod tests {
         let d = Discrete::new([0.0, 1.0, 0.0, 3.0, 0.0]);
         let mut counts = [0; 5];
         for i in 0..1000 {
-            let (index, probability, rest) = d.sample((i as f64 + 0.5) / 1000.0);
+            let Chosen { index, probability, rest } = d.sample((i as f64 + 0.5) / 1000.0);
             counts[index] += 1;
             assert_eq!(probability, d.probability(index));
             assert!((0.0..1.0).contains(&rest));
         }
         assert_eq!(counts, [0, 250, 0, 750, 0]);
-        assert_eq!(d.sample(0.0).0, 1);
-        assert_eq!(d.sample(BELOW_ONE).0, 3);
+        assert_eq!(d.sample(0.0).index, 1);
+        assert_eq!(d.sample(BELOW_ONE).index, 3);
     }
 
     #[test]

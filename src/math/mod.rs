@@ -21,7 +21,7 @@ pub mod warp;
 
 pub use ball::Ball;
 pub use bounds::Bounds;
-pub use discrete::Discrete;
+pub use discrete::{Chosen, Discrete};
 pub use frame::{Frame, length};
 pub use glam::{DVec2, DVec3};
 pub use ray::{Origin, Ray};

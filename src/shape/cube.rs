@@ -3,7 +3,7 @@
 use super::patch::{Outline, Patch};
 use super::{AreaSample, Geometry, SurfacePoint, placement};
 use crate::math::ray::position_error;
-use crate::math::{Bounds, DVec2, DVec3, Discrete, Transform};
+use crate::math::{Bounds, Chosen, DVec2, DVec3, Discrete, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use glam::DMat4;
@@ -97,7 +97,7 @@ impl Cube {
     }
 
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
-        let (face, _, x) = self.areas.sample(u.x);
+        let Chosen { index: face, rest: x, .. } = self.areas.sample(u.x);
         let sample = self.faces[face].sample_area::<UV>(DVec2::new(x, u.y));
         AreaSample { pdf: 1.0 / self.area(), primitive: face as u32, error: self.point_error(), ..sample }
     }

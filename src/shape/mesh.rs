@@ -7,7 +7,7 @@ use crate::math::frame::{length, unit};
 use crate::math::function::acos;
 use crate::math::ray::position_error;
 use crate::math::simd::prefetch;
-use crate::math::{Ball, Bounds, DVec2, DVec3, Discrete, Frame, Transform, warp};
+use crate::math::{Ball, Bounds, Chosen, DVec2, DVec3, Discrete, Frame, Transform, warp};
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
 #[derive(Debug)]
@@ -162,7 +162,7 @@ impl Mesh {
 
     #[inline]
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
-        let (triangle, _, rest) = self.areas.sample(u.x);
+        let Chosen { index: triangle, rest, .. } = self.areas.sample(u.x);
         let b = warp::triangle(DVec2::new(rest, u.y));
         let point = self.point::<UV>(triangle as u32, b.x, b.y);
         AreaSample {

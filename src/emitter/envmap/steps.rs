@@ -5,19 +5,10 @@
 //! none of what is possible to zero; since the rounded ones are what densities are made of, nothing is
 //! approximate but how well choices follow weights.
 
-use crate::math::BELOW_ONE;
+use crate::math::{BELOW_ONE, Chosen};
 
 /// Number of steps, which are distributed over the choices.
 const STEPS: u16 = u16::MAX;
-
-/// The result of a choice.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chosen {
-    pub index: usize,
-    pub probability: f64,
-    /// The random number, rescaled to [0, 1) within the choice for reuse.
-    pub rest: f64,
-}
 
 /// Distributes the steps in proportion to some weights, of which there are far fewer than steps: where those
 /// of each begin. Nothing is chosen where no weight is positive.

@@ -13,7 +13,7 @@ mod children;
 mod cluster;
 
 use super::GatherPoint;
-use crate::math::BELOW_ONE;
+use crate::math::{BELOW_ONE, Chosen};
 use children::{Children, Importance, WIDTH};
 pub use cluster::Cluster;
 
@@ -61,9 +61,8 @@ impl Tree {
         SeenTree { at, root: self.nodes[0].children.importance(at) }
     }
 
-    /// The emitter that a number in [0, 1) falls on as seen from a point, its probability, and the number,
-    /// rescaled to [0, 1) for reuse; `None` if no emitter lights the point.
-    pub fn sample(&self, seen: &SeenTree, mut u: f64) -> Option<(usize, f64, f64)> {
+    /// The emitter that a number in [0, 1) falls on as seen from a point; `None` if no emitter lights the point.
+    pub fn sample(&self, seen: &SeenTree, mut u: f64) -> Option<Chosen> {
         let (mut index, mut probability) = (0, 1.0);
         let (mut importance, mut total) = seen.root;
         loop {
@@ -79,7 +78,9 @@ impl Tree {
             }
             u = (left / importance[child]).min(BELOW_ONE);
             match self.nodes[index].targets[child] {
-                Target::Emitter(emitter) => return Some((emitter as usize, probability, u)),
+                Target::Emitter(emitter) => {
+                    return Some(Chosen { index: emitter as usize, probability, rest: u });
+                }
                 Target::Node(next) => index = next as usize,
                 Target::Nothing => return None,
             }

@@ -53,7 +53,7 @@ fn emitters_are_chosen_as_often_as_is_said() {
             let mut shares = vec![0.0; count];
             let mut last: Option<(usize, f64)> = None;
             for i in 0..NUMBERS {
-                let Some((emitter, probability, rest)) =
+                let Some(Chosen { index: emitter, probability, rest }) =
                     tree.sample(&tree.seen_from(at), (i as f64 + 0.5) / NUMBERS as f64)
                 else {
                     last = None;

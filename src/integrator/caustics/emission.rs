@@ -2,7 +2,7 @@
 
 use super::aim::Aim;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
-use crate::math::{Ball, DVec3, Discrete, Ray};
+use crate::math::{Ball, Chosen, DVec3, Discrete, Ray};
 use crate::sampler::{EmitterNumbers, Numbers};
 use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
@@ -61,7 +61,7 @@ impl Emission {
         λ: &Wavelengths,
     ) -> Option<Start> {
         let EmitterNumbers { place, digits } = u.emission();
-        let (index, _, place) = self.choice.sample_strip(place, digits);
+        let Chosen { index, probability, rest: place } = self.choice.sample_strip(place, digits);
         let entry = &emitters.list[index];
         let shape = &shapes[entry.shape? as usize];
         let start = shape.geometry.sample_area::<true>(place);
@@ -69,7 +69,7 @@ impl Emission {
         let aimed = self.aim.from(end.p, end.n);
         let (direction, which) = u.aim();
         let w = aimed.sample(direction, which);
-        let density = self.choice.probability(index) * start.pdf * aimed.density(w);
+        let density = probability * start.pdf * aimed.density(w);
         if density == 0.0 {
             return None;
         }

@@ -38,7 +38,7 @@ use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::{AnyEmitter, Choice, EmitterPoint, Gathers, Radiance};
 use crate::math::bounds::union;
 use crate::math::ray::{free_way, position_error};
-use crate::math::{DVec3, Origin, Ray, length};
+use crate::math::{Chosen, DVec3, Origin, Ray, length};
 use crate::sampler::EmitterNumbers;
 use crate::scene::{Scene, Shape};
 use crate::shape::{Geometry, SurfacePoint};
@@ -215,7 +215,7 @@ pub fn sample_emitter<B: Bsdf>(
     counters: &mut Counters,
     mut found: impl FnMut(Proposal),
 ) -> Option<()> {
-    let (index, probability, u) =
+    let Chosen { index, probability, rest: u } =
         Choice::at(Gathers::EVERYWHERE.at(vertex.point.p)).sample(&scene.emitters, numbers)?;
     let entry = &scene.emitters.list[index];
     if !matches!(entry.emitter, AnyEmitter::Area(_)) {
