@@ -9,7 +9,7 @@ use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS};
 use etalon::film::ExactSum;
 use etalon::math::{DVec2, DVec3, Ray, Transform, warp};
 use etalon::render::{Progress, Settings, render};
-use etalon::sampler::{Kind, Sampler};
+use etalon::sampler::{Sampler, SamplerKind};
 use etalon::scene::loader::Loader;
 use etalon::scene::{self, Overrides, xml};
 use etalon::shape::accel::Accel;
@@ -22,7 +22,7 @@ use std::path::Path;
 /// Incoherent rays from a sphere around the mesh towards points in it, about half of which hit it.
 fn rays() -> Vec<Ray> {
     let ray = |i: u32| {
-        let u = Sampler::new(Kind::Independent, 0, (i, 0), 0).block(0);
+        let u = Sampler::new(SamplerKind::Independent, 0, (i, 0), 0).block(0);
         let origin = warp::sphere(u.pair(0)) * 2.0;
         let target = warp::sphere(u.pair(1)) * (0.6 * u.one(4));
         Ray::free(origin, etalon::math::frame::unit(target - origin))
@@ -82,7 +82,7 @@ fn materials(criterion: &mut Criterion) {
 
 fn numbers(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("a block of random numbers");
-    for (name, kind) in [("independent", Kind::Independent), ("sobol", Kind::Sobol)] {
+    for (name, kind) in [("independent", SamplerKind::Independent), ("sobol", SamplerKind::Sobol)] {
         let mut sample = 0;
         group.bench_function(name, |b| {
             b.iter(|| {

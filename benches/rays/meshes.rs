@@ -3,7 +3,7 @@
 
 use crate::file::Soup;
 use etalon::math::{DVec3, Transform, warp};
-use etalon::sampler::{Kind, Sampler};
+use etalon::sampler::{Sampler, SamplerKind};
 use etalon::shape::mesh_data::sea_urchin;
 
 /// A mesh with the positions of a camera, its target and a lamp.
@@ -32,7 +32,7 @@ pub const MESHES: &[(&str, Making)] = &[
 
 /// Random numbers in [0, 1) that are a function of `index` and `block`.
 fn uniform(index: u32, block: u32) -> impl Fn(usize) -> f64 {
-    let numbers = Sampler::new(Kind::Independent, 1, (index, 0), 0).block(block);
+    let numbers = Sampler::new(SamplerKind::Independent, 1, (index, 0), 0).block(block);
     move |i| numbers.one(i)
 }
 

@@ -4,7 +4,7 @@ use crate::file::{RayRecord, write_mesh, write_rays};
 use crate::meshes::Subject;
 use etalon::math::frame::unit;
 use etalon::math::{DVec2, DVec3, Frame, Ray, Transform, length, warp};
-use etalon::sampler::{Kind, Sampler};
+use etalon::sampler::{Sampler, SamplerKind};
 use etalon::shape::accel::Accel;
 use etalon::shape::mesh_data::MeshData;
 use etalon::shape::{Geometry, Mesh};
@@ -39,7 +39,7 @@ pub fn record(folder: &Path, name: &str, subject: &Subject) -> Result<(), Box<dy
     let [mut primary, mut shadow, mut bounce] = [const { Vec::new() }; 3];
     for pixel in 0..SIDE * SIDE {
         let (x, y) = (pixel % SIDE, pixel / SIDE);
-        let u = Sampler::new(Kind::Independent, 1, (x, y), 0).block(0);
+        let u = Sampler::new(SamplerKind::Independent, 1, (x, y), 0).block(0);
         let u: [f64; 6] = std::array::from_fn(|i| u.one(i));
         let film = DVec2::new(x as f64 + u[0], y as f64 + u[1]) / SIDE as f64 - 0.5;
         let direction = unit(camera.to_world(DVec3::new(film.x, film.y, 0.6)));

@@ -3,7 +3,7 @@
 use super::{Outcome, SceneArguments, say, tax};
 use etalon::integrator::Roulette;
 use etalon::integrator::kernel_for;
-use etalon::sampler::Kind;
+use etalon::sampler::SamplerKind;
 use etalon::scene::Features;
 use std::process::ExitCode;
 
@@ -35,8 +35,8 @@ impl Arguments {
             "integrator": scene.integrator.name(),
             "sensor": scene.sensor.camera.name(),
             "sampler": match scene.sensor.sampler.kind {
-                Kind::Independent => "independent; with --sampler sobol there is less noise",
-                Kind::Sobol => "sobol",
+                SamplerKind::Independent => "independent; with --sampler sobol there is less noise",
+                SamplerKind::Sobol => "sobol",
             },
             "film": [scene.sensor.film.size.0, scene.sensor.film.size.1],
             "shapes": scene.shapes.len(),

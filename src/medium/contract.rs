@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::math::DVec3;
-use crate::sampler::{Kind, Sampler, blocks};
+use crate::sampler::{Sampler, SamplerKind, blocks};
 use crate::scene::catalogue::versioned;
 use crate::scene::loader::Loader;
 use crate::scene::xml;
@@ -49,7 +49,7 @@ fn carried(λ: &Wavelengths) -> Spectrum {
 
 /// The sampler of a sample; others of another pixel.
 fn sampler(pixel: u32, sample: u32) -> Sampler {
-    Sampler::new(Kind::Independent, 1, (pixel, 5), sample)
+    Sampler::new(SamplerKind::Independent, 1, (pixel, 5), sample)
 }
 
 /// A ray through the middle of the unit cube, at an angle, to this distance.

@@ -5,7 +5,7 @@ use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
 use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
-use crate::sampler::{ManyNumbers, Numbers, SampleId, Sampler, blocks};
+use crate::sampler::{ManyNumbers, Numbers, RandomSource, SampleId, Sampler, blocks};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
@@ -26,7 +26,7 @@ pub fn channel_names(film: &Film, integrator: &AnyIntegrator) -> Vec<String> {
 /// Everything that makes samples of a scene.
 pub struct SampleMaker<'a> {
     scene: &'a Scene,
-    seed: u32,
+    numbers: RandomSource,
     kernel: &'a KernelEntry,
     radiance: bool,
     /// Number of channels besides light that the integrator fills.
@@ -43,7 +43,8 @@ impl<'a> SampleMaker<'a> {
             (lo.min(WAVELENGTH_MIN), hi.max(WAVELENGTH_MAX))
         });
         let extra = scene.integrator.extra_channels().len();
-        Self { scene, seed, kernel, radiance: scene.integrator.has_radiance(), extra, band_range }
+        let numbers = RandomSource { kind: scene.sensor.sampler.kind, seed };
+        Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), extra, band_range }
     }
 
     /// The names of the channels that are filled; see [`channel_names`].
@@ -105,13 +106,8 @@ impl<'a> SampleMaker<'a> {
     pub fn place_in_pixels(&self, sample: u64) -> Option<[Place; 2]> {
         let film = self.film();
         film.spread.as_ref()?;
-        let sampler = Sampler::new(
-            self.scene.sensor.sampler.kind,
-            self.seed,
-            (blocks::columns::PLACE, 0),
-            sample as u32,
-        );
-        film.place_in_pixels(sampler.block(blocks::START).place_on_film())
+        let numbers = self.numbers.place_in_pixels(sample).block(blocks::START);
+        film.place_in_pixels(numbers.place_on_film())
     }
 
     /// How many neighbouring pixels share what their paths find.
@@ -134,10 +130,9 @@ impl<'a> SampleMaker<'a> {
     ) {
         let Some(caustics) = &self.scene.techniques.caustics else { return };
         let mut values = vec![0.0; self.color_channels()];
-        let drawn = (self.scene.sensor.sampler.kind, self.seed);
         caustics.trace(
             self.scene,
-            drawn,
+            self.numbers,
             numbers,
             |u| self.wavelengths(u),
             counters,
@@ -170,7 +165,7 @@ impl<'a> SampleMaker<'a> {
             .map(|&SampleId { pixel, sample }| {
                 let of_pixel = match last {
                     Some((known, sampler)) if known == pixel => sampler,
-                    _ => Sampler::new(self.scene.sensor.sampler.kind, self.seed, pixel, 0),
+                    _ => self.numbers.camera(SampleId { pixel, sample: 0 }),
                 };
                 last = Some((pixel, of_pixel));
                 of_pixel.at(sample as u32)
@@ -204,7 +199,6 @@ impl<'a> SampleMaker<'a> {
         if pixels == 1 {
             return vec![];
         }
-        let kind = self.scene.sensor.sampler.kind;
         let mut last: Option<(reuse::GroupId, u32, Wavelengths)> = None;
         let of = |&id: &SampleId| {
             let group = reuse::group(id, pixels);
@@ -214,9 +208,9 @@ impl<'a> SampleMaker<'a> {
                     (number + 1, λ)
                 }
                 _ => {
-                    let sampler = Sampler::new(kind, self.seed, group.corner(), group.sample as u32);
+                    let corner = SampleId { pixel: group.corner(), sample: group.sample };
                     let number = last.map_or(0, |(_, number, _)| number + 1);
-                    (number, self.wavelengths(sampler.block(blocks::START).wavelengths()))
+                    (number, self.wavelengths(self.numbers.camera(corner).block(blocks::START).wavelengths()))
                 }
             };
             last = Some((group, number, λ));

@@ -68,13 +68,3 @@ pub fn flight(edges: u32) -> u32 {
 pub fn shadow_flight(edges: u32) -> u32 {
     flight(edges) + 1
 }
-
-/// Columns that stand for what belongs to no pixel, where samplers are given one; no film is so wide.
-pub mod columns {
-    /// The light paths that find caustics.
-    pub const CAUSTICS: u32 = u32::MAX;
-    /// The light paths whose photons guide emitter samples.
-    pub const GUIDE: u32 = u32::MAX - 1;
-    /// The place that all samples of a number have within their pixels; see [`crate::render::spread`].
-    pub const PLACE: u32 = u32::MAX - 2;
-}

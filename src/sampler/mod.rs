@@ -4,13 +4,14 @@
 //! path, and further ones to what else needs numbers ([`blocks`]). Within a block, each number has its use
 //! ([`Numbers`]); the dimensions (0,1), (2,3), (4,5), (6,7) are pairs that a sampler may stratify together.
 //!
-//! *How to add one*: write `sampler/<name>.rs` with a function that makes blocks; add a variant of [`Kind`]
+//! *How to add one*: write `sampler/<name>.rs` with a function that makes blocks; add a variant of [`SamplerKind`]
 //! and its rows in [`SAMPLERS`].
 
 pub mod blocks;
 mod independent;
 mod numbers;
 mod sobol;
+mod source;
 #[cfg(test)]
 mod tests;
 
@@ -20,18 +21,19 @@ use crate::scene::params::Params;
 use crate::scene::registry::Entry;
 pub use numbers::{EmitterNumbers, ManyNumbers, Numbers, PAIRS};
 use rand_pcg::Pcg32;
+pub use source::RandomSource;
 
 /// What a sampler's element declares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplerSettings {
-    pub kind: Kind,
+    pub kind: SamplerKind,
     pub samples: u32,
     pub seed: u32,
 }
 
 impl Default for SamplerSettings {
     fn default() -> Self {
-        Self { kind: Kind::Sobol, samples: 4, seed: 0 }
+        Self { kind: SamplerKind::Sobol, samples: 4, seed: 0 }
     }
 }
 
@@ -46,7 +48,7 @@ pub struct SampleId {
 /// How numbers are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub enum Kind {
+pub enum SamplerKind {
     Independent,
     Sobol,
 }
@@ -59,7 +61,7 @@ macro_rules! samplers {
             name: $name,
             about: $about,
             examples: &[concat!(r#"<sampler type=""#, $name, r#""><integer name="sample_count" value="64"/></sampler>"#)],
-            parse: |params| parse(params, Kind::$kind),
+            parse: |params| parse(params, SamplerKind::$kind),
         }),*];
     };
 }
@@ -72,7 +74,7 @@ samplers! {
     "ldsampler", Sobol, "Accepted for Mitsuba's sake; the same as `sobol`.";
 }
 
-fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError> {
+fn parse(params: &mut Params, kind: SamplerKind) -> Result<SamplerSettings, SceneError> {
     let samples = params.count("sample_count", 4, 1..=u32::MAX, "samples a pixel")?;
     let seed = params.count("seed", 0, 0..=u32::MAX, "another seed, another noise")?;
     params.boolean("jitter", true, "Mitsuba's option of stratified samplers; ignored")?;
@@ -83,7 +85,7 @@ fn parse(params: &mut Params, kind: Kind) -> Result<SamplerSettings, SceneError>
 /// The numbers of one path: that of a camera sample, a light path, or a photon.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
-    kind: Kind,
+    kind: SamplerKind,
     /// Hash of the seed and the pixel.
     key: u32,
     sample: u32,
@@ -93,7 +95,7 @@ impl Sampler {
     /// All pixels of a film of up to 2¹⁶ columns and rows have keys of their own: their low bits are one
     /// word, and what is done to it can be undone. The sum keeps the pixels of two seeds from sharing theirs
     /// by whole rows.
-    pub fn new(kind: Kind, seed: u32, (x, y): (u32, u32), sample: u32) -> Self {
+    pub fn new(kind: SamplerKind, seed: u32, (x, y): (u32, u32), sample: u32) -> Self {
         let word = U32x8::splat;
         let of_seed = mix(word(seed ^ 0x9e37_79b9));
         let high = mix(of_seed ^ word(x >> 16 | y & 0xffff_0000));

@@ -1,6 +1,6 @@
 //! The eight numbers of a block, and what each is for.
 
-use super::{Kind, Sampler, independent, sobol};
+use super::{Sampler, SamplerKind, independent, sobol};
 use crate::math::DVec2;
 use crate::math::simd::U32x8;
 
@@ -150,7 +150,7 @@ impl<const N: usize> ManyNumbers<N> {
     pub fn fill<'a>(&mut self, count: usize, pairs: usize, of: impl Fn(usize) -> (&'a Sampler, u32)) {
         for first in (0..count).step_by(8) {
             let (mut keys, mut samples, mut blocks) = ([0; 8], [0; 8], [0; 8]);
-            let mut kind = Kind::Sobol;
+            let mut kind = SamplerKind::Sobol;
             for i in 0..8.min(count - first) {
                 let (sampler, block) = of(first + i);
                 (keys[i], samples[i], blocks[i]) = (sampler.key, sampler.sample, block);
@@ -158,8 +158,8 @@ impl<const N: usize> ManyNumbers<N> {
             }
             let words = [keys, samples, blocks].map(U32x8::new);
             let dimensions = match kind {
-                Kind::Independent => independent::blocks(words[0], words[1], words[2], pairs),
-                Kind::Sobol => sobol::blocks(words[0], words[1], words[2], pairs),
+                SamplerKind::Independent => independent::blocks(words[0], words[1], words[2], pairs),
+                SamplerKind::Sobol => sobol::blocks(words[0], words[1], words[2], pairs),
             };
             let samples = U32x8::transpose(dimensions).map(|words| Numbers(words.to_array()));
             self.0[first..first + 8].copy_from_slice(&samples);

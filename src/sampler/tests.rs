@@ -13,7 +13,7 @@ fn distance(mut values: Vec<f64>) -> f64 {
 
 #[test]
 fn every_dimension_is_uniform_over_samples_and_over_pixels() {
-    for kind in [Kind::Independent, Kind::Sobol] {
+    for kind in [SamplerKind::Independent, SamplerKind::Sobol] {
         for dimension in 0..8 {
             for block in [0, 1, 7] {
                 let value = |pixel, sample| Sampler::new(kind, 1, pixel, sample).block(block).one(dimension);
@@ -32,7 +32,7 @@ fn every_dimension_is_uniform_over_samples_and_over_pixels() {
 fn dimensions_of_different_vertices_are_independent_within_a_pixel() {
     const CELLS: usize = 16;
     let samples = 1 << 16;
-    for kind in [Kind::Independent, Kind::Sobol] {
+    for kind in [SamplerKind::Independent, SamplerKind::Sobol] {
         for (pixel, (one, other)) in
             (0..8).flat_map(|x| [(0, 1), (1, 2), (1, 9)].map(|blocks| ((x, 7), blocks)))
         {
@@ -61,20 +61,20 @@ fn emitter_samples_of_all_camera_samples_are_one_net() {
     for count in [2, 4] {
         let mut cells = std::collections::BTreeSet::new();
         for (sample, which) in (0..64 / count).flat_map(|sample| (0..count).map(move |i| (sample, i))) {
-            let sampler = Sampler::new(Kind::Sobol, 1, (3, 5), sample);
+            let sampler = Sampler::new(SamplerKind::Sobol, 1, (3, 5), sample);
             let p = sampler.emitter_samples(2, 0, count, 1).of(which as usize).pair(0) * 8.0;
             cells.insert((p.x as u32, p.y as u32));
         }
         assert_eq!(cells.len(), 64, "{count}");
     }
     // Nor does the sequence end where 32 bits do.
-    let last = Sampler::new(Kind::Sobol, 1, (3, 5), u32::MAX);
-    let first = Sampler::new(Kind::Sobol, 1, (3, 5), u32::MAX - 2);
+    let last = Sampler::new(SamplerKind::Sobol, 1, (3, 5), u32::MAX);
+    let first = Sampler::new(SamplerKind::Sobol, 1, (3, 5), u32::MAX - 2);
     let numbers = |sampler: Sampler, which: u32| {
         sampler.emitter_samples(0, which / 8 * 8, 1024, PAIRS).of(which as usize % 8).words()
     };
     assert_ne!(numbers(last, 0), numbers(first, 0));
-    let at = |sample| Sampler::new(Kind::Sobol, 1, (3, 5), sample);
+    let at = |sample| Sampler::new(SamplerKind::Sobol, 1, (3, 5), sample);
     assert_ne!(numbers(at(0), 7), numbers(at(1 << 22), 7));
     // Those that are made together are those that are made alone, however many pairs of them.
     for which in 0..8 {
@@ -94,13 +94,13 @@ fn seeds_pixels_and_samples_do_not_share_numbers() {
         }
         seen.len()
     };
-    assert_eq!((all(Kind::Independent), all(Kind::Sobol)), (40, 40));
+    assert_eq!((all(SamplerKind::Independent), all(SamplerKind::Sobol)), (40, 40));
 }
 
 #[test]
 fn no_two_pixels_of_a_large_film_are_alike() {
     for seed in 0..3 {
-        let key = |i: u32| Sampler::new(Kind::Sobol, seed, (i % 3840, i / 3840), 0).key;
+        let key = |i: u32| Sampler::new(SamplerKind::Sobol, seed, (i % 3840, i / 3840), 0).key;
         let mut keys: Vec<u32> = (0..3840 * 2160).map(key).collect();
         keys.sort_unstable();
         keys.dedup();
@@ -113,7 +113,7 @@ fn no_two_pixels_of_a_large_film_are_alike() {
 fn pixels_of_two_seeds_are_alike_here_and_there() {
     let size = 1u32 << 10;
     let keys = |seed| {
-        let key = move |i: u32| (Sampler::new(Kind::Sobol, seed, (i % size, i / size), 0).key, i);
+        let key = move |i: u32| (Sampler::new(SamplerKind::Sobol, seed, (i % size, i / size), 0).key, i);
         (0..size * size).map(key).collect::<std::collections::BTreeMap<_, _>>()
     };
     let all: Vec<_> = (0..4).map(keys).collect();

@@ -173,7 +173,7 @@ impl Aimed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampler::{Kind, Sampler};
+    use crate::sampler::{Sampler, SamplerKind};
 
     fn example() -> Aim {
         let ball = |x: f64, y: f64, z: f64, radius: f64| Ball { centre: DVec3::new(x, y, z), radius };
@@ -194,7 +194,7 @@ mod tests {
             const N: u32 = 1 << 18;
             let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
             for i in 0..N {
-                let u = Sampler::new(Kind::Independent, 0, (0, 0), i).block(0);
+                let u = Sampler::new(SamplerKind::Independent, 0, (0, 0), i).block(0);
                 let w = aimed.sample(u.pair(0), u.one(4));
                 let density = aimed.density(w);
                 let cos = w.dot(n);
@@ -242,7 +242,7 @@ mod tests {
         let ball = Ball { centre: DVec3::new(0.3, 0.1, 4.0), radius: 0.5 };
         let aimed = Aim::new(&[ball]).from(DVec3::ZERO, DVec3::Z);
         let meets = |w: DVec3| length(ball.centre - w * ball.centre.dot(w)) <= ball.radius * (1.0 + 1e-12);
-        let number = |i: u32| Sampler::new(Kind::Independent, 0, (0, 0), i).block(0);
+        let number = |i: u32| Sampler::new(SamplerKind::Independent, 0, (0, 0), i).block(0);
         const N: u32 = 1000;
         let met = (0..N).filter(|&i| meets(aimed.sample(number(i).pair(0), number(i).one(4)))).count();
         let expected = (1.0 - UNAIMED) * f64::from(N);

@@ -6,7 +6,7 @@ use super::light_path::{Landing, LightPath, Splat};
 use crate::integrator::Counters;
 use crate::integrator::MAX_VERTICES;
 use crate::integrator::wavefront::{Arrived, STREAM, Wavefront};
-use crate::sampler::{Kind, ManyNumbers, PAIRS, Sampler, blocks};
+use crate::sampler::{ManyNumbers, PAIRS, RandomSource, Sampler, blocks};
 use crate::scene::{Features, Scene};
 use crate::spectrum::Wavelengths;
 use std::ops::Range;
@@ -28,7 +28,7 @@ impl Caustics {
     pub fn trace(
         &self,
         scene: &Scene,
-        (kind, seed): (Kind, u32),
+        source: RandomSource,
         numbers: Range<u64>,
         wavelengths: impl Fn(f64) -> Wavelengths,
         counters: &mut Counters,
@@ -39,11 +39,9 @@ impl Caustics {
         let simple = scene.features().0 & Features::TEXTURED & !Features::ENVIRONMENT == 0;
         let mut stream = Stream::default();
         for first in numbers.clone().step_by(STREAM) {
-            let sampler = |number: u64| {
-                Sampler::new(kind, seed, (blocks::columns::CAUSTICS, (number >> 32) as u32), number as u32)
-            };
+            let some = first..numbers.end.min(first + STREAM as u64);
             stream.samplers.clear();
-            stream.samplers.extend((first..numbers.end.min(first + STREAM as u64)).map(sampler));
+            stream.samplers.extend(some.map(|number| source.light_path(number)));
             if simple {
                 self.trace_stream::<{ Features::CAUSTICS }>(scene, &wavelengths, &mut stream, counters);
             } else {

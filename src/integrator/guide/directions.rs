@@ -118,12 +118,12 @@ fn divide(places: &mut [(DVec2, f64)], depth: u32, squares: &mut Vec<Quarters>) 
 mod tests {
     use super::*;
     use crate::math::frame::unit;
-    use crate::sampler::{Kind, Sampler};
+    use crate::sampler::{Sampler, SamplerKind};
 
     /// Directions about two places, one of them where the square's sides meet.
     fn example() -> Directions {
         let seen = (0..3000u32).map(|i| {
-            let u = Sampler::new(Kind::Independent, 0, (0, 0), i).block(0);
+            let u = Sampler::new(SamplerKind::Independent, 0, (0, 0), i).block(0);
             let about = if i % 3 == 0 { DVec3::new(0.2, -0.6, 0.7) } else { DVec3::new(1.0, 0.0, 0.1) };
             (unit(about + warp::sphere(u.pair(0)) * 0.1 * u.one(2)), 1.0 + f64::from(i % 5))
         });
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn places_and_directions_are_each_others() {
         for i in 0..1000 {
-            let u = Sampler::new(Kind::Sobol, 0, (0, 0), i).block(0).pair(0);
+            let u = Sampler::new(SamplerKind::Sobol, 0, (0, 0), i).block(0).pair(0);
             assert!((square(warp::sphere(u)) - u).abs().max_element() < 1e-12, "{u}");
         }
     }
@@ -144,7 +144,7 @@ mod tests {
         const N: u32 = 1 << 16;
         let mut mean = DVec3::ZERO;
         for i in 0..N {
-            let u = Sampler::new(Kind::Sobol, 0, (0, 0), i).block(0).pair(0);
+            let u = Sampler::new(SamplerKind::Sobol, 0, (0, 0), i).block(0).pair(0);
             let (w, density) = directions.sample(u);
             assert!((directions.density(w) / density - 1.0).abs() < 1e-9, "{w}");
             mean += w / f64::from(N);

@@ -5,7 +5,7 @@ use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::links::{Passage, density_of};
 use crate::math::{DVec3, INV_PI, Origin};
-use crate::sampler::{Kind, Sampler, blocks};
+use crate::sampler::{RandomSource, SamplerKind, blocks};
 use crate::scene::{Features, Scene};
 use crate::spectrum::{ColorMode, Wavelengths};
 
@@ -22,7 +22,7 @@ pub struct Photon {
 
 /// The photon of the light path with this number, if there is one.
 pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon> {
-    let sampler = Sampler::new(Kind::Sobol, 0, (blocks::columns::GUIDE, 0), number);
+    let sampler = RandomSource { kind: SamplerKind::Sobol, seed: 0 }.photon(number);
     let u = sampler.block(blocks::START);
     let λ = match scene.mode {
         ColorMode::Rgb => Wavelengths::rgb(),

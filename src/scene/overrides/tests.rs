@@ -58,7 +58,7 @@ fn film_and_sampler_that_are_referred_to_are_those_that_change() {
     ] {
         let sensor = loaded(&[sensor, objects].concat(), &overrides).sensor;
         assert_eq!((sensor.film.size, sensor.film.crop.width, sensor.sampler.seed), ((5, 3), 5, 7));
-        assert_eq!(sensor.sampler.kind, crate::sampler::Kind::Independent);
+        assert_eq!(sensor.sampler.kind, crate::sampler::SamplerKind::Independent);
     }
 }
 

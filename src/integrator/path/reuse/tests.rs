@@ -8,7 +8,7 @@ use super::*;
 use crate::integrator::{CameraPath, Counters};
 use crate::math::frame::unit;
 use crate::math::{DVec3, Ray, Transform};
-use crate::sampler::{Kind, Sampler};
+use crate::sampler::{Sampler, SamplerKind};
 use crate::scene::load_text;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
 use std::collections::BTreeMap;
@@ -116,7 +116,7 @@ fn sources_do_not_hide_themselves() {
     let camera = CameraPath {
         ray: Ray::free(DVec3::ZERO, DVec3::Z),
         λ: Wavelengths::rgb(),
-        sampler: Sampler::new(Kind::Sobol, 0, (0, 0), 0),
+        sampler: Sampler::new(SamplerKind::Sobol, 0, (0, 0), 0),
         group: 0,
         radiance: Spectrum::ZERO,
         covered: false,
