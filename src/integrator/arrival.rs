@@ -1,7 +1,7 @@
 //! How a ray was sampled that may meet an emitter, and the weight of the light that it finds there, for
 //! emitter samples could have found it as well.
 
-use super::light::power_heuristic;
+use super::mis::power_heuristic;
 use crate::emitter::{Choice, GatherPoint, Gathers, View};
 use crate::math::Ray;
 use crate::scene::Scene;

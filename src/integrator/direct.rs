@@ -1,7 +1,9 @@
 //! Direct light only.
 
 use super::arrival::{Arrival, environment_along};
-use super::light::{self, Samples, Vertex, power_heuristic};
+use super::emitter_sampling::{SampleCounts, sample_emitter};
+use super::mis::power_heuristic;
+use super::vertex::Vertex;
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::Bsdf;
 use crate::emitter::{Choice, Gathers};
@@ -78,7 +80,7 @@ impl Direct {
         let frame = side.frame::<F>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
         let vertex = Vertex::new(&point, hit.primitive, &frame, &bsdf, side, -ray.direction);
-        let samples = Samples { emitter: self.emitter_samples.into(), bsdf: self.bsdf_samples.into() };
+        let samples = SampleCounts { emitter: self.emitter_samples.into(), bsdf: self.bsdf_samples.into() };
         let gathers = vertex.gathers(scene, vertex.wo);
         let at = gathers.at(point.p);
         let choice =
@@ -86,8 +88,7 @@ impl Direct {
         if side.traits.has_density {
             for u in sampler.each_emitter_sample(0, self.emitter_samples, PAIRS) {
                 let numbers = u.emitter_sample();
-                let found =
-                    light::sample_emitter(scene, &vertex, &choice, numbers, samples, λ, |_, _, _| 0.0);
+                let found = sample_emitter(scene, &vertex, &choice, numbers, samples, λ, |_, _, _| 0.0);
                 let Some((light, _)) = found else { continue };
                 counters.rays += 1;
                 if !scene.accel.occluded(&light.ray) {

@@ -22,7 +22,8 @@ mod photons;
 
 use super::Counters;
 use super::caustics::Emission;
-use super::light::{Vertex, power_heuristic};
+use super::mis::power_heuristic;
+use super::vertex::Vertex;
 use crate::bsdf::{Bsdf, Sample};
 use crate::math::{DVec2, DVec3, Ray, bounds};
 use crate::sampler::{Sampler, blocks};

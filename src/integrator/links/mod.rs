@@ -33,7 +33,9 @@ mod link;
 mod passage;
 
 use super::Counters;
-use super::light::{Proposal, Vertex, power_heuristic_of_three};
+use super::emitter_sampling::Proposal;
+use super::mis::power_heuristic_of_three;
+use super::vertex::Vertex;
 use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::{AnyEmitter, Choice, EmitterPoint, Gathers, Radiance};
 use crate::math::bounds::union;
@@ -252,7 +254,7 @@ pub fn sample_emitter<B: Bsdf>(
         found(Proposal {
             ray: Ray { end: link.last.end - early, ..link.last },
             radiance: scattered.value * link.transmittance * radiance * (weight / pdf) as f32,
-            of: None,
+            environment: None,
         });
     }
     Some(())

@@ -8,9 +8,10 @@ use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::{Choice, DirectSample, EmitterPoint, Gathers};
 use crate::integrator::Counters;
 use crate::integrator::caustics::{Leg, ratio_at_camera, ratio_at_vertex};
+use crate::integrator::emitter_sampling::{EmitterSample, SampleCounts, sample_emitter};
 use crate::integrator::guide::{self, Directions, GuidedSample};
-use crate::integrator::light::{self, Sampled, Samples, Vertex};
 use crate::integrator::links::{self, Link, LinkSample, Links};
+use crate::integrator::vertex::Vertex;
 use crate::math::{DVec3, Ray};
 use crate::sampler::{Numbers, PAIRS, Sampler};
 use crate::scene::{Features, Scene};
@@ -73,15 +74,15 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
                 1 => self.u.emitter_sample(),
                 _ => shadows.numbers(scene, self.sampler, state.depth, which, count),
             };
-            let counts = Samples { emitter: f64::from(count), bsdf: 1.0 };
-            let found = light::sample_emitter(scene, vertex, &choice, u, counts, λ, light_paths);
+            let counts = SampleCounts { emitter: f64::from(count), bsdf: 1.0 };
+            let found = sample_emitter(scene, vertex, &choice, u, counts, λ, light_paths);
             let Some((mut proposal, sampled)) = found else { continue };
             if F & Features::ENVIRONMENT == 0 {
                 // It is none already; told so, the compiler leaves out what asks for it.
-                proposal.of = None;
+                proposal.environment = None;
             }
             let rivals = || {
-                let Sampled { emitter, light, density } = sampled;
+                let EmitterSample { emitter, light, density } = sampled;
                 let factor = || state.tail.factor(vertex, vertex.to_local(light.wi), density);
                 state.tail.rivals(scene, factor, self.end(emitter, &light), -light.wi)
             };

@@ -5,8 +5,8 @@ mod gather;
 pub mod reuse;
 mod scatter;
 mod shadows;
+mod step;
 mod stream;
-mod vertex;
 
 use super::AnyIntegrator;
 use super::lengths::Lengths;

@@ -3,7 +3,7 @@
 use super::FEW_EMITTERS;
 use super::reuse::{Contested, Rivals, Shared};
 use crate::emitter::MapPlace;
-use crate::integrator::light::Proposal;
+use crate::integrator::emitter_sampling::Proposal;
 use crate::integrator::wavefront::{STREAM, occluded};
 use crate::integrator::{CameraPath, Counters};
 use crate::math::Ray;
@@ -61,7 +61,7 @@ impl Shadows {
 
     #[inline(always)]
     pub fn push(&mut self, to: Destination, throughput: Spectrum, proposal: Proposal) {
-        if let Some(place) = proposal.of {
+        if let Some(place) = proposal.environment {
             self.mapped.push((self.light.len(), place));
         }
         self.rays.push(proposal.ray);

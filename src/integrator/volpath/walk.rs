@@ -4,9 +4,11 @@ use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::emitter::{Choice, Gathers};
 use crate::integrator::arrival::{Arrival, environment_along};
+use crate::integrator::emitter_sampling::{SampleCounts, sample_emitter};
 use crate::integrator::lengths::Lengths;
-use crate::integrator::light::{self, Samples, Vertex, power_heuristic};
+use crate::integrator::mis::power_heuristic;
 use crate::integrator::roulette::roulette;
+use crate::integrator::vertex::Vertex;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
 use crate::medium::{Flight, FlightNumbers, Medium};
@@ -221,7 +223,7 @@ impl<'a> Walk<'a> {
         let choice = Choice::at(gathers.at(vertex.point.p));
         let (numbers, λ) = (u.emitter_sample(), &self.path.λ);
         let found =
-            light::sample_emitter(self.scene, vertex, &choice, numbers, Samples::ONE, λ, |_, _, _| 0.0);
+            sample_emitter(self.scene, vertex, &choice, numbers, SampleCounts::ONE, λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };
         let ray = proposal.ray;
         let medium = match interface {

@@ -25,7 +25,7 @@ use super::shared::Source;
 use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::EmitterPoint;
 use crate::integrator::caustics::{Leg, ratio_at_vertex};
-use crate::integrator::light::Vertex;
+use crate::integrator::vertex::Vertex;
 use crate::math::{DVec3, INV_PI};
 use crate::sampler::blocks::SHARED_OF_PATH;
 use crate::scene::Scene;

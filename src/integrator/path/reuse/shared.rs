@@ -5,7 +5,7 @@ use super::super::stream::State;
 use super::rivals::Tail;
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
-use crate::integrator::light::Vertex;
+use crate::integrator::vertex::Vertex;
 use crate::integrator::wavefront;
 use crate::math::ray::{Ends, free_way};
 use crate::math::{DVec3, Origin, Ray, length};

@@ -8,7 +8,7 @@ use super::shadows::Shadows;
 use super::stream::{InFlight, Pending};
 use crate::emitter::EmitterPoint;
 use crate::integrator::MAX_VERTICES;
-use crate::integrator::light::power_heuristic_of_three;
+use crate::integrator::mis::power_heuristic_of_three;
 use crate::integrator::wavefront::Arrived;
 use crate::integrator::{Counters, Event};
 use crate::math::Ray;
