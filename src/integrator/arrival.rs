@@ -1,10 +1,11 @@
-//! How a ray was sampled that may meet an emitter, and the weight of the light that it finds there, for
-//! emitter samples could have found it as well.
+//! How a ray was sampled that may meet an emitter, and what weighs the light that it finds there: emitter samples
+//! could have found it as well.
 
 use super::mis::power_heuristic;
 use crate::emitter::{Choice, GatherPoint, Gathers, View};
 use crate::math::Ray;
-use crate::scene::Scene;
+use crate::scene::{Scene, Shape};
+use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// How a path's last direction was sampled: what the MIS weight of an emitter at its end depends on.
@@ -20,12 +21,34 @@ pub struct Arrival {
 
 impl Arrival {
     pub const FROM_CAMERA: Self = Self { pdf: 1.0, delta: true, emitter_samples: 1 };
+}
 
-    /// The density in sr⁻¹ of all emitter samples at the previous vertex together, if that of one that has
-    /// chosen this emitter is `pdf`.
-    #[inline]
-    pub fn density_of_samples(&self, scene: &Scene, from: GatherPoint, emitter: usize, pdf: f64) -> f64 {
-        Choice::at(from).density_of_samples(&scene.emitters, emitter, pdf, self.emitter_samples)
+/// An emitting surface that a ray has met.
+#[derive(Clone, Copy)]
+pub struct Met<'a> {
+    /// From the point of which the densities of emitter samples are asked.
+    pub ray: &'a Ray,
+    /// How far along the ray.
+    pub t: f64,
+    pub shape: &'a Shape,
+    pub point: &'a SurfacePoint,
+    /// Index of the emitter.
+    pub emitter: usize,
+}
+
+impl Met<'_> {
+    /// The radiance that comes back along the ray.
+    #[inline(always)]
+    pub fn radiance(&self, scene: &Scene, λ: &Wavelengths) -> Spectrum {
+        scene.emitters.list[self.emitter].emitter.surface_radiance(self.point, -self.ray.direction, λ)
+    }
+
+    /// The density in sr⁻¹ with which `count` emitter samples at the ray's origin, together, find the point.
+    #[inline(always)]
+    pub fn density_of_samples(&self, scene: &Scene, choice: &Choice, count: u32) -> f64 {
+        let emitter = &scene.emitters.list[self.emitter].emitter;
+        let pdf = emitter.surface_pdf(&self.shape.geometry, self.ray, self.t, self.point);
+        choice.density_of_samples(&scene.emitters, self.emitter, pdf, count)
     }
 }
 
@@ -58,6 +81,7 @@ pub fn environment_in_view(
         return radiance;
     }
     let pdf = emitter.distant_pdf(view, from.gathers.n);
-    let rival = arrival.density_of_samples(scene, from, index, pdf);
+    let choice = Choice::at(from);
+    let rival = choice.density_of_samples(&scene.emitters, index, pdf, arrival.emitter_samples);
     radiance * power_heuristic(arrival.pdf, rival) as f32
 }

@@ -1,11 +1,11 @@
 //! Direct light only.
 
-use super::arrival::{Arrival, environment_along};
+use super::arrival::{Arrival, Met, environment_along};
 use super::emitter_sampling::{SampleCounts, sample_emitter};
 use super::mis::power_heuristic;
 use super::vertex::Vertex;
 use super::{AnyIntegrator, CameraPath, Counters};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::{Choice, Gathers};
 use crate::math::Ray;
 use crate::sampler::PAIRS;
@@ -101,7 +101,7 @@ impl Direct {
             let (lobe, direction) = u.scattering(true);
             let Some(sample) = bsdf.sample(vertex.wo, lobe, direction) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
-            let arrived = self.arriving::<F>(scene, (&onward, &choice), &sample, λ, counters);
+            let arrived = self.arriving::<F>(scene, &onward, &choice, &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / samples.bsdf) as f32;
         }
         radiance
@@ -112,8 +112,9 @@ impl Direct {
     fn arriving<const F: u32>(
         &self,
         scene: &Scene,
-        (ray, choice): (&Ray, &Choice),
-        sample: &crate::bsdf::Sample,
+        ray: &Ray,
+        choice: &Choice,
+        sample: &Sample,
         λ: &Wavelengths,
         counters: &mut Counters,
     ) -> Spectrum {
@@ -130,13 +131,12 @@ impl Direct {
         };
         let (shape, point) = scene.surface::<F>(ray, &hit);
         let Some(index) = shape.emitter else { return Spectrum::ZERO };
-        let emitter = &scene.emitters.list[index as usize].emitter;
-        let emitted = emitter.surface_radiance(&point, -ray.direction, λ);
+        let met = Met { ray, t: hit.t, shape, point: &point, emitter: index as usize };
+        let emitted = met.radiance(scene, λ);
         if delta {
             return emitted;
         }
-        let found = emitter.surface_pdf(&shape.geometry, ray, hit.t, &point);
-        let rival = choice.density_of_samples(&scene.emitters, index as usize, found, self.emitter_samples);
+        let rival = met.density_of_samples(scene, choice, self.emitter_samples);
         emitted * power_heuristic(pdf, rival) as f32
     }
 }

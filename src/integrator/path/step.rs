@@ -6,15 +6,15 @@ use super::reuse::Contested;
 use super::scatter::Scatter;
 use super::shadows::Shadows;
 use super::stream::{InFlight, Pending};
-use crate::emitter::EmitterPoint;
+use crate::emitter::{Choice, EmitterPoint};
 use crate::integrator::MAX_VERTICES;
+use crate::integrator::arrival::Met;
 use crate::integrator::mis::power_heuristic_of_three;
 use crate::integrator::wavefront::Arrived;
 use crate::integrator::{Counters, Event};
 use crate::math::Ray;
 use crate::sampler::Numbers;
-use crate::scene::{Features, Scene, Shape};
-use crate::shape::SurfacePoint;
+use crate::scene::{Features, Scene};
 
 impl Path {
     /// Processes the vertex at the end of a ray; returns the next ray, or `None` if the path ends.
@@ -87,14 +87,14 @@ impl Path {
         &self,
         scene: &Scene,
         InFlight { index, path, state, gathers, shared, way }: InFlight,
-        Met { ray, t, shape, point, emitter }: Met,
+        met: Met,
         shadows: &mut Shadows,
         counters: &mut Counters,
     ) {
         let λ = &mut path.λ;
         path.covered |= !self.lengths.hide_emitters;
-        let entry = &scene.emitters.list[emitter];
-        let emitted = entry.emitter.surface_radiance(point, -ray.direction, λ);
+        let Met { ray, point, emitter, .. } = met;
+        let emitted = met.radiance(scene, λ);
         if emitted.is_zero() {
             return;
         }
@@ -106,8 +106,8 @@ impl Path {
                 0.0
             }
         } else {
-            let pdf = entry.emitter.surface_pdf(&shape.geometry, ray, t, point);
-            state.arrival.density_of_samples(scene, gathers.at(ray.origin), emitter, pdf) / state.arrival.pdf
+            let choice = Choice::at(gathers.at(ray.origin));
+            met.density_of_samples(scene, &choice, state.arrival.emitter_samples) / state.arrival.pdf
         };
         let by_light_path = match &scene.techniques.caustics {
             Some(caustics) if F & Features::CAUSTICS != 0 && state.from_caster => {
@@ -132,15 +132,4 @@ impl Path {
             }
         }
     }
-}
-
-/// An emitter that a ray has met.
-struct Met<'a> {
-    ray: &'a Ray,
-    /// How far along the ray.
-    t: f64,
-    shape: &'a Shape,
-    point: &'a SurfacePoint,
-    /// Its number.
-    emitter: usize,
 }

@@ -3,7 +3,7 @@
 use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::emitter::{Choice, Gathers};
-use crate::integrator::arrival::{Arrival, environment_along};
+use crate::integrator::arrival::{Arrival, Met, environment_along};
 use crate::integrator::emitter_sampling::{SampleCounts, sample_emitter};
 use crate::integrator::lengths::Lengths;
 use crate::integrator::mis::power_heuristic;
@@ -195,17 +195,17 @@ impl<'a> Walk<'a> {
 
     /// Light that an emitting surface sends along the ray.
     fn emission(&mut self, shape: &Shape, index: usize, point: &SurfacePoint) {
-        let emitter = &self.scene.emitters.list[index].emitter;
-        let emitted = emitter.surface_radiance(point, -self.ray.direction, &self.path.λ);
+        let ray = &Ray { origin: self.from, ..self.ray };
+        let met = Met { ray, t: self.travelled, shape, point, emitter: index };
+        let emitted = met.radiance(self.scene, &self.path.λ);
         if emitted.is_zero() {
             return;
         }
         let weight = if self.arrival.delta {
             1.0
         } else {
-            let ray = Ray { origin: self.from, ..self.ray };
-            let pdf = emitter.surface_pdf(&shape.geometry, &ray, self.travelled, point);
-            let rival = self.arrival.density_of_samples(self.scene, self.gathers.at(self.from), index, pdf);
+            let choice = Choice::at(self.gathers.at(self.from));
+            let rival = met.density_of_samples(self.scene, &choice, self.arrival.emitter_samples);
             power_heuristic(self.arrival.pdf, rival)
         };
         self.radiance += self.throughput * emitted * weight as f32;
