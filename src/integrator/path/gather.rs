@@ -177,8 +177,8 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             }
     }
 
-    /// The factor of r (see [`caustics`](crate::integrator::caustics)) that the vertex brings with a direction to the light (local) that
-    /// was sampled with density `pdf`.
+    /// The factor of r, see [`caustics`](crate::integrator::caustics), that the vertex brings with a direction to
+    /// the light (local) that was sampled with density `pdf`.
     fn ratio(&self, to_light: DVec3, pdf: f64) -> f64 {
         let Self { scene, vertex, wo, .. } = *self;
         let point = vertex.point;
