@@ -11,7 +11,7 @@ use etalon::math::{DVec2, DVec3, Ray, Transform, warp};
 use etalon::render::{Progress, Settings, render};
 use etalon::sampler::{Sampler, SamplerKind};
 use etalon::scene::loader::Loader;
-use etalon::scene::{self, Overrides, xml};
+use etalon::scene::{Overrides, xml};
 use etalon::shape::accel::Accel;
 use etalon::shape::mesh_data::sea_urchin;
 use etalon::shape::{Geometry, Mesh, SurfacePoint};
@@ -105,8 +105,8 @@ fn frames(criterion: &mut Criterion) {
     for name in ["cornell-spheres", "cornell-glossy", "prism"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("xml");
         let overrides = Overrides { size: Some((64, 48)), ..Overrides::default() };
-        let scene =
-            scene::load(&path, &[], ColorMode::Spectral, &overrides).expect("the scene is the project's own");
+        let scene = etalon::load(&path, &[], ColorMode::Spectral, &overrides)
+            .expect("the scene is the project's own");
         let settings = Settings::of(&scene, 0..16);
         group.bench_function(name, |b| {
             b.iter_batched(

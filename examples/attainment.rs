@@ -9,10 +9,11 @@
 
 use clap::Parser;
 use etalon::film::BLOCK;
+use etalon::load;
 use etalon::render::pilot::{Pilot, for_error};
 use etalon::render::quality::Quality;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::{Overrides, Scene, load};
+use etalon::scene::{Overrides, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
 use std::path::PathBuf;

@@ -12,8 +12,9 @@
 
 use clap::Parser;
 use etalon::film::BLOCK;
+use etalon::load;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::{Overrides, Scene, load};
+use etalon::scene::{Overrides, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -6,7 +6,7 @@
 //!
 //! for eight wavelengths at once, and of it the mean over each pixel's filter, lens and spectral response.
 //!
-//! - [`scene`]: from Mitsuba XML to plain arrays. Read [`scene::load`] first.
+//! - [`scene`]: from Mitsuba XML to plain arrays. [`load`] reads a scene and settles how it is to be rendered.
 //! - [`shape`], [`bsdf`], [`medium`], [`phase`], [`texture`], [`volume`], [`emitter`], [`sensor`],
 //!   [`sampler`]: the models, one file each.
 //! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
@@ -36,3 +36,30 @@ pub mod shape;
 pub mod spectrum;
 pub mod texture;
 pub mod volume;
+
+use scene::error::SceneError;
+use scene::{Overrides, Scene};
+use spectrum::ColorMode;
+use std::path::Path;
+
+/// Reads a scene file, and settles what it leaves open by pilots. `definitions` are values for its
+/// `$parameters`.
+///
+/// # Errors
+/// If the file, or one that it refers to, cannot be read or says what is not understood; with the place.
+pub fn load(
+    path: &Path,
+    definitions: &[(String, String)],
+    mode: ColorMode,
+    overrides: &Overrides,
+) -> Result<Scene, SceneError> {
+    scene::read(path, definitions, mode, overrides).map(render::plan::settle)
+}
+
+/// The same from text, as if it stood in a file called `name`.
+///
+/// # Errors
+/// As [`load`] has them.
+pub fn load_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, SceneError> {
+    scene::read_text(name, text, mode).map(render::plan::settle)
+}

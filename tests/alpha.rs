@@ -1,7 +1,7 @@
 //! Coverage: the `A` channel of pixels.
 
+use etalon::load_text;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::load_text;
 use etalon::spectrum::ColorMode;
 
 /// The `A` of a one-pixel film that sees `content` head-on.

@@ -5,8 +5,9 @@ mod scenes;
 
 use etalon::image::{Image, read_exr};
 use etalon::integrator::KERNELS;
+use etalon::load_text;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::{Scene, load_text};
+use etalon::scene::Scene;
 use scenes::{SCENES, Trial, Units};
 use std::fs;
 use std::path::Path;

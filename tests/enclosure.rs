@@ -1,8 +1,8 @@
 //! Inside a luminous sphere that reflects the share ρ of light, the radiance of paths of up to n edges is 1 +
 //! ρ + … + ρⁿ⁻¹ in every direction, whatever the method.
 
+use etalon::load_text;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::load_text;
 use etalon::spectrum::ColorMode;
 
 const REFLECTANCE: f64 = 0.5;

@@ -1,7 +1,7 @@
 //! A part at the top of a file, used by a reference, means the same as in its place.
 
+use etalon::load_text;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::load_text;
 use etalon::spectrum::ColorMode;
 
 /// The bits of an image of a lamp above a floor; each part is in its place, or at the top with a reference to

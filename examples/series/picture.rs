@@ -3,7 +3,7 @@
 use etalon::film::Film;
 use etalon::image::{self, Image, Rgb8};
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::{self, Overrides, Scene};
+use etalon::scene::{Overrides, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ impl Studio {
         let definitions: Vec<_> =
             definitions.iter().map(|(name, value)| ((*name).into(), value.clone())).collect();
         let overrides = Overrides { size: Some(self.size), ..Overrides::default() };
-        Ok(scene::load(path, &definitions, ColorMode::Spectral, &overrides)?)
+        Ok(etalon::load(path, &definitions, ColorMode::Spectral, &overrides)?)
     }
 
     /// Renders samples 0 to `samples` of every pixel.

@@ -2,8 +2,9 @@
 //! Snell's law.
 
 use super::Bsdf;
+use crate::load_text;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Ray, length};
-use crate::scene::{Features, Scene, load_text};
+use crate::scene::{Features, Scene};
 use crate::spectrum::materials::Dispersion;
 use crate::spectrum::{ColorMode, Wavelengths};
 

@@ -190,7 +190,7 @@ impl SceneArguments {
             shared_light_paths: self.shared_light_paths,
             links: self.links.clone(),
         };
-        let load = || scene::load(&self.scene, &self.define, self.color, &overrides);
+        let load = || etalon::load(&self.scene, &self.define, self.color, &overrides);
         Ok(etalon::render::with_threads(threads, load)??)
     }
 

@@ -11,7 +11,6 @@ use etalon::image::{self, Image};
 use etalon::render::passes::Partial;
 use etalon::render::pilot::{self, NoCount, Pilot};
 use etalon::render::quality::Quality;
-use etalon::render::sample::channel_names;
 use etalon::render::{Progress, RenderError, Report, Settings, checkpoint, memory};
 use etalon::scene::Scene;
 use std::io;
@@ -84,7 +83,7 @@ impl Arguments {
                     .into(),
             );
         }
-        let channels = channel_names(&scene.sensor.film, &scene.integrator);
+        let channels = scene.integrator.channel_names(&scene.sensor.film);
         if self.png.is_some() {
             image::check_developable(&channels)?;
         }

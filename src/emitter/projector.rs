@@ -89,7 +89,8 @@ impl Projector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Scene, load_text};
+    use crate::load_text;
+    use crate::scene::Scene;
     use crate::spectrum::ColorMode;
 
     const PLACE: &str = r#"<float name="fov" value="50"/><string name="fov_axis" value="y"/>

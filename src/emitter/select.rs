@@ -260,8 +260,8 @@ impl<'a> Choice<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load_text;
     use crate::math::DVec3;
-    use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
     #[test]

@@ -91,7 +91,7 @@ impl Spot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load_text;
+    use crate::load_text;
     use crate::spectrum::ColorMode;
 
     /// What arrives at places one away from a spot at the origin that shines along z, by the angle from the

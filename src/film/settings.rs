@@ -279,7 +279,7 @@ fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load_text;
+    use crate::load_text;
 
     const SIZE: (u32, u32) = (7, 5);
 

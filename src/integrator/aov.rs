@@ -151,8 +151,8 @@ impl Aov {
 
 #[cfg(test)]
 mod tests {
+    use crate::load_text;
     use crate::render::{Progress, Settings, render};
-    use crate::scene::load_text;
     use crate::scene::trial::ball_of_glass;
     use crate::spectrum::ColorMode;
 

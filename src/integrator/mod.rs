@@ -23,6 +23,7 @@ mod volpath;
 mod volpathmis;
 mod wavefront;
 
+use crate::film::Film;
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;
 pub use crate::sampler::blocks::MAX_VERTICES;
@@ -291,6 +292,18 @@ impl AnyIntegrator {
     /// Whether texture coordinates are needed even where no texture is.
     pub fn needs_uv(&self) -> bool {
         matches!(self, Self::Aov(_)) || self.nested().is_some_and(Self::needs_uv)
+    }
+
+    /// Names of the channels of an image: R, G, B, alpha, the spectral bands, and what the integrator adds.
+    pub fn channel_names(&self, film: &Film) -> Vec<String> {
+        let mut names: Vec<String> = vec![];
+        if self.has_radiance() {
+            names.extend(COLOURS.map(String::from));
+            names.extend(film.alpha.then(|| "A".to_owned()));
+            names.extend(film.bands.iter().map(|band| band.channel.clone()));
+        }
+        names.extend(self.extra_channels());
+        names
     }
 
     /// Names of the channels besides the colours.

@@ -72,8 +72,8 @@ impl Moment {
 
 #[cfg(test)]
 mod tests {
+    use crate::load_text;
     use crate::render::{Progress, Settings, render};
-    use crate::scene::load_text;
     use crate::scene::trial::ball_of_glass;
     use crate::spectrum::ColorMode;
     use crate::spectrum::observer::luminance;

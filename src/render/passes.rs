@@ -151,8 +151,8 @@ fn next_pass(done: u64, end: u64, longest: u64) -> Range<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load_text;
     use crate::render::render;
-    use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
     const SCENE: &str = r#"<scene version="3.0.0">

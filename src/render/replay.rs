@@ -64,8 +64,8 @@ impl SampleMaker<'_> {
 mod tests {
     use super::*;
     use crate::integrator::kernel_for;
+    use crate::load_text;
     use crate::render::{Progress, Settings, render};
-    use crate::scene::load_text;
     use crate::scene::trial::ball_of_glass;
     use crate::spectrum::ColorMode;
 

@@ -3,25 +3,13 @@
 use crate::film::filter_weights::Place;
 use crate::film::{Band, Film};
 use crate::integrator::path::reuse;
-use crate::integrator::{AnyIntegrator, COLOURS, CameraPath, Counters, KernelEntry};
+use crate::integrator::{CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
 use crate::sampler::{ManyNumbers, Numbers, RandomSource, SampleId, Sampler, blocks};
 use crate::scene::Scene;
 use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
 use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
 use std::ops::Range;
-
-/// The channels of an image: R, G, B, alpha, the spectral bands, and what the integrator adds.
-pub fn channel_names(film: &Film, integrator: &AnyIntegrator) -> Vec<String> {
-    let mut names: Vec<String> = vec![];
-    if integrator.has_radiance() {
-        names.extend(COLOURS.map(String::from));
-        names.extend(film.alpha.then(|| "A".to_owned()));
-        names.extend(film.bands.iter().map(|b| b.channel.clone()));
-    }
-    names.extend(integrator.extra_channels());
-    names
-}
 
 /// Everything that makes samples of a scene.
 pub struct SampleMaker<'a> {
@@ -47,9 +35,9 @@ impl<'a> SampleMaker<'a> {
         Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), extra, band_range }
     }
 
-    /// The names of the channels that are filled; see [`channel_names`].
+    /// The names of the channels that are filled.
     pub fn channel_names(&self) -> Vec<String> {
-        channel_names(&self.scene.sensor.film, &self.scene.integrator)
+        self.scene.integrator.channel_names(&self.scene.sensor.film)
     }
 
     /// How many there are of these.
@@ -264,7 +252,7 @@ fn respond(bands: &[Band], λ: &Wavelengths, radiance: Spectrum, weight: f64, va
 mod tests {
     use super::*;
     use crate::integrator::kernel_for;
-    use crate::scene::load_text;
+    use crate::load_text;
 
     #[test]
     fn film_lens_and_wavelengths_know_nothing_of_one_another() {

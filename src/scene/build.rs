@@ -18,8 +18,6 @@ use crate::integrator::caustics::Caustics;
 use crate::integrator::links::{LinkPolicy, Links};
 use crate::integrator::{AnyIntegrator, INTEGRATORS, Techniques};
 use crate::phase::PHASES;
-use crate::render::plan;
-use crate::render::sample::channel_names;
 use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
@@ -28,12 +26,12 @@ use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use crate::volume::VOLUMES;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Checks that a file can hold all channels of the image. Models have checked their own; this is about those
 /// of film and integrator together.
 fn check_channels(film: &Film, integrator: &AnyIntegrator, place: &Span) -> Result<(), SceneError> {
-    let names = channel_names(film, integrator);
+    let names = integrator.channel_names(film);
     check_names(&names).map_err(|(index, why)| {
         let of_film = index < names.len() - integrator.extra_channels().len();
         let band = film.bands.iter().rfind(|band| of_film && band.channel == names[index]);
@@ -74,8 +72,12 @@ const OF_SEARCHES: [&str; 12] = [
     "kd_traversal_cost",
 ];
 
-/// Reads a scene file. `definitions` are values for its `$parameters`.
-pub fn load(
+/// Reads a scene file, but settles nothing that it leaves open: [`crate::load`] does. `definitions` are values for
+/// its `$parameters`.
+///
+/// # Errors
+/// As [`crate::load`] has them.
+pub fn read(
     path: &Path,
     definitions: &[(String, String)],
     mode: ColorMode,
@@ -86,8 +88,11 @@ pub fn load(
     build(&document, mode)
 }
 
-/// Reads a scene from text, as if it stood in a file called `name`.
-pub fn load_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, SceneError> {
+/// The same from text, as if it stood in a file called `name`.
+///
+/// # Errors
+/// As [`crate::load`] has them.
+pub fn read_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, SceneError> {
     build(&xml::read_text(name, text)?, mode)
 }
 
@@ -100,18 +105,14 @@ struct Declared<'a, 'd> {
 
 fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     let loader = Loader::new(document, mode)?;
-    let Declared { objects, sensor, integrator } = read(&document.root, &loader)?;
+    let Declared { objects, sensor, integrator } = declared(&document.root, &loader)?;
     let hash = hash(document, &loader, mode)?;
     let files = [&document.files[..], &loader.files()].concat();
-    let mut scene = Scene { hash, files, ..assemble(objects, sensor, integrator, mode) };
-    let begin = Instant::now();
-    plan::settle(&mut scene);
-    scene.planning = begin.elapsed();
-    Ok(scene)
+    Ok(Scene { hash, files, ..assemble(objects, sensor, integrator, mode) })
 }
 
 /// Reads the elements of a scene.
-fn read<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declared<'a, 'd>, SceneError> {
+fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declared<'a, 'd>, SceneError> {
     if root.tag != "scene" {
         return Err(SceneError::at(&root.span, format!("the root is a <{}>", root.tag), "expected <scene>"));
     }
@@ -253,7 +254,7 @@ mod tests {
                 <shape type="cube"><boolean name="face_normals" value="true"/></shape>
                 <shape type="rectangle"><boolean name="face_normals" value="true"/></shape></scene>"#
             );
-            let loaded = load_text("scene.xml", &text, ColorMode::Rgb).map(drop);
+            let loaded = read_text("scene.xml", &text, ColorMode::Rgb).map(drop);
             assert!(loaded.is_ok(), "{kind}: {}", loaded.unwrap_err());
         }
     }
@@ -266,7 +267,7 @@ mod tests {
                 <shape type="sphere"/></scene>"#
             )
         };
-        let load = |unused: &str| load_text("scene.xml", &text(unused), ColorMode::Spectral).unwrap();
+        let load = |unused: &str| read_text("scene.xml", &text(unused), ColorMode::Spectral).unwrap();
         let null = r#"<bsdf type="null" id="null"/>"#;
         let glass = r#"<bsdf type="dielectric" id="glass"><string name="dispersion" value="BK7"/></bsdf>"#;
         for unused in [null, glass] {

@@ -169,9 +169,10 @@ impl Instances {
 
 #[cfg(test)]
 mod tests {
+    use crate::load_text;
     use crate::math::{DVec2, DVec3, Ray, length, warp};
     use crate::render::{Progress, Settings, render};
-    use crate::scene::{Features, Scene, load_text};
+    use crate::scene::{Features, Scene};
     use crate::spectrum::ColorMode;
     use rand_pcg::{Pcg32, rand_core::Rng};
 

@@ -77,8 +77,8 @@ pub fn raise(shapes: &mut [Shape], instances: impl Iterator<Item = Bounds>) {
 
 #[cfg(test)]
 mod tests {
+    use crate::load_text;
     use crate::render::{Progress, Settings, render};
-    use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
     /// Direct light on a floor by one technique alone, and its standard error.

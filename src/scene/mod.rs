@@ -34,7 +34,7 @@ use crate::sensor::Sensor;
 use crate::shape::accel::Accel;
 use crate::shape::{Geometry, Hit, Mesh, SurfacePoint};
 use crate::spectrum::ColorMode;
-pub use build::{load, load_text};
+pub use build::{read, read_text};
 pub use features::Features;
 use instances::Instances;
 pub use overrides::Overrides;

@@ -1,8 +1,8 @@
 //! Tests that every example of every camera must pass.
 
 use super::{AnySensor, SENSORS};
+use crate::load_text;
 use crate::math::{DVec2, DVec3, Ray, length};
-use crate::scene::load_text;
 use crate::spectrum::ColorMode;
 
 /// Every example, and each turned, moved and, if it bears it, stretched.

@@ -271,7 +271,7 @@ fn weighted<T: Mul<f32, Output = T> + AddAssign>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load_text;
+    use crate::load_text;
 
     /// Five by three texels of no pattern, under a map that turns and stretches.
     fn picture(nearest: bool) -> Bitmap {

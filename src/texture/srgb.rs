@@ -28,9 +28,9 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
 
 #[cfg(test)]
 mod tests {
+    use crate::load_text;
     use crate::math::DVec3;
     use crate::scene::error::SceneError;
-    use crate::scene::load_text;
     use crate::spectrum::{ColorMode, Wavelengths};
 
     /// What surrounds a scene with this radiance, or the error.

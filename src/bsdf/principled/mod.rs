@@ -158,8 +158,8 @@ const SPECULAR: &str = "reflectance at normal incidence, in units of 0.08";
 
 #[cfg(test)]
 mod tests {
+    use crate::load_text;
     use crate::render::{Progress, Settings, render};
-    use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
     /// Rates say how lobes are sampled, not what they do.

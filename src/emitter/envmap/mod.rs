@@ -217,7 +217,7 @@ fn importances(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::load_text;
+    use crate::load_text;
     use crate::spectrum::ColorMode;
 
     /// Black texels are no light, and no error.

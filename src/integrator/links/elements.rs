@@ -238,7 +238,7 @@ fn flat_pieces(mesh: &Mesh) -> Vec<(Form, Ball, Vec<u32>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load_text;
+    use crate::load_text;
     use crate::spectrum::ColorMode;
 
     #[test]

@@ -2,9 +2,9 @@ mod mirrors;
 
 use super::passage::Turn;
 use super::*;
+use crate::load_text;
 use crate::math::frame::unit;
 use crate::math::{DVec2, Frame, Origin};
-use crate::scene::load_text;
 use crate::shape::mesh_data::{MeshData, write_ply};
 use crate::spectrum::ColorMode;
 

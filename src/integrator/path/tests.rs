@@ -2,8 +2,8 @@
 
 use crate::image::Image;
 use crate::integrator::roulette::{ENDLESS, Roulette};
+use crate::load_text;
 use crate::render::{Progress, Report, Settings, render};
-use crate::scene::load_text;
 use crate::spectrum::ColorMode;
 
 /// A scene in RGB with so many samples a pixel.

@@ -1,5 +1,5 @@
+use crate::load_text;
 use crate::render::{Progress, Settings, render};
-use crate::scene::load_text;
 use crate::scene::trial::ball_of_glass;
 use crate::spectrum::ColorMode;
 

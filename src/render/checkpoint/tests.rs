@@ -1,7 +1,7 @@
 use super::*;
+use crate::load_text;
 use crate::render::Progress;
 use crate::render::passes::render_passes;
-use crate::scene::load_text;
 use crate::spectrum::ColorMode;
 use std::fs;
 use std::ops::ControlFlow;

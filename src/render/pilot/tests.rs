@@ -1,6 +1,6 @@
 use super::*;
+use crate::load_text;
 use crate::render::{RenderError, render};
-use crate::scene::load_text;
 use crate::spectrum::ColorMode;
 
 fn scene(content: &str) -> Scene {

@@ -79,7 +79,7 @@ fn guided_samples(scene: &Scene) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::load_text;
+    use crate::load_text;
     use crate::spectrum::ColorMode;
 
     /// Whether there is a guide, and whether there are links, in a room with this inside.

@@ -255,7 +255,8 @@ fn part_of_light_paths(scene: &Scene) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::{Features, load_text};
+    use crate::load_text;
+    use crate::scene::Features;
     use crate::spectrum::ColorMode;
 
     /// Light paths to a camera path in a box whose lamp is behind glass or not, or that has no glass, or no

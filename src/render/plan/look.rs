@@ -224,8 +224,8 @@ mod tests {
     use super::super::cells::first_of;
     use super::*;
     use crate::film::Window;
+    use crate::load_text;
     use crate::render::spread::Spread;
-    use crate::scene::load_text;
     use crate::spectrum::ColorMode;
 
     const ROOM: &str = r#"<scene version="3.0.0"><integrator type="path"/>

@@ -20,12 +20,16 @@ use crate::integrator::kernel_for;
 use crate::sampler::SampleId;
 use crate::scene::Scene;
 use crate::spectrum::observer::luminance;
+use std::time::Instant;
 
 /// Settles all that the scene's file leaves open.
-pub fn settle(scene: &mut Scene) {
-    light_paths::settle(scene);
-    guide::settle(scene);
-    reuse::settle(scene);
+pub fn settle(mut scene: Scene) -> Scene {
+    let begin = Instant::now();
+    light_paths::settle(&mut scene);
+    guide::settle(&mut scene);
+    reuse::settle(&mut scene);
+    scene.planning = begin.elapsed();
+    scene
 }
 
 /// The i-th of numbers spread evenly below `count`: multiples of the golden ratio leave no gaps.

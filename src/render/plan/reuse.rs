@@ -66,7 +66,7 @@ pub fn set(scene: &mut Scene, choice: Candidate) {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::load_text;
+    use crate::load_text;
     use crate::spectrum::ColorMode;
 
     /// Pixels that share, emitter samples of the first vertex and light paths that look for caustics.

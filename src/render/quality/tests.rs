@@ -1,6 +1,6 @@
 use super::*;
+use crate::load_text;
 use crate::render::{Progress, Settings, render};
-use crate::scene::load_text;
 use crate::scene::trial::ball_of_glass;
 use crate::spectrum::ColorMode;
 

@@ -1,9 +1,10 @@
 use super::*;
 use crate::image::Image;
 use crate::integrator::kernel_for;
+use crate::load_text;
 use crate::render::quality::{Correlation, Quality};
 use crate::render::{Progress, Settings, render};
-use crate::scene::{Scene, load_text};
+use crate::scene::Scene;
 use crate::spectrum::ColorMode;
 
 const FILTERS: [&str; 4] = [

@@ -1,4 +1,5 @@
-use crate::scene::{Overrides, Scene, load};
+use crate::load;
+use crate::scene::{Overrides, Scene};
 use crate::spectrum::ColorMode;
 
 const SENSOR: &str = r#"<sensor type="perspective"/>"#;

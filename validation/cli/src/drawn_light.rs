@@ -3,7 +3,7 @@
 use etalon::emitter::select::Expected;
 use etalon::emitter::{AnyEmitter, Radiance};
 use etalon::math::{DVec2, Ray};
-use etalon::scene::{self, Features, Scene};
+use etalon::scene::{Features, Scene};
 use etalon::spectrum::{ColorMode, Wavelengths};
 use std::path::Path;
 use validation::scatterer::{DVec3, Laws};
@@ -50,7 +50,7 @@ impl Light {
     fn new(inside: &str) -> Result<Self, String> {
         let sensor = r#"<sensor type="perspective"/><integrator type="path"/>"#;
         let text = format!("<scene version=\"3.0.0\">{sensor}{inside}</scene>");
-        let scene = scene::load_text("light.xml", &text, ColorMode::Spectral).map_err(|e| e.to_string())?;
+        let scene = etalon::load_text("light.xml", &text, ColorMode::Spectral).map_err(|e| e.to_string())?;
         let λ = Wavelengths::sample_visible(0.4);
         Ok(Self { scene, λ, middle: DVec3::ZERO, radius: 1.0, n: DVec3::ZERO })
     }

@@ -2,7 +2,7 @@
 
 use crate::files;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::{self, Overrides};
+use etalon::scene::Overrides;
 use etalon::spectrum::ColorMode;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -72,7 +72,7 @@ impl Reference {
         // Independent samples, because the pixel variance of stratified ones is an overestimate.
         let overrides =
             Overrides { seed: Some(seed), sampler: Some("independent".into()), ..Overrides::default() };
-        let scene = scene::load(&self.scene, &[], self.mode, &overrides).map_err(|e| e.to_string())?;
+        let scene = etalon::load(&self.scene, &[], self.mode, &overrides).map_err(|e| e.to_string())?;
         let settings = Settings { seed, threads: 0, ..Settings::of(&scene, 0..u64::from(samples)) };
         let (rendered, _) = render(&scene, &settings, &Progress::default()).map_err(|e| e.to_string())?;
         let mut ours = image::Image {

@@ -4,8 +4,9 @@
 //! World space is right-handed with z up; lengths have no unit.
 
 use etalon::image::Image as Rendered;
+use etalon::load_text;
 use etalon::render::{Progress, Settings, render};
-use etalon::scene::{Scene, load_text};
+use etalon::scene::Scene;
 use etalon::spectrum::ColorMode;
 use validation::image::{Channel, Image};
 use validation::{Outcome, Verdict};

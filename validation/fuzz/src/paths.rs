@@ -46,7 +46,7 @@ pub fn follow(
         }
         let scene = grammar::scene(models, folder, number).ok_or("the grammar has a dead end")?;
         let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
-        let Ok(loaded) = etalon::scene::load_text("scene.xml", &scene.text, mode) else {
+        let Ok(loaded) = etalon::load_text("scene.xml", &scene.text, mode) else {
             record.refused += 1;
             continue;
         };

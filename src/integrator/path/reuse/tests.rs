@@ -6,10 +6,10 @@ use super::rivals::Rivals;
 use super::shared::{Receiver, Shared, Source};
 use super::*;
 use crate::integrator::{CameraPath, Counters};
+use crate::load_text;
 use crate::math::frame::unit;
 use crate::math::{DVec3, Ray, Transform};
 use crate::sampler::{Sampler, SamplerKind};
-use crate::scene::load_text;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! The readers under test, one table row each.
 
 use super::mutate::{self, Mutate};
-use etalon::scene::load_text;
+use etalon::load_text;
 use etalon::spectrum::ColorMode;
 use etalon::spectrum::table::Tabulated;
 use std::path::Path;

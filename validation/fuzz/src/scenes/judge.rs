@@ -186,8 +186,7 @@ fn once(
 /// Renders the scene with Etalon.
 fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image, String> {
     let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
-    let loaded =
-        etalon::scene::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
+    let loaded = etalon::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
     let settings = Settings { seed, ..Settings::of(&loaded, 0..u64::from(samples)) };
     let (image, report) = render(&loaded, &settings, &Progress::default()).map_err(|e| e.to_string())?;
     if report.non_finite > 0 {
