@@ -10,8 +10,8 @@
 use clap::Parser;
 use etalon::film::BLOCK;
 use etalon::load;
-use etalon::render::pilot::{Pilot, for_error};
 use etalon::render::quality::Quality;
+use etalon::render::sample_count::{Pilot, for_error};
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{Overrides, Scene};
 use etalon::spectrum::ColorMode;

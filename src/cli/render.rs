@@ -9,8 +9,8 @@ use super::{INTERRUPTED, NOT_FINITE, Outcome, SceneArguments, UNATTAINED, quoted
 use etalon::film::Window;
 use etalon::image::{self, Image};
 use etalon::render::passes::Partial;
-use etalon::render::pilot::{self, NoCount, Pilot};
 use etalon::render::quality::Quality;
+use etalon::render::sample_count::{self, NoCount, Pilot};
 use etalon::render::{Progress, RenderError, Report, Settings, checkpoint, memory};
 use etalon::scene::Scene;
 use std::io;
@@ -220,8 +220,8 @@ impl Arguments {
         progress: &Progress,
     ) -> Result<Option<Pilot>, String> {
         let count = match (self.time, self.target_error) {
-            (Some(seconds), _) => pilot::for_time(scene, settings, seconds, progress),
-            (_, Some(target)) => pilot::for_error(scene, settings, target, progress),
+            (Some(seconds), _) => sample_count::for_time(scene, settings, seconds, progress),
+            (_, Some(target)) => sample_count::for_error(scene, settings, target, progress),
             _ => return Ok(None),
         };
         match count {

@@ -2,7 +2,7 @@
 
 use super::say;
 use etalon::image::Image;
-use etalon::render::pilot::Pilot;
+use etalon::render::sample_count::Pilot;
 use etalon::render::quality::Quality;
 use etalon::render::{Report, memory};
 use etalon::scene::Scene;

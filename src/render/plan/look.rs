@@ -67,14 +67,14 @@ pub struct Cell {
 
 /// What has been seen of the cells of a film, in the order of [`Cells`].
 #[derive(Default)]
-pub struct Sight {
-    seen: Vec<Seen>,
+pub struct Measurements {
+    seen: Vec<CellMeasurement>,
     /// The weight of each in means over the film.
     weights: Vec<f64>,
 }
 
 /// What was seen of a cell.
-struct Seen {
+struct CellMeasurement {
     corner: (u32, u32),
     /// Mean and variance of one sample of each pixel.
     pixels: Vec<(f64, f64)>,
@@ -82,13 +82,13 @@ struct Seen {
     cost: f64,
 }
 
-impl Sight {
+impl Measurements {
     /// Looks on, until the first `count` cells have been seen, which begin with those that have been. The scene
     /// has the settings that it had before.
     pub fn extend(&mut self, scene: &Scene, cells: &Cells, count: usize) {
         let maker = pilot_maker(scene);
         let corners: Vec<_> = cells.corners(count).skip(self.seen.len()).collect();
-        let more = corners.par_iter().map(|corner| Seen::at(scene, &maker, *corner));
+        let more = corners.par_iter().map(|corner| CellMeasurement::at(scene, &maker, *corner));
         self.seen.par_extend(more);
         self.weights = cells.weights(count).collect();
     }
@@ -109,7 +109,7 @@ impl Look {
         let [fewest, most] = CELLS_OF_ONE_LOOK;
         let one_of_each_pixel =
             scene.sensor.film.crop.pixels() as u64 / (u64::from(CELL * CELL) * CAMERA_SAMPLES);
-        let mut sight = Sight::default();
+        let mut sight = Measurements::default();
         sight.extend(scene, cells, one_of_each_pixel.clamp(fewest, most) as usize);
         sight.look()
     }
@@ -126,7 +126,7 @@ impl Look {
     }
 }
 
-impl Seen {
+impl CellMeasurement {
     fn at(scene: &Scene, maker: &SampleMaker, corner: (u32, u32)) -> Self {
         const BLOCKS: u64 = CAMERA_SAMPLES / LOOK_BLOCK;
         let film = &scene.sensor.film;
@@ -278,7 +278,7 @@ mod tests {
         let corners = || [8, 16, 24, 32].into_iter().flat_map(|x| [8, 16, 24].map(|y| (x, y)));
         let size = scene.sensor.film.size;
         let expected: f64 = corners().flat_map(|corner| cell(corner, 0, size)).map(of_pixel).sum();
-        let seen = corners().flat_map(|corner| Seen::at(&scene, &maker, corner).pixels);
+        let seen = corners().flat_map(|corner| CellMeasurement::at(&scene, &maker, corner).pixels);
         let found: f64 = seen.map(|(_, variance)| variance).sum();
         assert!((found / expected - 1.0).abs() < 0.5 && expected > 0.0, "{found} {expected}");
     }
@@ -300,7 +300,7 @@ mod tests {
         let scene = load_text("room.xml", ROOM, ColorMode::Rgb).expect("it loads");
         let cells = Cells::of(scene.sensor.film.crop, |(x, _)| x < 8);
         let looked = |stages: &[usize]| {
-            let mut sight = Sight::default();
+            let mut sight = Measurements::default();
             stages.iter().for_each(|count| sight.extend(&scene, &cells, *count));
             let look = sight.look();
             (look.product(), look.cost, look.cells.len())
@@ -310,7 +310,8 @@ mod tests {
 
     #[test]
     fn noise_in_the_dark_is_relative_to_the_light_of_the_image() {
-        let seen = Seen { corner: (0, 0), pixels: vec![(1.0, 4.0), (0.0, 0.0), (1e-3, 1e-4)], cost: 0.0 };
+        let seen =
+            CellMeasurement { corner: (0, 0), pixels: vec![(1.0, 4.0), (0.0, 0.0), (1e-3, 1e-4)], cost: 0.0 };
         let variance = |dark| seen.cell(dark, 1.0).variance;
         assert!((variance(0.0) - (4.0 + 100.0) / 3.0).abs() < 1e-12);
         assert!((variance(0.01) - (4.0 + 1e-4 / 1.01e-4) / 3.0).abs() < 1e-3);

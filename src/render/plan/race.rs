@@ -4,24 +4,34 @@
 use super::cells::Cells;
 use super::direct::Direct;
 use super::light_paths::{self, LightPathGain};
-use super::look::{Cell, Look, Sight};
+use super::look::{Cell, Look, Measurements};
 use super::reuse::{self, Candidate};
 use crate::integrator::caustics::Caustics;
 use crate::math::function::ln;
 use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
 use crate::scene::Scene;
 
-/// Numbers of pixels to choose from besides one, each with the factor by which its product of variance and
-/// cost is multiplied for comparison: correlated errors are a price as well, which a small gain is not worth.
-const PIXELS: [(u32, f64); 2] = [(16, 1.1), (64, 1.2)];
+/// A number to choose, and the factor by which the product of variance and cost is multiplied for comparison if it
+/// is chosen: correlated errors are a price as well, which a small gain is not worth.
+#[derive(Clone, Copy)]
+struct Priced {
+    number: u32,
+    price: f64,
+}
 
-/// Pixels per shared light path, and the factor for light paths (see [`PIXELS`]). The pilot, which looks at
-/// one colour and few samples, overestimates their gain where little noise is left.
-const PIXELS_PER_LIGHT_PATH: (u32, f64) = (8, 1.4);
+const fn priced(number: u32, price: f64) -> Priced {
+    Priced { number, price }
+}
 
-/// Numbers of emitter samples, as multiples of what other vertices take, each with its factor (see
-/// [`PIXELS`]).
-const SAMPLES: [(u32, f64); 4] = [(1, 1.0), (2, 1.05), (4, 1.1), (8, 1.15)];
+/// Numbers of pixels that share, to choose from besides one.
+const PIXELS: [Priced; 2] = [priced(16, 1.1), priced(64, 1.2)];
+
+/// Pixels per shared light path. The pilot, which looks at one colour and few samples, overestimates what light
+/// paths gain where little noise is left.
+const PIXELS_PER_LIGHT_PATH: Priced = priced(8, 1.4);
+
+/// Numbers of emitter samples, as multiples of what other vertices take.
+const SAMPLES: [Priced; 4] = [priced(1, 1.0), priced(2, 1.05), priced(4, 1.1), priced(8, 1.15)];
 
 /// Numbers of cells of the stages of a race; the last is all that a look goes on to.
 const STAGES: [usize; 4] = [8, 16, 32, usize::MAX];
@@ -45,7 +55,7 @@ pub struct Judged {
     pub choice: Candidate,
     pub caustics: Option<f64>,
     look: Look,
-    /// Variance times cost, and factors such as those of [`PIXELS`].
+    /// Variance times cost times prices.
     product: f64,
 }
 
@@ -81,9 +91,9 @@ struct Entrant {
     /// With the fewest emitter samples.
     choice: Candidate,
     price: f64,
-    /// Numbers of emitter samples that are in the race, with their factors.
-    samples: Vec<(u32, f64)>,
-    sight: Sight,
+    /// Numbers of emitter samples that are in the race.
+    samples: Vec<Priced>,
+    measured: Measurements,
 }
 
 /// All ways to render with light paths for caustics, or without them.
@@ -91,10 +101,16 @@ struct Field {
     caustics: bool,
     /// The first shares nothing. It is looked at as long as it is in the race or predicts others.
     entrants: Vec<Entrant>,
-    /// The first with the most emitter samples, while their number is open.
-    many: Option<Entrant>,
-    /// Those that enter, with their price, once one of others is within [`FAR`] of the best.
-    waiting: Vec<(Candidate, f64, Vec<Candidate>)>,
+    /// The first entrant with the most emitter samples, while their number is open.
+    with_most_samples: Option<Entrant>,
+    waiting: Vec<Waiting>,
+}
+
+/// What enters the race once one of others is within [`FAR`] of the best.
+struct Waiting {
+    candidate: Candidate,
+    price: f64,
+    others: Vec<Candidate>,
 }
 
 /// All fields of a scene.
@@ -102,21 +118,26 @@ pub struct Race<'a> {
     scene: &'a mut Scene,
     cells: Cells,
     fields: Vec<Field>,
-    /// All numbers of emitter samples, with their factors.
-    samples: Vec<(u32, f64)>,
+    /// All numbers of emitter samples to choose from.
+    samples: Vec<Priced>,
     /// What light paths for caustics bring.
     brought: Option<LightPathGain>,
     /// These light paths, while the scene is without them.
-    aside: Option<Caustics>,
+    unused_caustics: Option<Caustics>,
 }
 
 impl<'a> Race<'a> {
     /// Of all settings of a scene that a pilot is to choose; the others are as given.
     pub fn new(scene: &'a mut Scene, given: Candidate) -> Self {
         let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
-        let times = |(times, price): (u32, f64)| ((times * given.samples).min(MOST_EMITTER_SAMPLES), price);
-        let samples =
-            if free.first_emitter_samples { SAMPLES.map(times).into() } else { vec![(given.samples, 1.0)] };
+        let times = |Priced { number: times, price }| {
+            priced((times * given.samples).min(MOST_EMITTER_SAMPLES), price)
+        };
+        let samples = if free.first_emitter_samples {
+            SAMPLES.map(times).into()
+        } else {
+            vec![priced(given.samples, 1.0)]
+        };
         let brought = LightPathGain::of(scene);
         let evenly = || Cells::of(scene.sensor.film.crop, |_| false);
         let cells = brought.as_ref().map_or_else(evenly, LightPathGain::cells);
@@ -125,7 +146,7 @@ impl<'a> Race<'a> {
         let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
         let with = brought.is_some();
         let fields = if with && relieved { vec![field(true), field(false)] } else { vec![field(with)] };
-        Self { scene, cells, fields, samples, brought, aside: None }
+        Self { scene, cells, fields, samples, brought, unused_caustics: None }
     }
 
     /// Runs it, and gives the scene the settings of the winner.
@@ -147,14 +168,14 @@ impl<'a> Race<'a> {
             }
         }
         let best = self.best();
-        self.dress(best.caustics.is_some(), best.choice);
+        self.apply(best.caustics.is_some(), best.choice);
         best
     }
 
     /// Gives the scene these settings.
-    fn dress(&mut self, caustics: bool, choice: Candidate) {
+    fn apply(&mut self, caustics: bool, choice: Candidate) {
         if self.brought.is_some() && self.scene.techniques.caustics.is_some() != caustics {
-            std::mem::swap(&mut self.scene.techniques.caustics, &mut self.aside);
+            std::mem::swap(&mut self.scene.techniques.caustics, &mut self.unused_caustics);
         }
         reuse::set(self.scene, choice);
     }
@@ -165,8 +186,8 @@ impl<'a> Race<'a> {
         for field in &mut fields {
             let caustics = field.caustics;
             for entrant in field.looked_at() {
-                self.dress(caustics, entrant.choice);
-                entrant.sight.extend(self.scene, &self.cells, count);
+                self.apply(caustics, entrant.choice);
+                entrant.measured.extend(self.scene, &self.cells, count);
             }
         }
         self.fields = fields;
@@ -201,47 +222,48 @@ impl<'a> Race<'a> {
 }
 
 impl Field {
-    fn new(caustics: bool, given: Candidate, samples: &[(u32, f64)], shares_light_paths: bool) -> Self {
-        let (each, more) = PIXELS_PER_LIGHT_PATH;
+    fn new(caustics: bool, given: Candidate, samples: &[Priced], shares_light_paths: bool) -> Self {
+        let Priced { number: each, price: more } = PIXELS_PER_LIGHT_PATH;
         let (mut waiting, mut unlit_before, mut lit_before) = (vec![], given, None);
-        for (pixels, price) in PIXELS {
+        for Priced { number: pixels, price } in PIXELS {
             let unlit = Candidate { pixels, ..given };
             let lit = Candidate { light_paths: pixels / each, ..unlit };
-            waiting.push((unlit, price, vec![unlit_before]));
+            waiting.push(Waiting { candidate: unlit, price, others: vec![unlit_before] });
             if shares_light_paths {
-                waiting.push((lit, price * more, [unlit].into_iter().chain(lit_before).collect()));
+                let others = [unlit].into_iter().chain(lit_before).collect();
+                waiting.push(Waiting { candidate: lit, price: price * more, others });
             }
             (unlit_before, lit_before) = (unlit, Some(lit));
         }
-        let many = samples.iter().map(|(samples, _)| *samples).max().filter(|many| *many > given.samples);
+        let most = samples.iter().map(|samples| samples.number).max().filter(|most| *most > given.samples);
         Self {
             caustics,
             entrants: vec![Entrant::new(given, 1.0, samples)],
-            many: many.map(|many| Entrant::new(Candidate { samples: many, ..given }, 1.0, &[])),
+            with_most_samples: most.map(|samples| Entrant::new(Candidate { samples, ..given }, 1.0, &[])),
             waiting,
         }
     }
 
     /// What is to be looked at.
     fn looked_at(&mut self) -> impl Iterator<Item = &mut Entrant> {
-        let predicts = self.many.is_some();
+        let predicts = self.with_most_samples.is_some();
         let raced = self.entrants.iter_mut().enumerate();
         let raced = raced.filter(move |(i, entrant)| !entrant.samples.is_empty() || (*i == 0 && predicts));
-        raced.map(|(_, entrant)| entrant).chain(&mut self.many)
+        raced.map(|(_, entrant)| entrant).chain(&mut self.with_most_samples)
     }
 
     /// What is in the race, judged, by entrant.
     fn judged(&self, brought: Option<&LightPathGain>) -> impl Iterator<Item = Vec<Judged>> {
         let (first, brought) = (&self.entrants[0], brought.filter(|_| self.caustics));
-        let direct = self.many.as_ref().map(|many| {
-            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.sight.look());
+        let direct = self.with_most_samples.as_ref().map(|many| {
+            let looked = |entrant: &Entrant| (entrant.choice.samples, entrant.measured.look());
             Direct::between(looked(first), looked(many))
         });
         self.entrants.iter().map(move |entrant| entrant.judged(direct.as_ref(), brought))
     }
 
     /// Lets in those that wait for what is within a limit, and says how many there were.
-    fn let_in(&mut self, limit: f64, brought: Option<&LightPathGain>, samples: &[(u32, f64)]) -> usize {
+    fn let_in(&mut self, limit: f64, brought: Option<&LightPathGain>, samples: &[Priced]) -> usize {
         let judged: Vec<_> = self.judged(brought).collect();
         let near = |(entrant, judged): (&Entrant, Vec<Judged>)| {
             judged.iter().any(|judged| judged.product <= limit).then_some(entrant.choice)
@@ -249,24 +271,24 @@ impl Field {
         let near: Vec<_> = self.entrants.iter().zip(judged).filter_map(near).collect();
         let (entering, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.waiting)
             .into_iter()
-            .partition(|(_, _, others)| others.iter().any(|other| near.contains(other)));
+            .partition(|waiting| waiting.others.iter().any(|other| near.contains(other)));
         self.waiting = waiting;
         let entered = entering.len();
-        self.entrants
-            .extend(entering.into_iter().map(|(choice, price, _)| Entrant::new(choice, price, samples)));
+        self.entrants.extend(entering.into_iter().map(|new| Entrant::new(new.candidate, new.price, samples)));
         entered
     }
 
     /// Predicts nothing any more once nothing in the race has more emitter samples than it is looked at with.
     fn settle_samples(&mut self) {
-        let several = |entrant: &Entrant| entrant.samples.iter().any(|(n, _)| *n > entrant.choice.samples);
-        self.many.take_if(|_| !self.entrants.iter().any(several));
+        let several =
+            |entrant: &Entrant| entrant.samples.iter().any(|samples| samples.number > entrant.choice.samples);
+        self.with_most_samples.take_if(|_| !self.entrants.iter().any(several));
     }
 }
 
 impl Entrant {
-    fn new(choice: Candidate, price: f64, samples: &[(u32, f64)]) -> Self {
-        Self { choice, price, samples: samples.into(), sight: Sight::default() }
+    fn new(choice: Candidate, price: f64, samples: &[Priced]) -> Self {
+        Self { choice, price, samples: samples.into(), measured: Measurements::default() }
     }
 
     /// With each number of emitter samples that is in the race.
@@ -274,8 +296,8 @@ impl Entrant {
         if self.samples.is_empty() {
             return vec![];
         }
-        let seen = self.sight.look();
-        let with = |(samples, more): &(u32, f64)| {
+        let seen = self.measured.look();
+        let with = |Priced { number: samples, price: more }: &Priced| {
             let choice = Candidate { samples: *samples, ..self.choice };
             let foretold = match direct {
                 Some(direct) => direct.foretell(&seen, self.choice.samples, *samples),

@@ -171,12 +171,12 @@ mod tests {
     #[test]
     fn light_paths_give_way_to_sharing_where_links_do_their_work() {
         let glass = r#"<bsdf type="dielectric"/>"#;
-        let (globe, aside) = (ball(2.0, 0.9, glass), ball(-2.0, 0.9, glass));
+        let (globe, unused_caustics) = (ball(2.0, 0.9, glass), ball(-2.0, 0.9, glass));
         let choice =
             |options: &str, glass: &str| chosen("cube", BRIGHT, options, &(ball(2.0, 0.3, LAMP) + glass));
         let (pixels, _, light_paths) = choice(ASKED, &globe);
         assert!(pixels > 1 && light_paths == 0, "{pixels} {light_paths}");
-        assert!(choice("", &globe).2 > 0 && choice(ASKED, &aside).2 > 0);
+        assert!(choice("", &globe).2 > 0 && choice(ASKED, &unused_caustics).2 > 0);
         let told = ASKED.to_owned() + r#"<float name="light_paths" value="1"/>"#;
         assert_eq!(choice(&told, &globe).2, 64 * 48);
     }

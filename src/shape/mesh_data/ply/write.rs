@@ -1,30 +1,16 @@
 //! Writing PLY, for meshes that programs make.
 
 use super::super::MeshData;
-use std::{
-    fs,
-    io::{self, BufWriter, Write},
-    path::Path,
-};
+use crate::image::{ImageError, write_file_with};
+use std::io::{self, Write};
+use std::path::Path;
 
 /// Writes a mesh as binary little-endian PLY, which [`read_ply`](super::read_ply) and Mitsuba read.
 ///
-/// The file appears whole or not at all: it is written beside its place under a name that ends in `.partial`
-/// and then renamed.
-///
 /// # Errors
-/// What the file system reports; a partial file is then removed.
-pub fn write_ply(mesh: &MeshData, path: &Path) -> io::Result<()> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let written = fs::File::create(&partial)
-        .and_then(|file| write(mesh, BufWriter::new(file)))
-        .and_then(|()| fs::rename(&partial, path));
-    if written.is_err() {
-        // The first error is the one worth telling.
-        let _ = fs::remove_file(&partial);
-    }
-    written
+/// With the reason why it cannot be written; a file that was there stays as it was.
+pub fn write_ply(mesh: &MeshData, path: &Path) -> Result<(), ImageError> {
+    write_file_with(path, |file| write(mesh, file))
 }
 
 pub(super) fn write(mesh: &MeshData, mut out: impl Write) -> io::Result<()> {
