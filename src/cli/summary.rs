@@ -2,8 +2,8 @@
 
 use super::say;
 use etalon::image::Image;
-use etalon::render::sample_count::Pilot;
 use etalon::render::quality::Quality;
+use etalon::render::sample_count::Pilot;
 use etalon::render::{Report, memory};
 use etalon::scene::Scene;
 use std::io;

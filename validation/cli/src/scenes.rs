@@ -15,7 +15,7 @@ pub struct Arguments {
     /// Only scenes whose name contains this
     name: Option<String>,
     /// Samples a pixel
-    #[arg(long, default_value_t = 1024)]
+    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
     /// Largest relative difference of a channel's mean that is none
     #[arg(long, default_value = "0.5%", value_parser = percentage)]

@@ -1,6 +1,10 @@
 //! Replicates over a ladder of sample counts: error, time, their product, and slope, with bootstrap
 //! intervals, or Student's by the jackknife where seeds are few.
 //!
+//! Part of the time may not depend on the number of samples n, such as that of planning, or of starting where a
+//! renderer does not tell: t(n) = f + c n. A power law in t would bend, so it is fitted in c n, which is to say in
+//! n; f counts where times to an error are told.
+//!
 //! Both (Efron 1979, expanded percentile intervals; Tukey 1958) draw or leave out whole seeds: the rungs of a
 //! seed are rendered one after the other and share the state of the machine.
 
@@ -42,9 +46,10 @@ pub struct Curve {
     pub seconds: Vec<Interval>,
     /// Geometric mean over rungs of 1 / (error · seconds): larger is better.
     pub efficiency: Interval,
-    /// d log error / d log seconds by least squares; −1 for independent samples.
+    /// d log error / d log n by least squares; −1 for independent samples. That is the slope against seconds, but
+    /// for those that do not depend on n.
     pub slope: Option<Interval>,
-    /// Seconds to reach each error of [`TARGETS`], from the line fitted for the slope.
+    /// Seconds to reach each error of [`TARGETS`], from the line fitted for the slope and from t(n).
     pub seconds_to: Vec<Option<Interval>>,
 }
 
@@ -65,14 +70,16 @@ pub fn curve(rungs: &[Rung], seed: u64) -> Option<Curve> {
         return None;
     }
     let draws = resamplings(count, seed);
-    let each = |statistic: &dyn Fn(&[usize]) -> f64| interval(statistic, count, &draws);
+    let each = |statistic: &dyn Fn(&[usize]) -> f64| interval(statistic, Sign::Positive, count, &draws);
     let several = rungs.len() > 1;
-    let target = |goal: f64| several.then(|| each(&|s| libm::exp(line(rungs, s).time_to(goal))));
+    let time_to = |goal: f64, seeds: &[usize]| time(rungs, seeds).at(line(rungs, seeds).samples_to(goal));
+    let target = |goal: f64| several.then(|| each(&|s| time_to(goal, s)));
+    let slope = || interval(|s| line(rungs, s).slope, Sign::Any, count, &draws);
     Some(Curve {
         errors: rungs.iter().map(|r| each(&|s| mean(&r.errors, s))).collect(),
         seconds: rungs.iter().map(|r| each(&|s| mean(&r.seconds, s))).collect(),
         efficiency: each(&|s| libm::exp(log_efficiency(rungs, s))),
-        slope: several.then(|| each(&|s| line(rungs, s).slope)),
+        slope: several.then(slope),
         seconds_to: TARGETS.iter().map(|goal| target(*goal)).collect(),
     })
 }
@@ -84,11 +91,18 @@ fn resamplings(count: usize, seed: u64) -> Vec<Vec<usize>> {
     (0..RESAMPLINGS).map(|_| one()).collect()
 }
 
+/// Which values a statistic can have.
+#[derive(Clone, Copy, PartialEq)]
+enum Sign {
+    Positive,
+    Any,
+}
+
 /// A statistic of all seeds, with the expanded percentile interval of its resamplings.
-fn interval(statistic: impl Fn(&[usize]) -> f64, count: usize, draws: &[Vec<usize>]) -> Interval {
+fn interval(statistic: impl Fn(&[usize]) -> f64, sign: Sign, count: usize, draws: &[Vec<usize>]) -> Interval {
     let all: Vec<usize> = (0..count).collect();
     if count < ENOUGH {
-        return jackknife(statistic, &all);
+        return jackknife(statistic, sign, &all);
     }
     let mut values: Vec<f64> = draws.iter().map(|draw| statistic(draw)).collect();
     values.sort_by(f64::total_cmp);
@@ -105,11 +119,12 @@ fn interval(statistic: impl Fn(&[usize]) -> f64, count: usize, draws: &[Vec<usiz
 /// A statistic of all seeds with Student's interval. Its standard error is (n − 1)/√n times the standard
 /// deviation of the statistic with one seed left out. Positive statistics are transformed to logarithms, so
 /// that their intervals are positive.
-fn jackknife(statistic: impl Fn(&[usize]) -> f64, all: &[usize]) -> Interval {
+fn jackknife(statistic: impl Fn(&[usize]) -> f64, sign: Sign, all: &[usize]) -> Interval {
     let others = |i: &usize| all.iter().copied().filter(|other| other != i).collect::<Vec<_>>();
     let mut without: Vec<f64> = all.iter().map(|i| statistic(&others(i))).collect();
     let value = statistic(all);
-    let positive = value > 0.0 && without.iter().all(|v| *v > 0.0);
+    // An error from which more noise of the reference is subtracted than there is may be negative.
+    let positive = sign == Sign::Positive && value > 0.0 && without.iter().all(|v| *v > 0.0);
     if positive {
         without.iter_mut().for_each(|v| *v = libm::log(*v));
     }
@@ -125,20 +140,53 @@ fn mean(values: &[f64], seeds: &[usize]) -> f64 {
     seeds.iter().map(|&s| values[s]).sum::<f64>() / seeds.len() as f64
 }
 
-/// log error = height + slope · log seconds.
+/// Seconds as a function of the number of samples.
+struct Time {
+    fixed: f64,
+    of_sample: f64,
+}
+
+impl Time {
+    fn at(&self, samples: f64) -> f64 {
+        self.fixed + self.of_sample * samples
+    }
+}
+
+/// t(n) by least squares of relative deviations; without a fixed part if that would be negative, which is noise.
+fn time(rungs: &[Rung], seeds: &[usize]) -> Time {
+    // Of f/t + c n/t = 1.
+    let (mut ff, mut fc, mut cc, mut f, mut c) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for rung in rungs {
+        let one = 1.0 / mean(&rung.seconds, seeds);
+        let samples = f64::from(rung.samples) * one;
+        (ff, fc, cc) = (ff + one * one, fc + one * samples, cc + samples * samples);
+        (f, c) = (f + one, c + samples);
+    }
+    let determinant = ff * cc - fc * fc;
+    let fixed = (cc * f - fc * c) / determinant;
+    let of_sample = (ff * c - fc * f) / determinant;
+    // Where time does not depend on samples all of it is fixed.
+    match (fixed > 0.0, of_sample > 0.0) {
+        (true, true) => Time { fixed, of_sample },
+        (true, false) => Time { fixed: f / ff, of_sample: 0.0 },
+        _ => Time { fixed: 0.0, of_sample: c / cc },
+    }
+}
+
+/// log error = height + slope · log samples.
 struct Line {
     height: f64,
     slope: f64,
 }
 
 impl Line {
-    fn time_to(&self, error: f64) -> f64 {
-        (libm::log(error) - self.height) / self.slope
+    fn samples_to(&self, error: f64) -> f64 {
+        libm::exp((libm::log(error) - self.height) / self.slope)
     }
 }
 
 fn line(rungs: &[Rung], seeds: &[usize]) -> Line {
-    let point = |r: &Rung| [libm::log(mean(&r.seconds, seeds)), libm::log(mean(&r.errors, seeds))];
+    let point = |r: &Rung| [libm::log(f64::from(r.samples)), libm::log(mean(&r.errors, seeds))];
     let points: Vec<[f64; 2]> = rungs.iter().map(point).collect();
     let count = points.len() as f64;
     let [x, y] = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / count);
@@ -163,6 +211,46 @@ mod tests {
         assert!((found.efficiency.value - 250.0).abs() < 1e-9);
         assert!((found.seconds_to[0].unwrap().value - 0.4).abs() < 1e-9);
         assert!((found.seconds_to[1].unwrap().high - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_fixed_cost_bends_no_line() {
+        let rung = |samples: u32| {
+            let n = f64::from(samples);
+            Rung { samples, errors: vec![1.0 / n; 3], seconds: vec![2e-5 + 1e-6 * n; 3] }
+        };
+        let found = curve(&[rung(4), rung(16), rung(64)], 0).unwrap();
+        assert!((found.slope.unwrap().value + 1.0).abs() < 1e-12);
+        let [percent, tenth] = [0, 1].map(|goal| found.seconds_to[goal].unwrap().value);
+        assert!((percent / 1.2e-4 - 1.0).abs() < 1e-9 && (tenth / 1.02e-3 - 1.0).abs() < 1e-9);
+        // A fixed part below none is noise, and so is a sample that takes less than no time.
+        let seconds = |seconds: [f64; 2]| {
+            let rung =
+                |(samples, seconds): (u32, f64)| Rung { samples, errors: vec![], seconds: vec![seconds] };
+            time(&[rung((1, seconds[0])), rung((4, seconds[1]))], &[0])
+        };
+        let (quick, slow) = (seconds([1.0, 8.0]), seconds([2.0, 1.0]));
+        assert!(quick.fixed == 0.0 && (1.0..2.0).contains(&quick.of_sample));
+        assert!(slow.of_sample == 0.0 && (1.0..2.0).contains(&slow.fixed));
+    }
+
+    #[test]
+    fn slopes_hold_the_truth_as_often_as_they_say_even_if_it_is_none() {
+        const TRIALS: u64 = 1000;
+        let mut stream = Stream::named("slopes", 0);
+        for seeds in [4, 8] {
+            let mut holds = |trial: u64| {
+                let mut rung = |samples: u32| {
+                    let errors = (0..seeds).map(|_| 1.0 + 0.1 * stream.normal()).collect();
+                    Rung { samples, errors, seconds: vec![f64::from(samples); seeds] }
+                };
+                let rungs = [rung(4), rung(16), rung(64)];
+                let Interval { low, high, .. } = curve(&rungs, trial).unwrap().slope.unwrap();
+                low < 0.0 && 0.0 < high
+            };
+            let share = (0..TRIALS).filter(|trial| holds(*trial)).count() as f64 / TRIALS as f64;
+            assert!((share - 0.95).abs() < 0.021 + 0.01, "{seeds}: {share}");
+        }
     }
 
     #[test]

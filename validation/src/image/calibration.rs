@@ -2,7 +2,7 @@
 
 use super::{
     Comparison, Image, Settings, compare,
-    synthetic::{Noise, grey, render},
+    synthetic::{Noise, filtered, grey, render},
 };
 use crate::statistics::Verdict;
 
@@ -62,6 +62,38 @@ fn fireflies_do_not_raise_the_alarm() {
 fn an_image_that_has_missed_what_is_rare_is_not_different() {
     assert!(false_alarms(Noise::Lognormal, [64, 8]) <= 0.021);
     assert!(false_alarms(Noise::Lognormal, [8, 64]) <= 0.021);
+}
+
+/// Images of few samples that have hardly met a rare event, which one of many has met in nearly every tile.
+#[test]
+fn rare_events_all_over_the_better_image_are_no_difference() {
+    let scene = vec![1.0; 64 * 64];
+    let rejected = |samples: [usize; 2]| {
+        let different = |trial: u64| {
+            let [a, b] = [("sparks a", samples[0]), ("sparks b", samples[1])]
+                .map(|(name, samples)| render(64, &scene, Noise::Spark, samples, name, trial));
+            judge(&a, &b).verdict == Verdict::Different
+        };
+        (0..200).filter(|&trial| different(trial)).count()
+    };
+    // Two expected; nine are one in ten thousand.
+    let found = [[512, 16], [16, 512]].map(rejected);
+    assert!(found.iter().all(|count| *count < 9), "{found:?}");
+}
+
+/// What a filter shares makes sums noisier than variances of pixels tell.
+#[test]
+fn level_is_kept_where_a_filter_shares_samples() {
+    let scene = scene();
+    for weights in [&[0.25, 0.5, 0.25][..], &[0.1, 0.2, 0.4, 0.2, 0.1]] {
+        let different = |trial: u64| {
+            let [a, b] = [0, 1].map(|side| filtered(WIDTH, &scene, weights, "filtered", 2 * trial + side));
+            judge(&a, &b).verdict == Verdict::Different
+        };
+        let share = (0..TRIALS).filter(|&trial| different(trial)).count() as f64 / TRIALS as f64;
+        println!("{weights:?}: {share} rejected at level 0.01");
+        assert!(share <= 0.021, "{weights:?} {share}");
+    }
 }
 
 /// Scales the pixels that `selected` accepts by their column and row.

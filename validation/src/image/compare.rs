@@ -5,7 +5,11 @@ use serde::Serialize;
 
 use super::{
     DetailComparison, Errors, Faults, Image, ImageError, MeanComparison, PixelFigures, TileComparison,
-    detail, errors, maps::comparable, mean, pair::Pair, pixels, tiles,
+    detail, errors,
+    maps::comparable,
+    mean::{self, NoiseOf},
+    pair::Pair,
+    pixels, tiles,
 };
 use crate::{
     report::Outcome,
@@ -101,16 +105,19 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
     let limits = detail::Limits { level, corrected: sidak(each, 2), margin, tile_size };
     let channel = |pair: &Pair| {
         let ratio = tiles::noise_ratio_of(pair, tile_size);
+        let pixels = pixels::figures(pair, ratio);
+        let noise = NoiseOf { ratio, shared: pixels.shared_noise };
         ChannelComparison {
             name: pair.name.to_string(),
-            mean: mean::compare(pair, ratio, settings.level, each, settings.margin),
+            mean: mean::compare(pair, noise, settings.level, each, settings.margin),
             detail: detail::compare(pair, ratio, limits),
-            pixels: pixels::figures(pair, ratio),
+            pixels,
             errors: errors::errors(pair),
         }
     };
     let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
-    let tiles = tiles::compare(&pairs, settings, third);
+    let shared: Vec<f64> = channels.iter().map(|channel| channel.pixels.shared_noise).collect();
+    let tiles = tiles::compare(&pairs, &shared, settings, third);
     let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, least_of);
     let details = channels.iter().flat_map(|channel| [channel.detail.p_value, channel.detail.worst_p_value]);
     let p_values = [

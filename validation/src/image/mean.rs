@@ -56,10 +56,12 @@ impl Side {
     /// effectively contribute the noise: hundreds where the noise is even, few where a firefly dominates. The
     /// n−1 degrees of freedom of a pixel would hold for normal samples only; with heavy tails the variance
     /// estimate of a single pixel is unreliable, and unusual values are rightly no longer significant.
-    pub fn estimate(&self, count: f64) -> Estimate {
-        let degrees = self.variance * self.variance / self.squared_variance;
+    ///
+    /// The variance is `shared` times that of independent pixels, of which there are as many times fewer.
+    pub fn estimate(&self, count: f64, shared: f64) -> Estimate {
+        let degrees = self.variance * self.variance / (self.squared_variance * shared);
         let degrees = if self.squared_variance > 0.0 { degrees } else { f64::INFINITY };
-        Estimate { mean: self.mean / count, variance: self.variance / (count * count), degrees }
+        Estimate { mean: self.mean / count, variance: self.variance * shared / (count * count), degrees }
     }
 }
 
@@ -74,20 +76,31 @@ impl Sums {
     }
 }
 
+/// What the noise of a pair of channels is like.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NoiseOf {
+    /// How many times as noisy b typically is as a; `None` without noise.
+    pub ratio: Option<f64>,
+    /// How many times the variance of a mean is that of independent pixels.
+    pub shared: f64,
+}
+
 /// Compares the means of `pair`: equivalent if the interval of the ratio at `level` lies within 1 ± `margin`,
 /// else different if equality is rejected at `corrected`, the level left after correction for the other tests
-/// of the same images. b is typically `ratio` times as noisy as a; what either has missed of rare events the
-/// other's variance tells, as of tiles.
+/// of the same images. What either has missed of rare events the other's variance tells, as of tiles.
 pub(super) fn compare(
     pair: &Pair,
-    ratio: Option<f64>,
+    noise: NoiseOf,
     level: f64,
     corrected: f64,
     margin: f64,
 ) -> MeanComparison {
     let sums = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
-    let (a, b) = informed(sums.a, sums.b, ratio);
-    let (a, b) = (a.estimate(sums.count), b.estimate(sums.count));
+    if sums.count == 0.0 {
+        return without_noise(pair);
+    }
+    let (a, b) = informed(sums.a, sums.b, noise.ratio);
+    let (a, b) = (a.estimate(sums.count, noise.shared), b.estimate(sums.count, noise.shared));
     let welch = Welch::new(a, b);
     let quantile = student_quantile(level, welch.degrees);
     let interval = fieller(a, b, quantile);
@@ -110,6 +123,27 @@ pub(super) fn compare(
         verdict,
         detectable: detectable_difference(relative_error, corrected, welch.degrees),
         more_samples: open.then(|| more_samples(relative_error, level, margin, 1)),
+    }
+}
+
+/// The means of a channel of whose noise nothing is known. Where values differ [`Faults`](super::Faults) say so;
+/// where none does, there is nothing to tell apart.
+fn without_noise(pair: &Pair) -> MeanComparison {
+    let count = (pair.width * pair.height) as f64;
+    let mean = |value: fn(&super::pair::Pixel) -> f64| {
+        pair.pixels().map(|(_, _, pixel)| value(&pixel)).sum::<f64>() / count
+    };
+    let (mean_a, mean_b) = (mean(|pixel| pixel.a), mean(|pixel| pixel.b));
+    let ratio = if mean_a == mean_b { 1.0 } else { mean_b / mean_a };
+    MeanComparison {
+        mean_a,
+        mean_b,
+        ratio,
+        interval: Interval::around(ratio, 0.0),
+        p_value: 1.0,
+        verdict: Verdict::Equivalent,
+        detectable: 0.0,
+        more_samples: None,
     }
 }
 

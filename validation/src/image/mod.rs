@@ -15,13 +15,15 @@
 //! Three conditions fail at any pixel, because they need no statistics: a value that is not finite, a
 //! variance that is not a number or negative, and two noiseless values that differ.
 //!
-//! The noise of different pixels must be independent: use a box filter, or filter importance sampling.
-//! Reconstruction filters that share samples between pixels make tile variances too small; `pixels.rs`
-//! reports the correlation of neighbours, which shows this.
+//! The noise of different pixels should be independent: use a box filter, or filter importance sampling.
+//! Reconstruction filters that share samples between pixels make the variance of sums larger than the sum of
+//! variances; where neighbours are significantly correlated, all sums are judged by as much larger a variance as
+//! their correlation tells (`correlation.rs`). Samples that distant pixels share no comparison can see.
 
 #[cfg(test)]
 mod calibration;
 mod compare;
+mod correlation;
 mod detail;
 mod errors;
 mod load;

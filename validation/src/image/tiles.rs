@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     Settings,
-    mean::{Side, Sums},
+    mean::{NoiseOf, Side, Sums},
     pair::Pair,
 };
 use crate::statistics::{Interval, Verdict, Welch, power::more_samples, sidak};
@@ -96,18 +96,27 @@ fn cut(pair: &Pair, size: usize) -> Vec<Raw> {
 
 /// The typical ratio of the noise of b to that of a, as variances, over tiles of this size; `None` without
 /// noise.
+///
+/// Of two medians, over tiles and over pixels, the one that is farther from 1. If one image has met a rare event
+/// in most of its tiles and the other in hardly one, the median over tiles is that of the rare events, which few
+/// samples have not met; most pixels have not met one in either image. Over few samples the variance of a pixel
+/// is a guess, and zero in pixels without light: there tiles know better.
 pub(super) fn noise_ratio_of(pair: &Pair, size: usize) -> Option<f64> {
-    noise_ratio(&cut(pair, size))
+    noise_ratio(&cut(pair, size), pair)
 }
 
-/// Median over tiles of variance_b / variance_a, the typical ratio of the noise of b to that of a. `None`
-/// without noise.
-fn noise_ratio(tiles: &[Raw]) -> Option<f64> {
-    let ratio = |tile: &Raw| tile.sums.b.variance / tile.sums.a.variance;
-    let mut ratios: Vec<f64> =
-        tiles.iter().map(ratio).filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied()
+fn noise_ratio(tiles: &[Raw], pair: &Pair) -> Option<f64> {
+    let of_tiles = median(tiles.iter().map(|tile| tile.sums.b.variance / tile.sums.a.variance))?;
+    let of_pixels = median(pair.pixels().map(|(_, _, pixel)| pixel.variance_b / pixel.variance_a));
+    let distance = |ratio: f64| libm::fabs(libm::log(ratio));
+    Some(of_pixels.filter(|ratio| distance(*ratio) > distance(of_tiles)).unwrap_or(of_tiles))
+}
+
+/// The median of what is positive and finite.
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.filter(|value| value.is_finite() && *value > 0.0).collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The side's variance, or what the other side's variance predicts for it if that is larger.
@@ -132,18 +141,20 @@ pub(super) fn informed(a: Side, b: Side, ratio: Option<f64>) -> (Side, Side) {
 /// Tests every tile at the Šidák level at which all tests together have the level `corrected`; equivalent if
 /// each tile's interval at the level of the settings lies within ± their margin for tiles. Equivalence of all
 /// needs no correction: it is claimed only if every single test accepts (intersection–union).
-pub(super) fn compare(pairs: &[Pair], settings: &Settings, corrected: f64) -> TileComparison {
+///
+/// The noise of each pair's means is `shared` times that of independent pixels.
+pub(super) fn compare(pairs: &[Pair], shared: &[f64], settings: &Settings, corrected: f64) -> TileComparison {
     let size = settings.tile_size.max(1);
     let cuts: Vec<Vec<Raw>> = pairs.iter().map(|pair| cut(pair, size)).collect();
     let tested = cuts.iter().flatten().filter(|tile| tile.sums.count > 0.0).count();
     let each = sidak(corrected, tested);
     let mut tiles = Vec::new();
-    for (pair, cut) in pairs.iter().zip(&cuts) {
+    for ((pair, cut), shared) in pairs.iter().zip(&cuts).zip(shared) {
         let total = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
         let image_mean = (total.a.mean + total.b.mean).abs() / (2.0 * total.count);
-        let ratio = noise_ratio(cut);
+        let noise = NoiseOf { ratio: noise_ratio(cut, pair), shared: *shared };
         for raw in cut.iter().filter(|raw| raw.sums.count > 0.0) {
-            tiles.push(test(raw, pair.name, size, image_mean, ratio, each, settings));
+            tiles.push(test(raw, pair.name, size, image_mean, noise, each, settings));
         }
     }
     summarise(tiles, pairs, size, each, settings)
@@ -154,13 +165,14 @@ fn test(
     channel: &str,
     size: usize,
     image: f64,
-    ratio: Option<f64>,
+    noise: NoiseOf,
     each: f64,
     settings: &Settings,
 ) -> Tile {
     let Sums { count, a, b } = raw.sums;
-    let (a_informed, b_informed) = informed(a, b, ratio);
-    let welch = Welch::new(a_informed.estimate(count), b_informed.estimate(count));
+    let (a_informed, b_informed) = informed(a, b, noise.ratio);
+    let estimate = |side: Side| side.estimate(count, noise.shared);
+    let welch = Welch::new(estimate(a_informed), estimate(b_informed));
     let scale = image.max((a.mean + b.mean).abs() / (2.0 * count));
     let p_value = welch.p_value();
     let room = Interval::around(welch.difference, welch.half_width(settings.level));
@@ -223,8 +235,8 @@ fn summarise(
 /// Welch's z of each tile of `pair`, in row-major order, for drawing.
 pub(super) fn scores(pair: &Pair, size: usize) -> Vec<f64> {
     let cut = cut(pair, size);
-    let ratio = noise_ratio(&cut);
-    cut.iter().map(|raw| test(raw, pair.name, size, 0.0, ratio, 0.01, &Settings::default()).z).collect()
+    let noise = NoiseOf { ratio: noise_ratio(&cut, pair), shared: 1.0 };
+    cut.iter().map(|raw| test(raw, pair.name, size, 0.0, noise, 0.01, &Settings::default()).z).collect()
 }
 
 #[cfg(test)]
@@ -241,7 +253,7 @@ mod tests {
             b.channels[0].mean[y * width + x] = 1.1;
         }
         let (pairs, _) = Pair::all(&a, &b);
-        let found = compare(&pairs, &Settings::default(), 0.005);
+        let found = compare(&pairs, &[1.0], &Settings::default(), 0.005);
         assert_eq!((found.columns, found.rows, found.tested), (3, 2, 6));
         assert_eq!(found.different.len(), 1);
         let tile = &found.different[0];
@@ -265,7 +277,7 @@ mod tests {
             a.channels[0].mean[64 * 15 + x] = 1.0;
         }
         let (pairs, _) = Pair::all(&a, &b);
-        assert!(compare(&pairs, &Settings::default(), 0.005).different.is_empty());
+        assert!(compare(&pairs, &[1.0], &Settings::default(), 0.005).different.is_empty());
     }
 
     #[test]
@@ -277,7 +289,7 @@ mod tests {
         let settings = Settings::default().with_tiles_within_noise();
         let verdict = |a, b| {
             let (pairs, _) = Pair::all(a, b);
-            compare(&pairs, &settings, 0.005).verdict
+            compare(&pairs, &[1.0], &settings, 0.005).verdict
         };
         let (upright, turned) = (picture(1.5, 0.5, 0.1), picture(0.5, 1.5, 0.1));
         assert_eq!(verdict(&upright, &turned), Verdict::Different);

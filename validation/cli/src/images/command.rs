@@ -7,7 +7,7 @@ use etalon::image::write_file;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use validation::Verdict;
-use validation::image::{self, ChannelComparison, Errors, Settings};
+use validation::image::{self, ChannelComparison, Errors, PixelFigures, Settings};
 use validation::report::to_json;
 
 /// Whether two images have the same expectation.
@@ -71,6 +71,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
                 }
             }
             comparison.channels.iter().for_each(tell_errors);
+            comparison.channels.iter().for_each(tell_shared_noise);
             Ok(comparison.verdict)
         }
         _ => calibration(json),
@@ -84,6 +85,18 @@ fn tell_errors(channel: &ChannelComparison) {
         channel.name,
         100.0 * mape
     ));
+}
+
+/// Says so where variances of pixels do not tell how noisy sums are.
+fn tell_shared_noise(channel: &ChannelComparison) {
+    let PixelFigures { neighbour_correlation, shared_noise, .. } = channel.pixels;
+    if shared_noise > 1.0 {
+        say(format_args!(
+            "  {}: neighbouring pixels share noise (correlation {neighbour_correlation:.2}): variances of means are \
+             taken for {shared_noise:.1} times the sum of those of pixels",
+            channel.name
+        ));
+    }
 }
 
 fn calibration(json: Option<PathBuf>) -> Result<Verdict, Box<dyn Error>> {

@@ -36,11 +36,16 @@ pub type Renderers = BTreeMap<String, Renderer>;
 pub fn load(path: &Path) -> Result<Renderers, String> {
     let all: Renderers = crate::files::toml(path)?;
     let stranger = |renderer: &Renderer| renderer.mean_of.clone().filter(|name| !all.contains_key(name));
-    let fault = |renderer: &Renderer| match stranger(renderer) {
+    // Files are named after renderers.
+    let is_part_of_names = |c: char| c.is_alphanumeric() || "-_+.".contains(c);
+    let fault = |name: &str, renderer: &Renderer| match stranger(renderer) {
+        _ if name.starts_with('.') || name.is_empty() || !name.chars().all(is_part_of_names) => {
+            Some("no name for files, expected letters, digits, and - _ + . within".to_owned())
+        }
         Some(stranger) => Some(format!("there is no renderer {stranger:?}")),
         None => fault_of(&renderer.command),
     };
-    match all.iter().find_map(|(name, renderer)| Some((name, fault(renderer)?))) {
+    match all.iter().find_map(|(name, renderer)| Some((name, fault(name, renderer)?))) {
         Some((name, fault)) => Err(format!("{}: {name}: {fault}", path.display())),
         None => Ok(all),
     }

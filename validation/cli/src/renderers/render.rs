@@ -168,12 +168,14 @@ pub fn read(file: &Path) -> Result<(Picture, usize, usize), String> {
     let named = |name: &str| found.channels.iter().find(|c| c.name == name);
     let channels: Option<Vec<_>> = ["R", "G", "B"].into_iter().map(named).collect();
     let channels = channels.ok_or_else(|| format!("{}: there are no channels R, G, B", file.display()))?;
-    let picture: Picture = channels.iter().flat_map(|c| c.mean.iter().copied()).collect();
-    if picture.iter().all(|v| v.is_finite()) {
-        Ok((picture, found.width, found.height))
-    } else {
-        Err(format!("{}: not all values are finite", file.display()))
+    for channel in &channels {
+        if let Some((index, value)) = channel.mean.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            let (x, y) = (index % found.width, index / found.width);
+            return Err(format!("channel {} of the picture is {value} at pixel ({x}, {y})", channel.name));
+        }
     }
+    let picture: Picture = channels.iter().flat_map(|c| c.mean.iter().copied()).collect();
+    Ok((picture, found.width, found.height))
 }
 
 /// Processor time of the children that have ended, in seconds; 0 where the system does not report it. Linux

@@ -7,7 +7,7 @@ use crate::stage::asked_again;
 use crate::trial::{effort, effort_of_sampling};
 use crate::{closed_forms, furnace, limits, materials, metamorphic, references, sampling, stability};
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use validation::report::Report;
 use validation::{Outcome, Verdict, checks};
@@ -36,8 +36,8 @@ impl Evidence {
     /// Reads the documents below `from`, and runs what they do not contain. `say` gets each step.
     pub fn gather(from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Self, String> {
         let mut evidence = Self::default();
-        for report in from.map_or(Ok(vec![]), read)? {
-            evidence.add(report);
+        for document in from.map_or(Ok(vec![]), read)? {
+            evidence.add(document);
         }
         if evidence.materials.is_empty() {
             say("materials");
@@ -122,12 +122,8 @@ impl Evidence {
         self.origins.push(format!("{what}: {count} asked now, {how}"));
     }
 
-    fn add(&mut self, report: Report) {
-        self.origins.push(format!(
-            "{}: {} outcomes read from a document",
-            report.title,
-            report.outcomes.len()
-        ));
+    fn add(&mut self, Document { origin, report }: Document) {
+        self.origins.push(origin);
         match report.title.as_str() {
             "materials" => self.materials.extend(report.outcomes),
             "sampling" => self.sampling.extend(report.outcomes),
@@ -148,13 +144,23 @@ impl Evidence {
     }
 }
 
+/// A document of an earlier run.
+struct Document {
+    /// A sentence about it.
+    origin: String,
+    report: Report,
+}
+
 /// The reports among the JSON documents of a folder, by name.
-fn read(folder: &Path) -> Result<Vec<Report>, String> {
+///
+/// # Errors
+/// If one cannot be read, if there is none, or if two of them are of one check of one subject.
+fn read(folder: &Path) -> Result<Vec<Document>, String> {
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut paths: Vec<_> = entries.filter_map(Result::ok).map(|entry| entry.path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
     paths.sort();
-    let mut reports = vec![];
+    let (mut documents, mut seen) = (vec![], BTreeMap::new());
     for path in paths {
         let mut document: Value = files::json(&path)?;
         let known = ["materials", "sampling", "furnace", "scenes"];
@@ -168,10 +174,23 @@ fn read(folder: &Path) -> Result<Vec<Report>, String> {
         for figures in figures.filter_map(Value::as_object_mut) {
             figures.retain(|_, value| !value.is_null());
         }
-        let report = serde_json::from_value(document).map_err(|e| format!("{}: {e}", path.display()))?;
-        reports.push(report);
+        let said = |name: &str| document.get(name).and_then(Value::as_str).unwrap_or("unknown").to_owned();
+        let made = format!("{}, commit {}", said("date"), said("commit"));
+        let report: Report =
+            serde_json::from_value(document).map_err(|e| format!("{}: {e}", path.display()))?;
+        let name = path.display();
+        for outcome in &report.outcomes {
+            let of = (outcome.check.clone(), outcome.subject.clone());
+            if let Some(other) = seen.insert(of, path.clone()).filter(|other| *other != path) {
+                let (check, subject) = (&outcome.check, &outcome.subject);
+                return Err(format!("{name}: {check} of {subject} is in {} as well", other.display()));
+            }
+        }
+        let origin =
+            format!("{}: {} outcomes read from {name} ({made})", report.title, report.outcomes.len());
+        documents.push(Document { origin, report });
     }
-    if reports.is_empty() { Err(format!("{}: no report in it", folder.display())) } else { Ok(reports) }
+    if documents.is_empty() { Err(format!("{}: no report in it", folder.display())) } else { Ok(documents) }
 }
 
 #[cfg(test)]
@@ -187,7 +206,12 @@ mod tests {
         for (name, text) in [("a", "[1, 2]"), ("b", "3"), ("c", "{\"title\": 1}"), ("d", &report)] {
             std::fs::write(folder.path().join(name).with_extension("json"), text).unwrap();
         }
-        assert_eq!(read(folder.path()).unwrap().len(), 1);
+        let found = read(folder.path()).unwrap();
+        assert!(found.len() == 1 && found[0].origin.contains("d.json"), "{}", found[0].origin);
+        std::fs::write(folder.path().join("e.json"), report).unwrap();
+        assert!(
+            read(folder.path()).is_err_and(|why| why.contains("e.json") && why.contains("d.json as well"))
+        );
     }
 
     #[test]
@@ -199,7 +223,8 @@ mod tests {
             Outcome::new("images", Verdict::Different, "").of(relation),
             Outcome::new("images", Verdict::Inconclusive, "").of("cornell::rgb"),
         ];
-        evidence.add(Report::new("scenes", outcomes));
+        let report = Report::new("scenes", outcomes);
+        evidence.add(Document { origin: String::new(), report });
         let counts = [evidence.closed_forms.len(), evidence.relations.len(), evidence.references.len()];
         assert_eq!((counts, evidence.verdict()), ([1; 3], Verdict::Different));
     }
