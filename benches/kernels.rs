@@ -14,7 +14,7 @@ use etalon::scene::loader::Loader;
 use etalon::scene::{Overrides, xml};
 use etalon::shape::accel::Accel;
 use etalon::shape::mesh_data::sea_urchin;
-use etalon::shape::{Geometry, Mesh, SurfacePoint};
+use etalon::shape::{Geometry, Mesh, Normals, SurfacePoint};
 use etalon::spectrum::{ColorMode, Wavelengths};
 use std::hint::black_box;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn rays() -> Vec<Ray> {
 }
 
 fn traversal(criterion: &mut Criterion) {
-    let mesh = Geometry::Mesh(Mesh::new(sea_urchin(7), &Transform::IDENTITY, false, false));
+    let mesh = Geometry::Mesh(Mesh::new(sea_urchin(7), &Transform::IDENTITY, Normals::default()));
     let accel = Accel::new(&[&mesh]);
     let rays = rays();
     let mut group = criterion.benchmark_group("sea urchin, 4096 incoherent rays");
@@ -48,7 +48,8 @@ fn trees(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("building a tree of a sea urchin");
     group.sample_size(10);
     for subdivision in [5, 7] {
-        let mesh = Geometry::Mesh(Mesh::new(sea_urchin(subdivision), &Transform::IDENTITY, false, false));
+        let mesh =
+            Geometry::Mesh(Mesh::new(sea_urchin(subdivision), &Transform::IDENTITY, Normals::default()));
         group.bench_function(format!("{} triangles", mesh.primitives()), |b| b.iter(|| Accel::new(&[&mesh])));
     }
     group.finish();

@@ -7,7 +7,7 @@ use etalon::math::{DVec2, DVec3, Frame, Ray, Transform, length, warp};
 use etalon::sampler::{Sampler, SamplerKind};
 use etalon::shape::accel::Accel;
 use etalon::shape::mesh_data::MeshData;
-use etalon::shape::{Geometry, Mesh};
+use etalon::shape::{Geometry, Mesh, Normals};
 use std::error::Error;
 use std::path::Path;
 
@@ -26,8 +26,7 @@ pub fn record(folder: &Path, name: &str, subject: &Subject) -> Result<(), Box<dy
             ..MeshData::default()
         },
         &Transform::IDENTITY,
-        false,
-        true,
+        Normals::OF_FACES,
     ));
     let accel = Accel::new(&[&mesh]);
     let (lo, hi) = mesh.bounds();

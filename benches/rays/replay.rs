@@ -5,7 +5,7 @@ use crate::record::replayed;
 use etalon::math::{Ray, Transform};
 use etalon::shape::accel::Accel;
 use etalon::shape::mesh_data::MeshData;
-use etalon::shape::{Geometry, Hit, Mesh};
+use etalon::shape::{Geometry, Hit, Mesh, Normals};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -16,7 +16,7 @@ use std::time::Instant;
 pub fn replay(folder: &Path, name: &str) -> Result<(), Box<dyn Error>> {
     let soup = read_mesh(&folder.join(format!("{name}.mesh")))?;
     let data = MeshData { positions: soup.positions, triangles: soup.triangles, ..MeshData::default() };
-    let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true));
+    let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES));
     let start = Instant::now();
     let accel = Accel::new(&[&mesh]);
     println!(

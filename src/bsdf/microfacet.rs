@@ -35,9 +35,14 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// Roughness below 1e-4 counts as 1e-4, as in Mitsuba.
-    pub fn new(shape: Shape, alpha_u: f64, alpha_v: f64, visible: bool) -> Self {
-        Self { shape, alpha_u: alpha_u.max(1e-4), alpha_v: alpha_v.max(1e-4), visible }
+    /// With visible normals sampled. Roughness below 1e-4 counts as 1e-4, as in Mitsuba.
+    pub fn new(shape: Shape, alpha_u: f64, alpha_v: f64) -> Self {
+        Self { shape, alpha_u: alpha_u.max(1e-4), alpha_v: alpha_v.max(1e-4), visible: true }
+    }
+
+    /// The same, with visible normals sampled or all, as Mitsuba's `sample_visible` says.
+    pub fn sampling_visible(self, visible: bool) -> Self {
+        Self { visible, ..self }
     }
 
     /// Roughness in the rougher direction.
@@ -233,7 +238,7 @@ impl Roughness {
     pub fn at(&self, uv: DVec2) -> Distribution {
         let alpha_u = self.alpha_u.eval_scalar(uv);
         let alpha_v = self.alpha_v.as_ref().map_or(alpha_u, |texture| texture.eval_scalar(uv));
-        Distribution::new(self.shape, alpha_u, alpha_v, self.visible)
+        Distribution::new(self.shape, alpha_u, alpha_v).sampling_visible(self.visible)
     }
 
     pub fn anisotropic(&self) -> bool {
@@ -278,9 +283,9 @@ mod tests {
     fn distributions() -> impl Iterator<Item = Distribution> {
         let shapes = [Shape::Beckmann, Shape::Ggx].into_iter();
         shapes.flat_map(|shape| {
-            [(0.1, 0.1), (0.3, 0.7), (1e-4, 1e-4), (1e-4, 0.5)]
-                .into_iter()
-                .flat_map(move |(u, v)| [true, false].map(|visible| Distribution::new(shape, u, v, visible)))
+            [(0.1, 0.1), (0.3, 0.7), (1e-4, 1e-4), (1e-4, 0.5)].into_iter().flat_map(move |(u, v)| {
+                [true, false].map(|visible| Distribution::new(shape, u, v).sampling_visible(visible))
+            })
         })
     }
 

@@ -54,12 +54,12 @@ impl Material for RoughPlastic {
         ior::refuse_equal(params, coat.eta)?;
         let (shape, visible) = parse_shape(params)?;
         let alpha = roughness(params)?;
-        let seen = Distribution::new(shape, alpha, alpha, true);
+        let seen = Distribution::new(shape, alpha, alpha);
         let internal = internal_reflectance(&seen, 1.0 / coat.eta);
         let why = "the coat reflects all diffuse light inwards";
         coat.require_sum(params, internal, why, "expected a smaller ratio of indices")?;
         Ok(Self {
-            facets: Distribution::new(shape, alpha, alpha, visible),
+            facets: Distribution::new(shape, alpha, alpha).sampling_visible(visible),
             transmittance: Box::new(Transmittance::new(&seen, coat.eta)),
             internal,
             coat,

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn a_nearly_smooth_surface_is_smooth() {
         for shape in [Shape::Beckmann, Shape::Ggx] {
-            let facets = Distribution::new(shape, 1e-4, 1e-4, true);
+            let facets = Distribution::new(shape, 1e-4, 1e-4);
             let table = Transmittance::new(&facets, 1.5);
             for i in 8..64 {
                 let cos = i as f64 / 63.0;
@@ -96,7 +96,7 @@ mod tests {
         for (shape, alpha, at_half, inside) in
             [(Shape::Beckmann, 0.1, 0.910688, 0.574913), (Shape::Ggx, 0.5, 0.840856, 0.284930)]
         {
-            let facets = Distribution::new(shape, alpha, alpha, true);
+            let facets = Distribution::new(shape, alpha, alpha);
             assert!((Transmittance::new(&facets, 1.49).at(0.5) - at_half).abs() < 2e-4);
             assert!((internal_reflectance(&facets, 1.0 / 1.49) - inside).abs() < 2e-4);
         }

@@ -98,7 +98,7 @@ impl Direct {
         }
         // No further vertex takes emitter samples.
         for u in sampler.each_emitter_sample(1, self.bsdf_samples, PAIRS) {
-            let (lobe, direction) = u.scattering(true);
+            let (lobe, direction) = u.scattering();
             let Some(sample) = bsdf.sample(vertex.wo, lobe, direction) else { continue };
             let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, &onward, &choice, &sample, λ, counters);

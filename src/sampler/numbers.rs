@@ -92,10 +92,16 @@ impl Numbers {
         EmitterNumbers { place: self.pair(0), digits: self.one(4) }
     }
 
-    /// What chooses a lobe, and its direction. Where no lobe has a density, no direction is drawn: its first
-    /// number, better spread, chooses the lobe.
+    /// What chooses a lobe, and its direction.
     #[inline(always)]
-    pub fn scattering(&self, has_density: bool) -> (f64, DVec2) {
+    pub fn scattering(&self) -> (f64, DVec2) {
+        self.scattering_if(true)
+    }
+
+    /// The same where a lobe has a density or, `has_density` being false, none has. Then no direction is drawn: its
+    /// first number, better spread, chooses the lobe.
+    #[inline(always)]
+    pub fn scattering_if(&self, has_density: bool) -> (f64, DVec2) {
         (if has_density { self.lobe() } else { self.one(2) }, self.pair(1))
     }
 

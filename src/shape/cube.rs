@@ -126,7 +126,7 @@ mod tests {
     use crate::math::{Ray, Transform};
     use crate::shape::accel::Accel;
     use crate::shape::mesh_data::MeshData;
-    use crate::shape::{Hit, Mesh};
+    use crate::shape::{Hit, Mesh, Normals};
     use rand_pcg::Pcg32;
 
     /// Mitsuba's cube: each face's normal, and the corners in the order of uv (0,1), (1,1), (1,0), (0,0). Bit
@@ -152,7 +152,7 @@ mod tests {
             triangles.extend([[first, first + 1, first + 2], [first + 3, first, first + 2]]);
         }
         let data = MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles };
-        Geometry::Mesh(Mesh::new(data, to_world, flip, false))
+        Geometry::Mesh(Mesh::new(data, to_world, Normals { flipped: flip, ..Normals::default() }))
     }
 
     /// A place with a shear, with or without a reflection.

@@ -39,19 +39,33 @@ fn interpolated([n0, n1, n2]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
     n0 + (n1 - n0) * u + (n2 - n0) * v
 }
 
+/// Which normals a mesh has.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Normals {
+    /// Those of its triangles, whatever normals the file has.
+    pub of_faces: bool,
+    /// The surface is turned inside out.
+    pub flipped: bool,
+}
+
+impl Normals {
+    /// Those of the triangles, as they are wound.
+    pub const OF_FACES: Self = Self { of_faces: true, flipped: false };
+}
+
 impl Mesh {
-    /// Places a mesh. Where the file has no normals they are made from the geometry, unless `face_normals`.
+    /// Places a mesh. Where the file has no normals they are made from the geometry, unless they are those of faces.
     ///
     /// As in Mitsuba, stored normals keep their side under a mirroring transform. The surface itself is turned to
     /// theirs, whatever its winding: so the front, where a one-sided material reflects, is where a lamp shines.
-    pub fn new(data: MeshData, to_world: &Transform, flip: bool, face_normals: bool) -> Self {
+    pub fn new(data: MeshData, to_world: &Transform, Normals { of_faces, flipped: flip }: Normals) -> Self {
         let positions: Vec<[f32; 3]> =
             data.positions.iter().map(|&p| single(to_world.point(double(p)))).collect();
         let side = if flip { -1.0 } else { 1.0 };
-        let stored = data.normals.filter(|_| !face_normals);
+        let stored = data.normals.filter(|_| !of_faces);
         let (triangles, uvs) = (data.triangles, data.uvs);
         let (normals, flipped) = match stored {
-            _ if face_normals => (None, flip),
+            _ if of_faces => (None, flip),
             Some(normals) => {
                 let place = |n: &[f32; 3]| single(to_world.normal(double(*n)).normalize_or_zero() * side);
                 let normals: Vec<[f32; 3]> = normals.iter().map(place).collect();
@@ -244,7 +258,8 @@ mod tests {
             (false, false, false, -1.0),
             (false, true, true, 1.0),
         ] {
-            let point = Mesh::new(triangle(normals), &mirror, flip, face).point::<true>(0, 0.2, 0.2);
+            let point = Mesh::new(triangle(normals), &mirror, Normals { of_faces: face, flipped: flip })
+                .point::<true>(0, 0.2, 0.2);
             assert_eq!((point.ns.z, point.ng.z), (expected, expected), "{normals} {face} {flip}");
         }
     }
@@ -254,18 +269,21 @@ mod tests {
     fn a_mesh_that_is_wound_against_its_normals_is_turned_to_them() {
         for flip in [false, true] {
             let data = MeshData { triangles: vec![[0, 2, 1]], ..triangle(true) };
-            let mesh = Mesh::new(data, &Transform::IDENTITY, flip, false);
+            let mesh = Mesh::new(data, &Transform::IDENTITY, Normals { flipped: flip, ..Normals::default() });
             let (point, expected) = (mesh.point::<true>(0, 0.2, 0.2), if flip { -1.0 } else { 1.0 });
             assert_eq!((point.ns.z, point.ng.z), (expected, expected), "{flip}");
         }
         // Without normals to go by, as it is wound.
         let zeros = MeshData { normals: Some(vec![[0.0; 3]; 3]), ..triangle(true) };
-        assert_eq!(Mesh::new(zeros, &Transform::IDENTITY, true, false).point::<true>(0, 0.2, 0.2).ng.z, -1.0);
+        let flipped = Normals { flipped: true, ..Normals::default() };
+        let point = Mesh::new(zeros, &Transform::IDENTITY, flipped).point::<true>(0, 0.2, 0.2);
+        assert_eq!(point.ng.z, -1.0);
     }
 
     #[test]
     fn points_interpolate_and_tangents_follow_the_texture() {
-        let point = Mesh::new(triangle(true), &Transform::IDENTITY, false, false).point::<true>(0, 0.25, 0.5);
+        let point =
+            Mesh::new(triangle(true), &Transform::IDENTITY, Normals::default()).point::<true>(0, 0.25, 0.5);
         assert_eq!((point.p, point.uv), (DVec3::new(0.25, 0.5, 0.0), DVec2::new(0.5, 2.0)));
         assert_eq!(point.dp_du, DVec3::new(0.5, 0.0, 0.0));
         assert_eq!(point.dp_dv, DVec3::new(0.0, 0.25, 0.0));
@@ -276,7 +294,7 @@ mod tests {
 
     fn curved() -> Mesh {
         let data = MeshData { normals: Some(NORMALS.to_vec()), ..triangle(true) };
-        Mesh::new(data, &Transform::IDENTITY, false, false)
+        Mesh::new(data, &Transform::IDENTITY, Normals::default())
     }
 
     #[test]
@@ -298,7 +316,7 @@ mod tests {
             uvs: None,
             triangles: vec![[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]],
         };
-        let n = Mesh::new(corner, &Transform::IDENTITY, false, false).point::<true>(0, 0.0, 0.0).ns;
+        let n = Mesh::new(corner, &Transform::IDENTITY, Normals::default()).point::<true>(0, 0.0, 0.0).ns;
         assert!(length(n - DVec3::splat(1.0 / 3f64.sqrt())) < 1e-6, "{n}");
     }
 
@@ -315,7 +333,7 @@ mod tests {
 
     #[test]
     fn area_samples_fill_the_triangles() {
-        let mut mesh = Mesh::new(triangle(true), &Transform::IDENTITY, false, false);
+        let mut mesh = Mesh::new(triangle(true), &Transform::IDENTITY, Normals::default());
         mesh.prepare_sampling();
         let sample = mesh.sample_area::<true>(DVec2::new(0.3, 0.7));
         assert!(sample.p.x >= 0.0 && sample.p.y >= 0.0 && sample.p.x + sample.p.y <= 1.0);

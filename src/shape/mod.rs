@@ -28,7 +28,7 @@ use crate::scene::params::Params;
 use crate::scene::registry::Entry;
 pub use cube::Cube;
 pub use cylinder::Cylinder;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, Normals};
 pub use patch::{Outline, Patch};
 pub use sphere::{Sphere, SphereSample};
 

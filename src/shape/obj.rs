@@ -1,6 +1,5 @@
 //! Meshes in Wavefront OBJ files.
 
-use super::mesh::Mesh;
 use super::{Geometry, mesh_data, mesh_file, placement};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -10,8 +9,7 @@ pub const ABOUT: &str = "A Wavefront OBJ mesh.";
 pub const EXAMPLES: &[&str] = &[];
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
-    let (to_world, flip) = placement(params)?;
+    let placement = placement(params)?;
     let flip_texture = params.boolean("flip_tex_coords", true, "whether v counts from the top")?;
-    mesh_file::parse(params, |path| mesh_data::read_obj(path, flip_texture))
-        .map(|(data, face_normals)| Geometry::Mesh(Mesh::new(data, &to_world, flip, face_normals)))
+    mesh_file::parse(params, &placement, |path| mesh_data::read_obj(path, flip_texture))
 }

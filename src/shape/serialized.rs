@@ -1,6 +1,5 @@
 //! Meshes in Mitsuba’s serialized format.
 
-use super::mesh::Mesh;
 use super::{Geometry, mesh_data, mesh_file, placement};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -10,8 +9,7 @@ pub const ABOUT: &str = "A mesh in Mitsuba's compressed format, which may hold s
 pub const EXAMPLES: &[&str] = &[];
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
-    let (to_world, flip) = placement(params)?;
+    let placement = placement(params)?;
     let index = params.count("shape_index", 0, 0..=u32::MAX, "which mesh of the file")?;
-    mesh_file::parse(params, |path| mesh_data::read_serialized(path, index))
-        .map(|(data, face_normals)| Geometry::Mesh(Mesh::new(data, &to_world, flip, face_normals)))
+    mesh_file::parse(params, &placement, |path| mesh_data::read_serialized(path, index))
 }

@@ -112,7 +112,7 @@ impl SpectralFunction {
     pub fn luminance(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => observer::luminance(rgb.map(f64::from)),
-            Self::Table(table) => observer::luminance(observer::table_to_rgb(table, true)),
+            Self::Table(table) => observer::luminance(observer::reflectance_to_rgb(table)),
             _ => {
                 let lit = |λ: &Wavelengths, s: Spectrum| observer::luminance(λ.to_rgb(s * Spectrum(λ.d65)));
                 over_the_visible(|λ| lit(λ, self.eval(λ))) / over_the_visible(|λ| lit(λ, Spectrum::ONE))

@@ -41,7 +41,7 @@ pub fn conductor(name: &str) -> Result<(Tabulated, Tabulated), String> {
 /// η or k of a conductor in RGB mode: unlike a table that a scene gives for them, Mitsuba integrates those
 /// that it knows by name without D65, and what lies outside the gamut becomes 0.
 pub fn in_rgb(table: &Tabulated) -> [f32; 3] {
-    observer::table_to_rgb(table, false).map(|v| v.max(0.0) as f32)
+    observer::emission_to_rgb(table).map(|v| v.max(0.0) as f32)
 }
 
 /// The index of a dielectric that does not disperse; the error lists the known names.

@@ -159,7 +159,7 @@ mod tests {
         let rgb = |s: Sigmoid| {
             let values = (360..=830).map(|nm| s.eval(nm as f32)).collect();
             let table = Tabulated::regular(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX, values);
-            observer::table_to_rgb(&table.unwrap(), true)
+            observer::reflectance_to_rgb(&table.unwrap())
         };
         let (color, white) = (rgb(sigmoid), rgb(Sigmoid::grey(1.0)));
         [0, 1, 2].map(|i| color[i] / white[i])

@@ -71,7 +71,7 @@ fn resolve(body: Blackbody, mode: ColorMode) -> SpectralFunction {
     let values = (0..=188).map(|i| body.eval(observer::WAVELENGTH_MIN + step * i as f32)).collect();
     let table = Tabulated::regular(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX, values);
     // Planck's law is finite and positive everywhere, and the range is not empty.
-    let rgb = table.map_or([0.0; 3], |t| observer::table_to_rgb(&t, false));
+    let rgb = table.map_or([0.0; 3], |t| observer::emission_to_rgb(&t));
     SpectralFunction::Rgb(rgb.map(|v| v.max(0.0) as f32))
 }
 

@@ -176,7 +176,8 @@ pub fn from_table(
     if loader.mode == ColorMode::Spectral {
         return Ok(SpectralFunction::Table(Arc::new(table)));
     }
-    let rgb = observer::table_to_rgb(&table, usage != Usage::Emission);
+    let emitted = usage == Usage::Emission;
+    let rgb = if emitted { observer::emission_to_rgb(&table) } else { observer::reflectance_to_rgb(&table) };
     Ok(SpectralFunction::Rgb(rgb.map(|v| v.clamp(0.0, top as f64) as f32)))
 }
 

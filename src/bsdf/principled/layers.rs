@@ -85,7 +85,7 @@ impl PrincipledBsdf {
         if self.clearcoat == 0.0 {
             return 0.0;
         }
-        let masking = Distribution::new(Shape::Ggx, 0.25, 0.25, true);
+        let masking = Distribution::new(Shape::Ggx, 0.25, 0.25);
         let reflectance = 0.04 + 0.96 * self.schlick_weight(at);
         let shown = self.coat.density(at.m) * masking.masking(at.wo, at.m) * masking.masking(at.wi, at.m);
         0.25 * self.clearcoat * reflectance * shown * at.wi.z

@@ -73,7 +73,7 @@ impl Base {
     /// Facets of this roughness, which are rougher along the tangent than across.
     pub fn facets(&self, point: &SurfacePoint, roughness: f64) -> Distribution {
         let [along, across] = alphas(roughness, share_at(&self.anisotropic, point));
-        Distribution::new(Shape::Ggx, along, across, true)
+        Distribution::new(Shape::Ggx, along, across)
     }
 
     /// Whether facets scatter narrowly in either direction, by the same limit as rough metal.

@@ -163,7 +163,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if edges >= caustics.lengths.max_depth.saturating_sub(1) {
             return None;
         }
-        let (lobe, direction) = u.scattering(true);
+        let (lobe, direction) = u.scattering();
         let sample = bsdf.sample(vertex.wo, lobe, direction)?;
         if sample.delta && side.traits.relief {
             return None;

@@ -66,7 +66,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         let ways = here.ways();
         here.by_ways(ways, shared, &mut path.radiance, shadows, counters);
-        let (lobe, direction) = u.scattering(side.traits.has_density);
+        let (lobe, direction) = u.scattering_if(side.traits.has_density);
         let sample = bsdf.sample(vertex.wo, lobe, direction);
         path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;

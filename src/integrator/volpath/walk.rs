@@ -131,7 +131,7 @@ impl<'a> Walk<'a> {
         if medium.samples_emitters {
             self.gather::<F, _>(&vertex, &gathers, None, u, edge);
         }
-        let (lobe, direction) = u.scattering(true);
+        let (lobe, direction) = u.scattering();
         let sample = medium.phase.sample(vertex.wo, lobe, direction)?;
         let arrival = Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
@@ -164,7 +164,7 @@ impl<'a> Walk<'a> {
         if side.traits.has_density && !last {
             self.gather::<F, _>(&vertex, &gathers, shape.interface.as_deref(), u, edge);
         }
-        let (lobe, direction) = u.scattering(side.traits.has_density);
+        let (lobe, direction) = u.scattering_if(side.traits.has_density);
         let sample = bsdf.sample(vertex.wo, lobe, direction);
         self.path.covered |= !sample.is_some_and(|sample| sample.null);
         let sample = sample?;

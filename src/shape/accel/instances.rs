@@ -99,7 +99,7 @@ mod tests {
     use crate::math::random::{direction, uniform};
     use crate::shape::mesh_data::MeshData;
     use crate::shape::patch::Outline;
-    use crate::shape::{Cylinder, Geometry, Mesh, Patch, Sphere};
+    use crate::shape::{Cylinder, Geometry, Mesh, Normals, Patch, Sphere};
     use rand_pcg::Pcg32;
 
     /// A convex ball of triangles, its vertices rounded to a grid.
@@ -119,7 +119,7 @@ mod tests {
             }
         }
         let data = MeshData { positions, normals: None, uvs: None, triangles };
-        Geometry::Mesh(Mesh::new(data, place, false, true))
+        Geometry::Mesh(Mesh::new(data, place, Normals::OF_FACES))
     }
 
     /// One of each kind of shape, placed.

@@ -9,7 +9,7 @@ use crate::math::random::{direction, uniform};
 use crate::math::ray::Ends;
 use crate::math::{DVec3, Transform, length};
 use crate::shape::mesh_data::MeshData;
-use crate::shape::{Cube, Cylinder, Geometry, Mesh, Patch, Sphere, patch::Outline};
+use crate::shape::{Cube, Cylinder, Geometry, Mesh, Normals, Patch, Sphere, patch::Outline};
 use glam::DVec2;
 use rand_pcg::{Pcg32, rand_core::Rng};
 
@@ -33,8 +33,7 @@ fn ball(rings: u32, scale: f64, centre: DVec3) -> Geometry {
     Geometry::Mesh(Mesh::new(
         MeshData { positions, normals: None, uvs: None, triangles },
         &place,
-        false,
-        true,
+        Normals::OF_FACES,
     ))
 }
 
@@ -103,7 +102,7 @@ fn twigs() -> Geometry {
         data.positions.extend(corners.map(|p| p.to_array().map(|v| v as f32)));
         data.triangles.extend([[0, 1, 2], [2, 1, 3]].map(|t| t.map(|k| 4 * i + k)));
     }
-    Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true))
+    Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES))
 }
 
 #[test]
@@ -335,7 +334,7 @@ fn rays_that_leave_a_needle_do_not_meet_its_neighbour() {
         triangles: vec![[0, 1, 2], [1, 3, 2]],
     };
     let w = f64::from(w);
-    let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true));
+    let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES));
     let accel = Accel::new(&[&mesh]);
     let mut rng = Pcg32::new(8, 8);
     for _ in 0..200_000 {
@@ -358,7 +357,7 @@ fn of_surfaces_in_one_place_the_first_is_met() {
     let triangle = || {
         let positions = vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
         let data = MeshData { positions, normals: None, uvs: None, triangles: vec![[0, 1, 2]] };
-        Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true))
+        Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES))
     };
     let mut rng = Pcg32::new(5, 5);
     for count in [2, 7, 60] {

@@ -124,7 +124,7 @@ impl LightPath {
                 });
             }
         }
-        let (lobe, direction) = u.scattering(true);
+        let (lobe, direction) = u.scattering();
         let sample = bsdf.sample(vertex.wo, lobe, direction).filter(|sample| !sample.delta)?;
         let to_camera = vertex.to_world(sample.wi);
         let cos_camera = point.ng.dot(to_camera).abs();

@@ -4,7 +4,7 @@ use super::*;
 use crate::math::random::{direction, uniform};
 use crate::math::{DVec2, Ray, Transform, length};
 use crate::shape::mesh_data::MeshData;
-use crate::shape::{Cube, Cylinder, Geometry, Mesh, Patch, Sphere, patch::Outline};
+use crate::shape::{Cube, Cylinder, Geometry, Mesh, Normals, Patch, Sphere, patch::Outline};
 use rand_pcg::Pcg32;
 
 /// Patches and balls, a primitive each; then cubes, cylinders and a mesh of single triangles: somewhere in a
@@ -36,7 +36,7 @@ fn clutter(rng: &mut Pcg32, count: usize) -> Vec<Geometry> {
         }
     }
     shapes.extend(others);
-    shapes.push(Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, false, true)));
+    shapes.push(Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES)));
     shapes
 }
 
@@ -112,7 +112,7 @@ fn in_an_empty_room_everything_is_clear_and_a_needle_ends_that() {
     let mut shaft = Shaft::default();
     for with_needle in [false, true] {
         if with_needle {
-            shapes.push(Geometry::Mesh(Mesh::new(needle.clone(), &Transform::IDENTITY, false, true)));
+            shapes.push(Geometry::Mesh(Mesh::new(needle.clone(), &Transform::IDENTITY, Normals::OF_FACES)));
         }
         let accel = Accel::new(&shapes.iter().collect::<Vec<_>>());
         let mut clear = [0; 2];
