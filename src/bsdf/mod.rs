@@ -49,11 +49,16 @@ pub trait Material: Sized {
     where
         Self: 'a;
 
+    /// Reads its parameters from a scene file.
+    ///
+    /// # Errors
+    /// If one has no such value, with its place.
     fn parse(params: &mut Params) -> Result<Self, SceneError>;
 
     /// Evaluates textures and spectra, once for each vertex of a path.
     fn at<'a>(&'a self, point: &'a SurfacePoint, λ: &'a Wavelengths) -> Self::Bsdf<'a>;
 
+    /// What is known of it wherever it is, from its parameters.
     fn traits(&self) -> Traits;
 }
 
@@ -182,6 +187,7 @@ pub trait Visitor {
 ///
 /// ωo points to where the light goes (the camera's side of a path), ωi to where it comes from.
 pub trait Bsdf {
+    /// The value and density of all lobes that have a density, for unit directions on either side of the surface.
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation;
     /// Draws ωi from three numbers in [0, 1): `lobe` chooses between lobes, `u` the direction in one.
     fn sample(&self, wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample>;

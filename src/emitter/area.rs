@@ -30,6 +30,8 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 }
 
 impl Area {
+    /// The radiance in W·m⁻²·sr⁻¹·nm⁻¹ that leaves a point of the surface in direction `w` (unit, world); none
+    /// leaves its back.
     #[inline]
     pub fn radiance(&self, point: &SurfacePoint, w: DVec3, λ: &Wavelengths) -> Spectrum {
         if point.ng.dot(w) > 0.0 { self.radiance.eval(point.uv, λ) } else { Spectrum::ZERO }
@@ -91,6 +93,8 @@ impl Area {
         Some(DirectSample { wi, distance, radiance, pdf: chosen.pdf * d2 / cos, delta: false, n: chosen.n })
     }
 
+    /// The density in sr⁻¹ with which a sample from the ray's origin has its direction, if the ray meets the
+    /// surface at `point` after the distance `t`.
     #[inline]
     pub fn pdf(&self, shape: &Geometry, ray: &Ray, t: f64, point: &SurfacePoint) -> f64 {
         if let Geometry::Sphere(sphere) = shape
@@ -102,6 +106,7 @@ impl Area {
         if cos > 0.0 { t * t / (cos * shape.area()) } else { 0.0 }
     }
 
+    /// Whether the radiance varies over the surface.
     pub fn varies(&self) -> bool {
         self.radiance.varies()
     }
@@ -113,6 +118,7 @@ impl Area {
         self.radiance.mean() * shape.area() * seen
     }
 
+    /// The power in W·nm⁻¹ that leaves the surface, the mean over the spectrum.
     pub fn power(&self, shape: &Geometry) -> f64 {
         self.radiance.mean() * shape.area() * std::f64::consts::PI
     }

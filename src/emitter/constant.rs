@@ -14,6 +14,7 @@ pub const EXAMPLES: &[&str] = &[
     r#"<emitter type="constant"><rgb name="radiance" value="0.3, 0.4, 0.6"/></emitter>"#,
 ];
 
+/// Light of one radiance from all directions.
 #[derive(Debug)]
 pub struct Constant {
     radiance: AnyTexture,
@@ -39,6 +40,7 @@ impl Constant {
         (pdf > 0.0).then_some(DirectSample { wi, distance: f64::INFINITY, radiance, pdf, delta: false, n })
     }
 
+    /// The radiance in W·m⁻²·sr⁻¹·nm⁻¹ from any direction.
     pub fn radiance(&self, λ: &Wavelengths) -> Spectrum {
         self.radiance.eval(DVec2::ZERO, λ)
     }

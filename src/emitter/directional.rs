@@ -13,6 +13,7 @@ pub const EXAMPLES: &[&str] =
     &[r#"<emitter type="directional"><vector name="direction" x="0" y="-1" z="0.2"/>
     <rgb name="irradiance" value="2"/></emitter>"#];
 
+/// Light from one direction.
 #[derive(Debug)]
 pub struct Directional {
     /// Unit direction the light travels in.
@@ -38,6 +39,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 }
 
 impl Directional {
+    /// The light that falls on any point.
     pub fn sample(&self, λ: &Wavelengths) -> Option<DirectSample> {
         let radiance = Radiance::Known(self.irradiance.eval(DVec2::ZERO, λ));
         Some(DirectSample {
@@ -55,6 +57,7 @@ impl Directional {
         -self.direction
     }
 
+    /// The irradiance in W·m⁻²·nm⁻¹ across its direction, the mean over the spectrum.
     pub fn irradiance(&self) -> f64 {
         self.irradiance.mean()
     }

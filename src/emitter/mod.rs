@@ -237,6 +237,7 @@ impl AnyEmitter {
         matches!(self, Self::Area(area) if area.varies())
     }
 
+    /// The name of its model in scene files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Area(_) => area::NAME,

@@ -12,6 +12,7 @@ pub const ABOUT: &str = "A point that shines equally into all directions.";
 pub const EXAMPLES: &[&str] = &[r#"<emitter type="point"><point name="position" x="0" y="5" z="0"/>
     <rgb name="intensity" value="10"/></emitter>"#];
 
+/// Light from a point, equal in all directions.
 #[derive(Debug)]
 pub struct Point {
     position: DVec3,
@@ -40,6 +41,7 @@ pub fn arriving(p: DVec3, position: DVec3) -> Option<(DVec3, f64, f32)> {
 }
 
 impl Point {
+    /// The light that falls on `p` (world); `None` at the emitter itself.
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, falloff) = arriving(p, self.position)?;
         let radiance = Radiance::Known(self.intensity.eval(DVec2::ZERO, λ) * falloff);
@@ -51,6 +53,7 @@ impl Point {
         self.position
     }
 
+    /// The radiant intensity in W·sr⁻¹·nm⁻¹, the mean over the spectrum.
     pub fn intensity(&self) -> f64 {
         self.intensity.mean()
     }

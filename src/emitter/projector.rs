@@ -46,6 +46,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 }
 
 impl Projector {
+    /// The light that falls on `p` (world); `None` outside of the picture.
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, _) = point::arriving(p, self.place())?;
         let (uv, z) = self.seen(p)?;

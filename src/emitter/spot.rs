@@ -15,6 +15,7 @@ pub const ABOUT: &str = "A point that shines into a cone about its z axis, fadin
 pub const EXAMPLES: &[&str] = &[r#"<emitter type="spot"><rgb name="intensity" value="10"/>
     <float name="cutoff_angle" value="30"/><float name="beam_width" value="20"/></emitter>"#];
 
+/// Light from a point, within a cone.
 #[derive(Debug)]
 pub struct Spot {
     intensity: AnyTexture,
@@ -43,6 +44,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
 }
 
 impl Spot {
+    /// The light that falls on `p` (world); `None` outside of the cone.
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, falloff) = point::arriving(p, self.place())?;
         let local = unit(self.to_world.inverted().vector(-wi));

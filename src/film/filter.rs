@@ -64,6 +64,7 @@ fn width(params: &mut Params, name: &'static str, default: f64, least: f64) -> R
 }
 
 impl Profile {
+    /// How far from its centre it reaches, in pixels.
     pub fn radius(&self) -> f64 {
         match *self {
             Self::Box => 0.5,

@@ -23,6 +23,7 @@ pub struct FilterSampler {
 }
 
 impl FilterSampler {
+    /// Tables from which to sample a filter.
     pub fn new(profile: Profile) -> Self {
         let half = (profile.radius() * BINS as f64).ceil() as i32;
         let (mut absolute, mut signed) = (vec![0.0], vec![0.0]);
@@ -44,6 +45,7 @@ impl FilterSampler {
         Self { profile, half, absolute, signed, guide, pieces }
     }
 
+    /// The filter that is sampled.
     pub fn profile(&self) -> Profile {
         self.profile
     }

@@ -38,6 +38,7 @@ const PROPERTIES: &[(&str, Property, &[&str])] = &[
     ("shape_index", Property::ShapeIndex, &["I"]),
 ];
 
+/// Geometry at the first surface, beside what another integrator finds.
 #[derive(Clone, Debug)]
 pub struct Aov {
     /// What fills the colour channels.

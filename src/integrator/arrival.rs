@@ -20,6 +20,7 @@ pub struct Arrival {
 }
 
 impl Arrival {
+    /// A camera ray, which no emitter sample competes with.
     pub const FROM_CAMERA: Self = Self { pdf: 1.0, delta: true, emitter_samples: 1 };
 }
 

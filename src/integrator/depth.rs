@@ -11,6 +11,7 @@ pub const ABOUT: &str =
     "The distance to the first surface, in all three channels as in Mitsuba; 0 where there is none.";
 pub const EXAMPLES: &[&str] = &[r#"<integrator type="depth"/>"#];
 
+/// The distance along the camera ray to the first surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Depth;
 

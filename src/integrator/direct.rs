@@ -22,6 +22,7 @@ pub const EXAMPLES: &[&str] = &[
     r#"<integrator type="direct"><integer name="emitter_samples" value="4"/><integer name="bsdf_samples" value="2"/></integrator>"#,
 ];
 
+/// Emitters, and what they light directly.
 #[derive(Clone, Copy, Debug)]
 pub struct Direct {
     emitter_samples: u32,

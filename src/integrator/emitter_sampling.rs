@@ -50,6 +50,7 @@ pub struct SampleCounts {
 }
 
 impl SampleCounts {
+    /// One of each.
     pub const ONE: Self = Self { emitter: 1.0, bsdf: 1.0 };
 }
 

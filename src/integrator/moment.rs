@@ -18,6 +18,7 @@ pub const ABOUT: &str = "Mean (CIE XYZ) and mean square of another integrator's 
 pub const EXAMPLES: &[&str] =
     &[r#"<integrator type="moment"><integrator type="path" name="image"/></integrator>"#];
 
+/// The second moments of what another integrator finds.
 #[derive(Clone, Debug)]
 pub struct Moment {
     pub nested: AnyIntegrator,

@@ -17,6 +17,7 @@ impl Default for Transform {
 }
 
 impl Transform {
+    /// Leaves everything where it is.
     pub const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, inverse: DMat4::IDENTITY };
 
     /// From a matrix, whose last row is taken for 0, 0, 0, 1; `None` if it is singular or not finite.
@@ -28,6 +29,7 @@ impl Transform {
         usable.then_some(Self { matrix, inverse })
     }
 
+    /// Moves points by a vector.
     pub fn translate(by: DVec3) -> Self {
         Self { matrix: DMat4::from_translation(by), inverse: DMat4::from_translation(-by) }
     }
@@ -66,15 +68,18 @@ impl Transform {
         Self { matrix: self.matrix * first.matrix, inverse: first.inverse * self.inverse }
     }
 
+    /// The map back.
     pub fn inverted(&self) -> Self {
         Self { matrix: self.inverse, inverse: self.matrix }
     }
 
+    /// Maps a point.
     #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.matrix.transform_point3(p)
     }
 
+    /// Maps a vector: translations do not move it, and its length is scaled.
     #[inline]
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.matrix.transform_vector3(v)

@@ -38,6 +38,7 @@ pub const EXAMPLES: &[&str] = &[
     r#"<medium type="heterogeneous"><float name="albedo" value="0"/></medium>"#,
 ];
 
+/// A medium whose density and albedo vary in space.
 #[derive(Debug)]
 pub struct Heterogeneous {
     /// σₜ/`scale`.

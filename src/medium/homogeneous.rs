@@ -21,6 +21,7 @@ pub const EXAMPLES: &[&str] = &[
     r#"<medium type="homogeneous"><float name="sigma_t" value="0"/></medium>"#,
 ];
 
+/// A medium that is the same everywhere.
 #[derive(Debug)]
 pub struct Homogeneous {
     /// σₜ/`scale`.

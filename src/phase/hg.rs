@@ -17,6 +17,7 @@ pub const EXAMPLES: &[&str] = &[
     r#"<phase type="hg"><float name="g" value="0.97"/></phase>"#,
 ];
 
+/// Scattering forwards or backwards by one parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct HenyeyGreenstein {
     g: f64,
@@ -29,6 +30,7 @@ pub fn parse(params: &mut Params) -> Result<AnyPhase, SceneError> {
 }
 
 impl HenyeyGreenstein {
+    /// The density in sr⁻¹ of a direction, by the cosine of the angle by which the light is turned.
     #[inline]
     pub fn density(self, cos: f64) -> f64 {
         // 1 + g² − 2g cos θ without cancellation where both are near one.

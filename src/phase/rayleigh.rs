@@ -12,6 +12,7 @@ pub const NAME: &str = "rayleigh";
 pub const ABOUT: &str = "Scattering by particles much smaller than the wavelength, such as air.";
 pub const EXAMPLES: &[&str] = &[r#"<phase type="rayleigh"/>"#];
 
+/// Scattering by what is far smaller than a wavelength, of light without polarisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Rayleigh;
 
@@ -20,6 +21,7 @@ pub fn parse(_params: &mut Params) -> Result<AnyPhase, SceneError> {
 }
 
 impl Rayleigh {
+    /// The density in sr⁻¹ of a direction, by the cosine of the angle by which the light is turned.
     #[inline]
     pub fn density(self, cos: f64) -> f64 {
         3.0 / 16.0 * INV_PI * (1.0 + cos * cos)

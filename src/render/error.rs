@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::fmt;
 
+/// Why a render has no image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RenderError {
     /// [`Progress::stop`](super::Progress::stop) was set.

@@ -19,6 +19,7 @@ impl Features {
     pub const REUSE: u32 = 32;
     /// Instances of groups of shapes.
     pub const INSTANCES: u32 = 64;
+    /// All of them.
     pub const ALL: u32 = 127;
     /// The kernel for textured scenes: features that often come together, cheap if unused.
     pub const TEXTURED: u32 = Self::TEXTURES | Self::ANISOTROPY | Self::ENVIRONMENT | Self::INSTANCES;

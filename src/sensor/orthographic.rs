@@ -12,6 +12,7 @@ pub const EXAMPLES: &[&str] = &[
     r#"<sensor type="orthographic"><transform name="to_world"><scale x="10" y="10"/></transform></sensor>"#,
 ];
 
+/// A camera whose rays are parallel.
 #[derive(Clone, Debug)]
 pub struct Orthographic {
     to_world: Transform,
@@ -33,6 +34,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
 }
 
 impl Orthographic {
+    /// The camera ray (world) through a place of the film, from (0, 0) at its upper left to (1, 1).
     #[inline]
     pub fn ray(&self, film: DVec2) -> Ray {
         let p = DVec3::new(1.0 - 2.0 * film.x, (1.0 - 2.0 * film.y) / self.aspect, self.near);

@@ -11,6 +11,7 @@ pub const ABOUT: &str = "A pinhole camera: everything is sharp.";
 pub const EXAMPLES: &[&str] = &[r#"<sensor type="perspective"><float name="fov" value="40"/>
     <transform name="to_world"><lookat origin="0, 1, -5" target="0, 1, 0" up="0, 1, 0"/></transform></sensor>"#];
 
+/// A pinhole camera.
 #[derive(Clone, Debug)]
 pub struct Perspective {
     to_world: Transform,
@@ -42,6 +43,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
 }
 
 impl Perspective {
+    /// The camera ray (world) through a place of the film, from (0, 0) at its upper left to (1, 1).
     #[inline]
     pub fn ray(&self, film: DVec2) -> Ray {
         let p = (DVec2::ONE - 2.0 * (film + self.principal_offset)) * self.half;

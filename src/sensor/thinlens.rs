@@ -55,6 +55,8 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
 }
 
 impl ThinLens {
+    /// The camera ray (world) through a place of the film, from (0, 0) at its upper left to (1, 1), and by two
+    /// numbers in [0, 1) that choose the place on the lens.
     #[inline]
     pub fn ray(&self, film: DVec2, lens: DVec2) -> Ray {
         let p = (DVec2::ONE - 2.0 * film) * self.half;

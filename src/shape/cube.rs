@@ -86,6 +86,7 @@ impl Cube {
         SurfacePoint { p, ..patch.point::<true>(x, y) }
     }
 
+    /// The area in m² of the surface (world).
     pub fn area(&self) -> f64 {
         self.areas.total()
     }
@@ -96,6 +97,7 @@ impl Cube {
         position_error(self.centre.abs() + a + b + c)
     }
 
+    /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let Chosen { index: face, rest: x, .. } = self.areas.sample(u.x);
         let sample = self.faces[face].sample_area::<UV>(DVec2::new(x, u.y));
@@ -106,6 +108,7 @@ impl Cube {
         [3, 5].iter().flat_map(|&face| self.faces[face].corners()).collect()
     }
 
+    /// The least and the greatest coordinates (world).
     pub fn bounds(&self) -> Bounds {
         let [a, b, c] = self.axes.map(DVec3::abs);
         (self.centre - a - b - c, self.centre + a + b + c)

@@ -96,10 +96,12 @@ impl Cylinder {
         position_error(self.start.abs() + (self.length + self.radius))
     }
 
+    /// The area in m² of the surface (world).
     pub fn area(&self) -> f64 {
         2.0 * PI * self.radius * self.length
     }
 
+    /// A point of the surface from two numbers in [0, 1), with its density in m⁻².
     pub fn sample_area(&self, u: DVec2) -> AreaSample {
         let c = on_circle(u.x);
         let outward = self.x * c.x + self.y * c.y;
@@ -108,6 +110,7 @@ impl Cylinder {
         AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0, error: self.point_error() }
     }
 
+    /// The least and the greatest coordinates (world).
     pub fn bounds(&self) -> Bounds {
         bounds(self.start, self.axis, self.length, self.radius)
     }

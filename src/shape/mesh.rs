@@ -156,6 +156,7 @@ impl Mesh {
         0.5 * length((p1 - p0).cross(p2 - p0))
     }
 
+    /// The area in m² of the surface (world).
     pub fn area(&self) -> f64 {
         if self.areas.is_empty() {
             (0..self.triangles.len() as u32).map(|i| self.triangle_area(i)).sum()
@@ -174,6 +175,7 @@ impl Mesh {
         self.error
     }
 
+    /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.
     #[inline]
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let Chosen { index: triangle, rest, .. } = self.areas.sample(u.x);
@@ -197,6 +199,7 @@ impl Mesh {
             + self.uvs.as_deref().map_or(0, size_of_val)
     }
 
+    /// The least and the greatest coordinates (world).
     pub fn bounds(&self) -> Bounds {
         around(self.positions.iter().map(|&p| double(p)))
     }

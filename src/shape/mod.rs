@@ -186,6 +186,7 @@ impl Geometry {
         }
     }
 
+    /// The area in m² of the surface (world).
     pub fn area(&self) -> f64 {
         match self {
             Self::Mesh(mesh) => mesh.area(),

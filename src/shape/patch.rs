@@ -56,6 +56,7 @@ impl Patch {
         (self.e2.cross(normal) * scale, normal.cross(self.e1) * scale)
     }
 
+    /// The area in m² of the surface (world).
     pub fn area(&self) -> f64 {
         self.area
     }
@@ -84,6 +85,7 @@ impl Patch {
         SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du, dp_dv }
     }
 
+    /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.
     #[inline(always)]
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let d = match self.outline {
@@ -100,6 +102,7 @@ impl Patch {
             .map(|(x, y)| self.centre + self.e1 * x + self.e2 * y)
     }
 
+    /// The least and the greatest coordinates (world).
     pub fn bounds(&self) -> Bounds {
         let half = match self.outline {
             Outline::Square => self.e1.abs() + self.e2.abs(),

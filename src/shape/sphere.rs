@@ -95,10 +95,12 @@ impl Sphere {
         self.error
     }
 
+    /// The area in m² of the surface (world).
     pub fn area(&self) -> f64 {
         4.0 * PI * self.radius * self.radius
     }
 
+    /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let SurfacePoint { p, ng, uv, .. } = self.point::<UV>(self.centre + warp::sphere(u) * self.radius);
         AreaSample { p, n: ng, uv, pdf: 1.0 / self.area(), primitive: 0, error: self.error }
@@ -145,6 +147,7 @@ impl Sphere {
         Some(SphereSample { direction, distance, error, n: frame.to_world(n / self.radius), uv })
     }
 
+    /// The least and the greatest coordinates (world).
     pub fn bounds(&self) -> Bounds {
         (self.centre - self.radius, self.centre + self.radius)
     }

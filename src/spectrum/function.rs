@@ -28,6 +28,7 @@ pub enum SpectralFunction {
 }
 
 impl SpectralFunction {
+    /// The value in each lane: at its wavelength, or in its channel.
     #[inline]
     pub fn eval(&self, λ: &Wavelengths) -> Spectrum {
         match self {

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 /// The visible range, in nm.
 pub const WAVELENGTH_MIN: f32 = 360.0;
+/// The last wavelength of visible light, in nm.
 pub const WAVELENGTH_MAX: f32 = 830.0;
 
 /// The integral of ȳ in nm that Mitsuba 3.9 normalises by. That of its table is 106.857: a spectrum of 1

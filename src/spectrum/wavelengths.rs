@@ -74,6 +74,7 @@ impl Wavelengths {
         self.collapsed != 0
     }
 
+    /// Whether the lanes are wavelengths or channels.
     #[inline]
     pub fn mode(&self) -> ColorMode {
         if self.mean_factor == 1.0 / LANES as f32 { ColorMode::Spectral } else { ColorMode::Rgb }

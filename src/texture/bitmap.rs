@@ -71,6 +71,7 @@ pub struct Stored {
     scalar: Vec<f32>,
 }
 
+/// An image.
 #[derive(Clone, Debug)]
 pub struct Bitmap {
     stored: Arc<Stored>,
@@ -202,6 +203,7 @@ impl Bitmap {
         [(a, (1.0 - tx) * (1.0 - ty)), (b, tx * (1.0 - ty)), (c, (1.0 - tx) * ty), (d, tx * ty)]
     }
 
+    /// The value in each lane at texture coordinates `uv`.
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         let corners = self.corners(uv);
         match &self.stored.texels {
@@ -220,6 +222,7 @@ impl Bitmap {
         }
     }
 
+    /// The value at texture coordinates `uv` where one number is asked for: the luminance of colours.
     pub fn eval_scalar(&self, uv: DVec2) -> f64 {
         self.corners(uv).into_iter().map(|(texel, weight)| (self.stored.scalar[texel] * weight) as f64).sum()
     }
@@ -247,6 +250,7 @@ impl Bitmap {
         DVec2::new(u.x * dx + u.y * dy, v.x * dx + v.y * dy)
     }
 
+    /// The mean over the texture of what [`eval_scalar`](Self::eval_scalar) is there.
     pub fn mean(&self) -> f64 {
         let scalar = &self.stored.scalar;
         scalar.iter().map(|&v| v as f64).sum::<f64>() / scalar.len() as f64

@@ -13,6 +13,7 @@ pub const EXAMPLES: &[&str] = &[
         <transform name="to_uv"><scale x="4" y="4"/></transform></texture>"#,
 ];
 
+/// Squares of two textures in turn.
 #[derive(Clone, Debug)]
 pub struct Checkerboard {
     sides: [AnyTexture; 2],
@@ -45,6 +46,7 @@ impl Checkerboard {
         &self.sides[usize::from(first)]
     }
 
+    /// The mean over the texture and the spectrum.
     pub fn mean(&self) -> f64 {
         0.5 * (self.sides[0].mean() + self.sides[1].mean())
     }

@@ -45,6 +45,7 @@ impl UnderD65 {
         self.texture.aspect()
     }
 
+    /// The value in each lane at texture coordinates `uv`.
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         let value = self.texture.eval(uv, λ) * self.scale;
         match λ.mode() {
@@ -53,10 +54,12 @@ impl UnderD65 {
         }
     }
 
+    /// The value at texture coordinates `uv` where one number is asked for.
     pub fn eval_scalar(&self, uv: DVec2) -> f64 {
         self.texture.eval_scalar(uv) * self.scale as f64
     }
 
+    /// The mean over the texture and the spectrum.
     pub fn mean(&self) -> f64 {
         self.texture.mean() * self.scale as f64 * SpectralFunction::mean(&color::white_illuminant(1.0))
     }

@@ -87,6 +87,7 @@ impl AnyTexture {
         }
     }
 
+    /// The value in each lane at texture coordinates `uv`: a reflectance, or a weight, without unit.
     #[inline]
     pub fn eval(&self, uv: DVec2, λ: &Wavelengths) -> Spectrum {
         match self {

@@ -11,6 +11,7 @@ pub const ABOUT: &str = "The same value everywhere.";
 pub const EXAMPLES: &[&str] =
     &[r#"<volume type="constvolume"><rgb name="value" value="0.9, 0.8, 0.7"/></volume>"#];
 
+/// The same value everywhere.
 #[derive(Clone, Debug)]
 pub struct Constant {
     pub value: SpectralFunction,

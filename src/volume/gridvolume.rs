@@ -23,6 +23,7 @@ enum Cells {
     Spectral(Vec<(Sigmoid, f32)>),
 }
 
+/// Values on a grid, and between its cells' centres by interpolation.
 #[derive(Clone, Debug)]
 pub struct Grid {
     cells: Cells,
@@ -97,10 +98,12 @@ fn cells(voxels: &Voxels, params: &Params) -> Cells {
 }
 
 impl Grid {
+    /// From the cube [0, 1]³ of the grid to world space.
     pub fn to_world(&self) -> &Transform {
         &self.to_world
     }
 
+    /// Numbers of cells along x, y and z.
     pub fn resolution(&self) -> [usize; 3] {
         self.size
     }

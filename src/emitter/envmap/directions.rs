@@ -38,6 +38,7 @@ pub struct MapPlace {
     pub down: f64,
 }
 
+/// A cell of the image: the square between four texels' centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
     pub column: usize,

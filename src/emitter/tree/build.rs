@@ -11,6 +11,7 @@ const BINS: usize = 12;
 /// An emitter's number and the emitter as a cluster.
 type Numbered = (u32, Cluster);
 
+/// A tree over at least one cluster.
 pub fn build(clusters: &[Cluster]) -> Tree {
     let mut numbered: Vec<Numbered> = (0..).zip(clusters.iter().copied()).collect();
     let mut tree = Tree { nodes: vec![], leaves: vec![Place { node: 0, child: 0 }; clusters.len()] };

@@ -18,6 +18,7 @@ pub struct Cluster {
 }
 
 impl Cluster {
+    /// Bounds of both.
     pub fn union(a: Self, b: Self) -> Self {
         Self {
             bounds: union(a.bounds, b.bounds),
