@@ -6,7 +6,7 @@ use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::emitter_sampling::density_of_finding;
-use crate::integrator::links::{Passage, density_of};
+use crate::integrator::links::{SpecularChain, density_of};
 use crate::integrator::mis::power_heuristic_of_three;
 use crate::integrator::roulette::roulette;
 use crate::integrator::vertex::Vertex;
@@ -44,9 +44,8 @@ pub struct LightPath {
     /// The density of emitter sampling at the first vertex with a density, over that of BSDF sampling there,
     /// both as of a path from the camera. Zero if emitter sampling cannot make the edges before it.
     by_emitter: f64,
-    /// The specular chain since the emitter, with the probability of the lobes that were chosen along it;
-    /// `None` once no link could lead by it.
-    passage: Option<(Passage, f64)>,
+    /// The specular chain since the emitter; `None` once no link could lead by it.
+    chain: Option<SpecularChain>,
 }
 
 impl LightPath {
@@ -73,7 +72,7 @@ impl LightPath {
             ratio: f64::from(caustics.paths) / scale,
             end: start.end,
             by_emitter: 0.0,
-            passage: Some((Passage::default(), 1.0)),
+            chain: Some(SpecularChain::BEGUN),
         };
         Some((path, start.ray))
     }
@@ -150,11 +149,10 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         // scattered path chooses the same lobes along it.
         let asked =
             side.traits.has_density && scene.techniques.links.as_ref().is_some_and(|links| links.everywhere);
-        let linked =
-            path.passage.filter(|(passage, _)| asked && passage.surfaces > 0).map(|(passage, chance)| {
-                let found = density_of(scene, vertex.origin(), to_light, passage, path.end, &λ, counters);
-                found.unwrap_or(0.0) * caustics.emitter_samples / chance
-            });
+        let linked = path.chain.filter(|chain| asked && chain.surfaces > 0).map(|chain| {
+            let found = density_of(scene, vertex.origin(), to_light, chain, path.end, &λ, counters);
+            found.unwrap_or(0.0) * caustics.emitter_samples / chain.chance
+        });
         if edges > 1 && seen && side.traits.has_density {
             let lit = LitVertex { vertex: &vertex, to_light, linked };
             caustics.connect(scene, path, lit, u, connections);
@@ -170,10 +168,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         }
         let to_camera = vertex.to_world(sample.wi);
         let (cos_light, cos_camera) = (point.ng.dot(to_light).abs(), point.ng.dot(to_camera).abs());
-        path.passage = path.passage.and_then(|(passage, chance)| {
-            let passage = passage.on(side, primitive, vertex.wo, &sample)?;
-            Some((passage, chance * sample.pdf))
-        });
+        path.chain = path.chain.and_then(|chain| chain.on(side, primitive, vertex.wo, &sample));
         if sample.delta {
             let η2 = sample.eta * sample.eta;
             // A camera path's weight T/(P η²) is a density of ωl, this one's of ωc, and dωl/dωc is the ratio

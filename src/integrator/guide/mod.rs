@@ -36,10 +36,10 @@ use photons::photon;
 use rayon::prelude::*;
 
 /// Most surfaces of a specular chain that is guided; longer ones are left to scattering.
-pub const MOST_SURFACES: u32 = 32;
+pub const LONGEST_CHAIN: u32 = 32;
 
 // Each of them takes a number, after two for the direction.
-const _: () = assert!(MOST_SURFACES + 2 < 8 * blocks::GUIDED_OF_VERTEX);
+const _: () = assert!(LONGEST_CHAIN + 2 < 8 * blocks::GUIDED_OF_VERTEX);
 
 /// Cells with more photons are halved.
 const MOST_PHOTONS: usize = 512;
@@ -116,7 +116,7 @@ pub fn sample_emitters<B: Bsdf>(
     let weight = power_heuristic(density, scattered.pdf) / density;
     let mut throughput = scattered.value * weight as f32;
     let mut ray = Ray::leaving(vertex.point.p, w, f64::INFINITY, vertex.primitive);
-    for surfaces in 0..=most.min(MOST_SURFACES) {
+    for surfaces in 0..=most.min(LONGEST_CHAIN) {
         counters.rays += 1;
         let Some(hit) = scene.accel.closest(&ray) else { break };
         let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);

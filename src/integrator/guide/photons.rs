@@ -1,9 +1,9 @@
 //! The light paths whose photons guide emitter samples.
 
-use super::{MOST_SURFACES, onward};
+use super::{LONGEST_CHAIN, onward};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
-use crate::integrator::links::{Passage, density_of};
+use crate::integrator::links::{SpecularChain, density_of};
 use crate::math::{DVec3, INV_PI, Origin};
 use crate::sampler::{RandomSource, SamplerKind, blocks};
 use crate::scene::{Features, Scene};
@@ -32,20 +32,20 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
     // A lane might not hold the product.
     let (mut light, scale) = (start.radiance * λ.ones(), start.cos / start.density);
     let mut ray = start.ray;
-    let mut passage = Some((Passage::default(), 1.0));
-    for edges in 1..=MOST_SURFACES + 1 {
+    let mut chain = Some(SpecularChain::BEGUN);
+    for edges in 1..=LONGEST_CHAIN + 1 {
         let hit = scene.accel.closest(&ray)?;
         let (shape, point) = scene.surface::<{ Features::ALL }>(&ray, &hit);
         let w = -ray.direction;
         let side = shape.side_towards(point.ns.dot(w));
         if side.traits.has_density {
             let power = f64::from(λ.mean(light)) * scale;
-            let linked = passage.and_then(|(passage, chance)| {
+            let linked = chain.and_then(|chain| {
                 let mut counters = Counters::default();
                 let from = Origin { p: point.p, primitive: hit.primitive };
-                let found = density_of(scene, from, w, passage, start.end, &λ, &mut counters)?;
+                let found = density_of(scene, from, w, chain, start.end, &λ, &mut counters)?;
                 // As of a matte surface; for others it is not known in which direction they scatter.
-                Some(found / (chance * point.ng.dot(w).abs() * INV_PI))
+                Some(found / (chain.chance * point.ng.dot(w).abs() * INV_PI))
             });
             let left = linked.map_or(1.0, |linked| 1.0 / (1.0 + linked * linked));
             let some = edges > 1 && power > 0.0 && power.is_finite();
@@ -53,10 +53,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
         }
         let number = sampler.block(blocks::vertex(edges)).lobe();
         let turn = onward(scene, w, side, &point, hit.primitive, number, &λ)?;
-        passage = passage.and_then(|(passage, chance)| {
-            let passage = passage.on(side, hit.primitive, turn.wo, &turn.sample)?;
-            Some((passage, chance * turn.sample.pdf))
-        });
+        chain = chain.and_then(|chain| chain.on(side, hit.primitive, turn.wo, &turn.sample));
         // Power, unlike radiance, does not change with the index.
         light *= turn.sample.weight * (turn.sample.eta * turn.sample.eta) as f32;
         ray = turn.ray;

@@ -11,7 +11,7 @@
 //! from ∂p′ and how the surface is curved. A mirror is an interface with ν = 1 and c′ = −c.
 
 use super::Surface;
-use super::passage::{Turn, turn};
+use super::chain::{Turn, turn};
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Origin, Ray, length};

@@ -6,7 +6,7 @@
 use super::bent::{NOT_REFLECTED, REFLECTED};
 use super::element::{Element, Form};
 use super::lens::Lens;
-use super::{Passage, Technique};
+use super::{Connector, SpecularChain};
 use crate::bsdf::{AnyMaterial, Bsdf, Material, Visitor};
 use crate::math::frame::unit;
 use crate::math::{Ball, DVec2, DVec3, length};
@@ -73,31 +73,31 @@ impl Elements {
 
     /// Chooses one for the light at x by a number in [0, 1), or none, if all together contribute little: an
     /// element that contributes a hundredth of the light is chosen with a probability of a hundredth.
-    pub fn choose(&self, x: DVec3, choice: f64) -> Option<Technique<'_>> {
+    pub fn choose(&self, x: DVec3, choice: f64) -> Option<Connector<'_>> {
         let (weights, all) = self.weights(x);
         let mut rest = choice * all;
         let chosen = weights[..self.0.len()].iter().position(|weight| {
             rest -= weight;
             rest < 0.0
         })?;
-        Some(Technique { by: Some(self.get(chosen)), chance: weights[chosen] / all })
+        Some(Connector { by: Some(self.get(chosen)), chance: weights[chosen] / all })
     }
 
     /// Index of the one whose links lead by such surfaces.
-    pub fn of_passage(&self, passage: &Passage) -> Option<usize> {
+    pub fn of_chain(&self, chain: &SpecularChain) -> Option<usize> {
         self.0.iter().position(|element| match element.lens() {
-            Some(lens) => passage.is_through(element.primitives[0], lens.inner),
-            None => passage.mirror.is_some_and(|primitive| {
+            Some(lens) => chain.is_through(element.primitives[0], lens.inner),
+            None => chain.mirror.is_some_and(|primitive| {
                 // A ball is no mirror from inside.
-                passage.reflections == 1 && element.has(primitive) && !passage.is_through(primitive, 1)
+                chain.reflections == 1 && element.has(primitive) && !chain.is_through(primitive, 1)
             }),
         })
     }
 
     /// One of them, with the probability of choosing it for the light at x.
-    pub fn technique(&self, x: DVec3, index: usize) -> Technique<'_> {
+    pub fn connector(&self, x: DVec3, index: usize) -> Connector<'_> {
         let (weights, all) = self.weights(x);
-        Technique { by: Some(self.get(index)), chance: weights[index] / all }
+        Connector { by: Some(self.get(index)), chance: weights[index] / all }
     }
 
     /// Whether a primitive is one of them.
@@ -287,15 +287,15 @@ mod tests {
             let mut times = [0.0; 4];
             for i in 0..N {
                 let u = (f64::from(i) + 0.5) / f64::from(N);
-                if let Some(Technique { by: Some(mirror), chance }) = mirrors.choose(x, u) {
+                if let Some(Connector { by: Some(mirror), chance }) = mirrors.choose(x, u) {
                     let index =
                         (0..4).position(|i| std::ptr::eq(mirrors.get(i), mirror)).expect("it is one of them");
                     times[index] += 1.0 / f64::from(N);
-                    assert_eq!(mirrors.technique(x, index).chance, chance);
+                    assert_eq!(mirrors.connector(x, index).chance, chance);
                 }
             }
             for (index, times) in times.into_iter().enumerate() {
-                let chance = mirrors.technique(x, index).chance;
+                let chance = mirrors.connector(x, index).chance;
                 assert!((times - chance).abs() < 2.0 / f64::from(N), "{x}: {times} {chance}");
             }
             // Of metal that reflects at its front alone, nothing is seen from behind.

@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// Most surfaces of a link; longer chains are left to scattering.
-const MOST_SURFACES: usize = 8;
+const LONGEST_LINK: usize = 8;
 
 /// Most Newton steps; the fourth is seldom needed.
 const CORRECTIONS: usize = 12;
@@ -64,7 +64,7 @@ enum End {
 
 /// The surfaces of a specular chain that is being collected.
 struct Chain<'a> {
-    surfaces: [Surface<'a>; MOST_SURFACES],
+    surfaces: [Surface<'a>; LONGEST_LINK],
     count: usize,
 }
 
@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
         most: usize,
         counters: &mut Counters,
     ) -> Option<Self> {
-        let mut chain = Chain { surfaces: [Surface::Glass(0); MOST_SURFACES], count: 0 };
+        let mut chain = Chain { surfaces: [Surface::Glass(0); LONGEST_LINK], count: 0 };
         let mut lens = None;
         let first = match by {
             None => {

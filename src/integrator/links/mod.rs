@@ -26,11 +26,11 @@
 //! as they meet a rough surface.
 
 mod bent;
+mod chain;
 mod element;
 mod elements;
 mod lens;
 mod link;
-mod passage;
 
 use super::Counters;
 use super::emitter_sampling::Proposal;
@@ -45,11 +45,11 @@ use crate::sampler::EmitterNumbers;
 use crate::scene::{Scene, Shape};
 use crate::shape::{Geometry, SurfacePoint};
 use crate::spectrum::{ColorMode, Wavelengths};
+pub use chain::SpecularChain;
 use element::Element;
 use elements::Elements;
 use link::Search;
 pub use link::{Link, Surface};
-pub use passage::{Passage, Way};
 
 /// Directions closer than this are those of the same link: Newton's method repeats one far more closely, and
 /// other links are farther apart.
@@ -82,14 +82,14 @@ impl LinkPolicy {
 
 /// How an emitter sample is connected.
 #[derive(Clone, Copy)]
-pub struct Technique<'a> {
+pub struct Connector<'a> {
     /// The mirror or the ball of glass that it leads by; `None` for panes and other glass alone.
     by: Option<&'a Element>,
     /// Probability of choosing it.
     chance: f64,
 }
 
-impl Technique<'_> {
+impl Connector<'_> {
     const THROUGH: Self = Self { by: None, chance: 1.0 };
 
     /// The point as from which emitters are sampled, for a vertex at p.
@@ -127,20 +127,20 @@ impl Links {
 
     /// The techniques for emitter samples at a point: through glass alone, through a ball, and by a mirror,
     /// the ball and the mirror chosen by a number in [0, 1).
-    pub fn techniques(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Technique<'_>> {
-        let through = (!self.glass.is_empty()).then_some(Technique::THROUGH);
+    pub fn connectors(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Connector<'_>> {
+        let through = (!self.glass.is_empty()).then_some(Connector::THROUGH);
         let one = [&self.lenses, &self.mirrors].map(|elements| elements.choose(p, choice));
         through.into_iter().chain(one.into_iter().flatten())
     }
 
     /// The technique whose links from a point lead by such surfaces, if there is one.
-    fn technique(&self, p: DVec3, passage: &Passage) -> Option<Technique<'_>> {
+    fn connector(&self, p: DVec3, chain: &SpecularChain) -> Option<Connector<'_>> {
         for elements in [&self.lenses, &self.mirrors] {
-            if let Some(index) = elements.of_passage(passage) {
-                return Some(elements.technique(p, index)).filter(|technique| technique.chance > 0.0);
+            if let Some(index) = elements.of_chain(chain) {
+                return Some(elements.connector(p, index)).filter(|connector| connector.chance > 0.0);
             }
         }
-        (passage.reflections == 0).then_some(Technique::THROUGH)
+        (chain.reflections == 0).then_some(Connector::THROUGH)
     }
 
     /// Whether glass may lie between a point and the one at `distance` from it in unit direction `w`.
@@ -161,15 +161,15 @@ pub fn density_of(
     scene: &Scene,
     from: Origin,
     direction: DVec3,
-    passage: Passage,
+    chain: SpecularChain,
     EmitterPoint { emitter, p, n }: EmitterPoint,
     λ: &Wavelengths,
     counters: &mut Counters,
 ) -> Option<f64> {
     let entry = &scene.emitters.list[emitter];
     let geometry = &scene.shapes[entry.shape? as usize].geometry;
-    let technique = scene.techniques.links.as_ref()?.technique(from.p, &passage)?;
-    let seen_from = technique.seen_from(from.p)?;
+    let connector = scene.techniques.links.as_ref()?.connector(from.p, &chain)?;
+    let seen_from = connector.seen_from(from.p)?;
     let towards = p - seen_from;
     let distance = length(towards);
     let straight = Ray::leaving(seen_from, towards / distance, distance, from.primitive);
@@ -179,13 +179,13 @@ pub fn density_of(
     let to = straight.at(free_way(distance, geometry.point_error() + position_error(seen_from)));
     // Of fewer surfaces it would be another path, even in the same direction: glass does not bend light behind
     // the last of them that it has in common with this one.
-    let search = Search::new(scene, from, to, technique.by, passage.surfaces as usize, counters)
-        .filter(|search| search.surfaces() == passage.surfaces)?;
+    let search = Search::new(scene, from, to, connector.by, chain.surfaces as usize, counters)
+        .filter(|search| search.surfaces() == chain.surfaces)?;
     let is_it = |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(n) < 0.0;
     let link = search.links(λ, counters).find(is_it)?;
     let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, &SurfacePoint::plain(p, n, n));
     let chosen =
-        Choice::at(Gathers::EVERYWHERE.at(from.p)).probability(&scene.emitters, emitter) * technique.chance;
+        Choice::at(Gathers::EVERYWHERE.at(from.p)).probability(&scene.emitters, emitter) * connector.chance;
     Some(chosen * density(pdf, straight.direction, distance, &link, n))
 }
 
@@ -196,7 +196,7 @@ fn density(straight_pdf: f64, straight: DVec3, distance: f64, link: &Link, n: DV
 
 /// One emitter sample by specular chains.
 pub struct LinkSample<'a> {
-    pub technique: Technique<'a>,
+    pub connector: Connector<'a>,
     pub numbers: EmitterNumbers,
     /// How many are taken at the vertex.
     pub count: f64,
@@ -211,7 +211,7 @@ pub struct LinkSample<'a> {
 pub fn sample_emitter<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
-    LinkSample { technique, numbers, count, most }: LinkSample,
+    LinkSample { connector, numbers, count, most }: LinkSample,
     λ: &Wavelengths,
     light_paths: impl Fn(&Link, f64, EmitterPoint) -> f64,
     counters: &mut Counters,
@@ -225,14 +225,14 @@ pub fn sample_emitter<B: Bsdf>(
     }
     let shape = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
     let from = vertex.origin();
-    let seen_from = technique.seen_from(from.p)?;
+    let seen_from = connector.seen_from(from.p)?;
     let light = entry.emitter.sample(shape, seen_from, DVec3::ZERO, u, λ)?;
     let Radiance::Known(radiance) = light.radiance else { return None };
     if radiance.is_zero() {
         return None;
     }
     let to = seen_from + light.wi * light.distance;
-    let search = Search::new(scene, from, to, technique.by, most, counters)?;
+    let search = Search::new(scene, from, to, connector.by, most, counters)?;
     for link in search.links(λ, counters) {
         let cos = -link.last.direction.dot(light.n);
         if cos <= 0.0 {
@@ -242,7 +242,7 @@ pub fn sample_emitter<B: Bsdf>(
         let error = shape.map_or(0.0, Geometry::point_error) + position_error(link.last.origin);
         let early = 2.0 * link.miss / cos + 4.0 * error;
         let scattered = vertex.bsdf.evaluate(vertex.wo, vertex.to_local(link.direction));
-        let chance = probability * technique.chance;
+        let chance = probability * connector.chance;
         let pdf = density(light.pdf, light.wi, light.distance, &link, light.n) * chance * count;
         if scattered.value.is_zero() || pdf.is_nan() || pdf <= 0.0 {
             continue;

@@ -1,6 +1,6 @@
 mod mirrors;
 
-use super::passage::Turn;
+use super::chain::Turn;
 use super::*;
 use crate::load_text;
 use crate::math::frame::unit;
@@ -104,8 +104,8 @@ fn by(scene: &Scene, x: DVec3, y: DVec3, element: Option<&Element>) -> Vec<Link>
 }
 
 /// So many surfaces that let light through; all of one primitive, if one is given.
-fn through(surfaces: u32, alone: Option<u32>) -> Passage {
-    (0..surfaces).fold(Passage::default(), |passage, i| passage.with(Turn::Through, alone.unwrap_or(i)))
+fn through(surfaces: u32, alone: Option<u32>) -> SpecularChain {
+    (0..surfaces).fold(SpecularChain::BEGUN, |chain, i| chain.with(Turn::Through, alone.unwrap_or(i)))
 }
 
 /// Floor points and points near the lamp.
@@ -189,8 +189,8 @@ fn both_sides_agree_on_the_density() {
         let elements = (0..lenses.len()).map(|i| (lenses, i)).chain(inner.map(|i| (mirrors, i)));
         let techniques: Vec<_> = [None].into_iter().chain(elements.map(Some)).collect();
         for (which, (x, _)) in techniques.iter().flat_map(|which| pairs().map(move |pair| (which, pair))) {
-            let Technique { by: element, chance } =
-                which.map_or(Technique::THROUGH, |(elements, i)| elements.technique(x, i));
+            let Connector { by: element, chance } =
+                which.map_or(Connector::THROUGH, |(elements, i)| elements.connector(x, i));
             let seen_from = element.map_or(x, |element| element.image(x).expect("x is outside"));
             let u = DVec2::new((x.x * 37.0).rem_euclid(1.0), (x.y * 41.0).rem_euclid(1.0));
             let Some(light) = entry.emitter.sample(geometry, seen_from, DVec3::ZERO, u, &λ) else {
@@ -198,9 +198,9 @@ fn both_sides_agree_on_the_density() {
             };
             let y = seen_from + light.wi * light.distance;
             let end = EmitterPoint { emitter: index, p: y, n: light.n };
-            let pdf_of = |direction, passage| {
+            let pdf_of = |direction, chain| {
                 let from = Origin { p: x, primitive: 0 };
-                density_of(&scene, from, direction, passage, end, &λ, &mut Counters::default())
+                density_of(&scene, from, direction, chain, end, &λ, &mut Counters::default())
             };
             let found = by(&scene, x, y, element);
             several += usize::from(found.len() > 1);
@@ -209,21 +209,19 @@ fn both_sides_agree_on_the_density() {
             for link in &found {
                 let expected = chance * density(light.pdf, light.wi, light.distance, link, light.n);
                 let alone = element.map(|element| element.primitives[0]);
-                let within = |passage: Passage| match alone {
-                    Some(primitive) => {
-                        (0..inner).fold(passage, |passage, _| passage.with(Turn::Back, primitive))
-                    }
-                    None => passage,
+                let within = |chain: SpecularChain| match alone {
+                    Some(primitive) => (0..inner).fold(chain, |chain, _| chain.with(Turn::Back, primitive)),
+                    None => chain,
                 };
-                let passage = within(through(link.surfaces - inner, alone));
-                match pdf_of(link.direction, passage) {
+                let chain = within(through(link.surfaces - inner, alone));
+                match pdf_of(link.direction, chain) {
                     Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                     None => assert!(link.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
                 }
                 // Another direction is another way, and another number of interfaces too.
                 let aside = unit(link.direction + DVec3::X * 1e-3);
                 let fewer = within(through(link.surfaces - inner - 1, alone));
-                assert!(pdf_of(aside, passage).is_none() && pdf_of(link.direction, fewer).is_none());
+                assert!(pdf_of(aside, chain).is_none() && pdf_of(link.direction, fewer).is_none());
                 tried += 1;
             }
         }

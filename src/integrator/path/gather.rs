@@ -35,13 +35,13 @@ pub struct Gather<'s, 'a, B, const F: u32> {
 
 /// What finds ways to emitters by mirrors and through glass, if anything does.
 #[derive(Clone, Copy)]
-pub struct Ways<'s> {
+pub struct SpecularSampling<'s> {
     links: Option<&'s Links>,
     /// The directions in which light paths have seen such ways begin.
     pub seen: Option<&'s Directions>,
 }
 
-impl Ways<'_> {
+impl SpecularSampling<'_> {
     pub fn any(&self) -> bool {
         self.links.is_some() || self.seen.is_some()
     }
@@ -51,7 +51,7 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     /// Takes `count` emitter samples; `gathers` is [`Vertex::gathers`], or everywhere
     /// where no choice depends on it.
     #[inline(always)]
-    pub fn by_emitters(&self, count: u32, gathers: &Gathers, shared: &Shared, shadows: &mut Shadows) {
+    pub fn sample_emitters(&self, count: u32, gathers: &Gathers, shared: &Shared, shadows: &mut Shadows) {
         let Self { scene, vertex, state, λ, .. } = *self;
         let caster = state.depth > 0 && vertex.side.traits.is_caster();
         let ratio = if caster { state.light_ratio } else { 0.0 };
@@ -97,11 +97,11 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     /// What is to look here for ways by mirrors and through glass: everywhere, or where light paths cannot
     /// help.
     #[inline(always)]
-    pub fn ways(&self) -> Ways<'s> {
+    pub fn specular_sampling(&self) -> SpecularSampling<'s> {
         let Self { scene, vertex, state, .. } = *self;
         let unaided = scene.techniques.caustics.is_none() || state.light_ratio == 0.0;
         let asks = F & Features::CAUSTICS != 0 && vertex.side.traits.has_density;
-        Ways {
+        SpecularSampling {
             links: scene.techniques.links.as_ref().filter(|links| asks && (links.everywhere || unaided)),
             seen: scene
                 .techniques
@@ -112,12 +112,12 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         }
     }
 
-    /// Takes emitter samples along such ways. What needs no test for visibility goes to `radiance`, which is
+    /// Takes emitter samples along such specular. What needs no test for visibility goes to `radiance`, which is
     /// the pixel's, or to what is shared.
     #[inline(always)]
-    pub fn by_ways(
+    pub fn sample_by_chains(
         &self,
-        ways: Ways,
+        specular: SpecularSampling,
         shared: &mut Shared,
         radiance: &mut Spectrum,
         shadows: &mut Shadows,
@@ -125,11 +125,11 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
     ) {
         let Self { settings, scene, vertex, state, λ, .. } = *self;
         let most = settings.lengths.max_depth.saturating_sub(state.depth + 2) as usize;
-        if !ways.any() || most == 0 {
+        if !specular.any() || most == 0 {
             return;
         }
         let (throughput, shares) = state.delivers::<F>(scene, shared, true);
-        if let Some(links) = ways.links {
+        if let Some(links) = specular.links {
             let light_paths = |link: &Link, pdf: f64, end: EmitterPoint| match &scene.techniques.caustics {
                 Some(caustics) if state.light_ratio > 0.0 && !vertex.side.traits.irreversible => {
                     let here = self.ratio(vertex.to_local(link.direction), pdf);
@@ -143,15 +143,15 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
             let one = (count == 1).then_some(*self.u);
             let several = (count > 1).then(|| self.sampler.each_emitter_sample(state.depth, count, PAIRS));
             for u in one.into_iter().chain(several.into_iter().flatten()) {
-                for technique in links.techniques(vertex.point.p, u.link()) {
+                for connector in links.connectors(vertex.point.p, u.link()) {
                     let numbers = u.emitter_sample();
-                    let sample = LinkSample { technique, numbers, count: f64::from(count), most };
+                    let sample = LinkSample { connector, numbers, count: f64::from(count), most };
                     let found = |proposal| shadows.push(to, throughput, proposal);
                     links::sample_emitter(scene, vertex, sample, λ, light_paths, counters, found);
                 }
             }
         }
-        if let Some(directions) = ways.seen {
+        if let Some(directions) = specular.seen {
             let (sampler, depth, most) = (self.sampler, state.depth, most as u32);
             let sample = GuidedSample { directions, sampler, depth, most };
             let found = guide::sample_emitters(scene, vertex, sample, λ, counters);

@@ -1,5 +1,6 @@
 //! Unidirectional path tracing with direct light by multiple importance sampling.
 
+mod chain;
 mod escapes;
 mod gather;
 pub mod reuse;

@@ -1,13 +1,13 @@
 //! Scattering at a vertex: emitters are sampled, then the next direction.
 
 use super::Path;
+use super::chain::ChainSince;
 use super::gather::Gather;
 use super::shadows::Shadows;
 use super::stream::InFlight;
 use crate::bsdf::{Bsdf, Material, Visitor};
 use crate::integrator::Counters;
 use crate::integrator::arrival::Arrival;
-use crate::integrator::links::Way;
 use crate::integrator::vertex::Vertex;
 use crate::math::{DVec3, Ray};
 use crate::sampler::Numbers;
@@ -36,7 +36,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
     #[inline]
     fn visit<M: Material>(self, material: &M) -> Option<Ray> {
         let Self { settings, scene, flight, wo, primitive, point, side, u, shadows, counters } = self;
-        let InFlight { index, path, state, gathers, shared, way } = flight;
+        let InFlight { index, path, state, gathers, shared, chain } = flight;
         let frame = side.frame::<F>(point);
         let bsdf = material.at(point, &path.λ);
         let vertex = Vertex::new(point, primitive, &frame, &bsdf, side, wo);
@@ -62,10 +62,10 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             if F & Features::ENVIRONMENT != 0 || scene.emitters.chosen_by_place() {
                 *gathers = vertex.gathers(scene, vertex.wo);
             }
-            here.by_emitters(emitter_samples, gathers, shared, shadows);
+            here.sample_emitters(emitter_samples, gathers, shared, shadows);
         }
-        let ways = here.ways();
-        here.by_ways(ways, shared, &mut path.radiance, shadows, counters);
+        let specular = here.specular_sampling();
+        here.sample_by_chains(specular, shared, &mut path.radiance, shadows, counters);
         let (lobe, direction) = u.scattering_if(side.traits.has_density);
         let sample = bsdf.sample(vertex.wo, lobe, direction);
         path.covered |= !sample.is_some_and(|sample| sample.null);
@@ -75,12 +75,13 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             // Whether or not light paths could make what is behind it: pixels that share must agree on what
             // they share.
             state.from_caster = state.depth > 0 && side.traits.is_caster();
-            if ways.any() {
-                *way = Way::begin(vertex.origin(), vertex.to_world(sample.wi), &sample, ways.seen);
+            if specular.any() {
+                *chain =
+                    ChainSince::begin(vertex.origin(), vertex.to_world(sample.wi), &sample, specular.seen);
             } else if side.traits.has_density {
-                *way = Way::NONE;
+                *chain = ChainSince::Nothing;
             } else {
-                way.follow(vertex.wo, side, primitive, &sample);
+                chain.follow(vertex.wo, side, primitive, &sample);
             }
         }
         if F & Features::REUSE != 0 {

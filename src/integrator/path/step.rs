@@ -22,7 +22,7 @@ impl Path {
     pub fn step<const F: u32>(
         &self,
         scene: &Scene,
-        InFlight { index, path, state, gathers, shared, way }: InFlight,
+        InFlight { index, path, state, gathers, shared, chain }: InFlight,
         Arrived { ray, hit, .. }: Arrived,
         u: &Numbers,
         Pending { shadows, escapes }: &mut Pending,
@@ -51,7 +51,7 @@ impl Path {
                 return Some(Ray::leaving(point.p, ray.direction, f64::INFINITY, hit.primitive));
             }
             let met = Met { ray, t: hit.t, shape, point: &point, emitter: emitter as usize };
-            let flight = InFlight { index, path, state, gathers, shared, way };
+            let flight = InFlight { index, path, state, gathers, shared, chain };
             self.meet::<F>(scene, flight, met, shadows, counters);
         }
         if let Some(log) = &mut counters.log {
@@ -65,7 +65,7 @@ impl Path {
         let onward = scene.materials[side.material as usize].visit(Scatter::<F> {
             settings: self,
             scene,
-            flight: InFlight { index, path, state, gathers, shared, way },
+            flight: InFlight { index, path, state, gathers, shared, chain },
             wo: -ray.direction,
             primitive: hit.primitive,
             point: &point,
@@ -86,7 +86,7 @@ impl Path {
     fn meet<const F: u32>(
         &self,
         scene: &Scene,
-        InFlight { index, path, state, gathers, shared, way }: InFlight,
+        InFlight { index, path, state, gathers, shared, chain }: InFlight,
         met: Met,
         shadows: &mut Shadows,
         counters: &mut Counters,
@@ -101,7 +101,7 @@ impl Path {
         let end = EmitterPoint { emitter, p: point.p, n: point.ng };
         let by_emitter = if state.arrival.delta {
             if F & Features::CAUSTICS != 0 {
-                way.rival(scene, end, f64::from(self.emitter_samples), λ, counters)
+                chain.emitter_density_ratio(scene, end, f64::from(self.emitter_samples), λ, counters)
             } else {
                 0.0
             }

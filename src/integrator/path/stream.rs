@@ -1,12 +1,12 @@
 //! Camera paths in streams that take each step together.
 
+use super::chain::ChainSince;
 use super::escapes::Escapes;
 use super::reuse::{Exchange, Shared, Tail};
 use super::shadows::Shadows;
 use super::{FEW_EMITTERS, Path};
 use crate::emitter::Gathers;
 use crate::integrator::arrival::Arrival;
-use crate::integrator::links::Way;
 use crate::integrator::wavefront::{STREAM, Wavefront};
 use crate::integrator::{CameraPath, Counters};
 use crate::sampler::{ManyNumbers, PAIRS, blocks};
@@ -81,7 +81,7 @@ pub struct InFlight<'a> {
     /// How the last vertex gathered light; not kept where no choice of an emitter depends on it.
     pub gathers: &'a mut Gathers,
     pub shared: &'a mut Shared,
-    pub way: &'a mut Way,
+    pub chain: &'a mut ChainSince,
 }
 
 /// Light that a step has found, but for what it waits for.
@@ -102,7 +102,7 @@ struct Stream {
     numbers: ManyNumbers<STREAM>,
     pending: Pending,
     shared: Vec<Shared>,
-    ways: Vec<Way>,
+    chains: Vec<ChainSince>,
     exchange: Exchange,
 }
 
@@ -159,7 +159,7 @@ impl Path {
         &self,
         scene: &Scene,
         paths: &mut [CameraPath],
-        Stream { states, gathers, wavefront, numbers, pending, shared, ways, .. }: &mut Stream,
+        Stream { states, gathers, wavefront, numbers, pending, shared, chains, .. }: &mut Stream,
         counters: &mut Counters,
     ) {
         states.clear();
@@ -170,9 +170,9 @@ impl Path {
         }
         shared.resize(paths.len(), Shared::NOTHING);
         if F & Features::CAUSTICS != 0 {
-            ways.clear();
+            chains.clear();
         }
-        ways.resize(paths.len(), Way::NONE);
+        chains.resize(paths.len(), ChainSince::Nothing);
         wavefront.begin(paths.iter().map(|path| path.ray).enumerate());
         // Surroundings in view cover everything.
         let surrounded = !self.lengths.hide_emitters && scene.emitters.environment.is_some();
@@ -195,7 +195,7 @@ impl Path {
                     state: &mut states[index],
                     gathers: &mut gathers[index],
                     shared: &mut shared[index],
-                    way: &mut ways[index],
+                    chain: &mut chains[index],
                 };
                 self.step::<F>(scene, flight, arrived, u, pending, counters)
             });

@@ -133,21 +133,21 @@ fn both_sides_agree_on_the_density_by_mirrors() {
             let Some(light) = entry.emitter.sample(geometry, image, DVec3::ZERO, u, &λ) else { continue };
             let y = image + light.wi * light.distance;
             let Some(found) = by(&scene, x, y, Some(mirror)).pop() else { continue };
-            let passage = |reflected: u32| through(found.surfaces - 1, None).with(Turn::Back, reflected);
-            let known = mirrors.of_passage(&passage(primitive)).expect("it is known");
-            let chance = mirrors.technique(x, known).chance;
+            let chain = |reflected: u32| through(found.surfaces - 1, None).with(Turn::Back, reflected);
+            let known = mirrors.of_chain(&chain(primitive)).expect("it is known");
+            let chance = mirrors.connector(x, known).chance;
             let expected = chance * density(light.pdf, light.wi, light.distance, &found, light.n);
             let end = EmitterPoint { emitter: index, p: y, n: light.n };
-            let of = |passage| {
+            let of = |chain| {
                 let (from, counters) = (Origin { p: x, primitive: 0 }, &mut Counters::default());
-                density_of(&scene, from, found.direction, passage, end, &λ, counters)
+                density_of(&scene, from, found.direction, chain, end, &λ, counters)
             };
-            match of(passage(primitive)) {
+            match of(chain(primitive)) {
                 Some(pdf) => assert!((pdf / expected - 1.0).abs() < 1e-5, "{name}: {pdf} {expected}"),
                 None => assert!(found.last.direction.dot(light.n) >= 0.0, "{name}: {x}"),
             }
             // Not by another mirror, and not without one.
-            assert!(of(passage(0)).is_none());
+            assert!(of(chain(0)).is_none());
             assert!(of(through(found.surfaces, None)).is_none());
             tried += 1;
         }
