@@ -34,6 +34,7 @@ pub mod scene;
 pub mod sensor;
 pub mod shape;
 pub mod spectrum;
+mod spelling;
 pub mod texture;
 pub mod volume;
 

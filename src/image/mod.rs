@@ -10,6 +10,7 @@ mod coverage;
 mod exr;
 mod font;
 mod merge;
+mod pixels;
 mod png;
 mod provenance;
 pub mod read;
@@ -20,6 +21,7 @@ pub use self::exr::{check_names, read_exr, write_exr};
 pub(crate) use atomic::write_file_with;
 pub use atomic::{check_outputs, check_writable, write_file};
 pub use merge::{merge, merge_files};
+pub use pixels::Pixels;
 pub use png::{Rgb8, check_developable, develop, encode_png, write_png};
 pub use provenance::{Attribute, Provenance};
 pub use sheet::contact_sheet;
@@ -28,6 +30,9 @@ pub use srgb::encode_srgb;
 use crate::film::{Accumulators, Window};
 use std::fmt;
 use std::path::{Path, PathBuf};
+
+/// The channels of an image's colours.
+pub const COLOURS: [&str; 3] = ["R", "G", "B"];
 
 /// One channel of an image, pixel by pixel in rows.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::atomic::write_file;
 use super::srgb::encode_srgb;
-use super::{Image, ImageError};
+use super::{COLOURS, Image, ImageError};
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::path::Path;
@@ -39,15 +39,12 @@ impl Rgb8 {
     }
 }
 
-/// The channels that a picture shows.
-const SHOWN: [&str; 3] = ["R", "G", "B"];
-
 /// Finds out whether a picture can be made of an image with channels of these names.
 ///
 /// # Errors
 /// With the name of one that is missing.
 pub fn check_developable(names: &[String]) -> Result<(), ImageError> {
-    match SHOWN.iter().find(|shown| !names.iter().any(|name| name == *shown)) {
+    match COLOURS.iter().find(|shown| !names.iter().any(|name| name == *shown)) {
         None => Ok(()),
         Some(missing) => Err(ImageError::new(format!(
             "no picture can be made: the image has no channel `{missing}`, and R, G and B are expected"
@@ -64,7 +61,7 @@ pub fn develop(image: &Image) -> Result<Rgb8, ImageError> {
         let channel = image.channel(name).filter(|channel| channel.mean.len() == image.crop.pixels());
         channel.ok_or_else(|| ImageError::new(format!("the image has no channel `{name}`")))
     };
-    let [r, g, b] = SHOWN;
+    let [r, g, b] = COLOURS;
     let (red, green, blue) = (plane(r)?, plane(g)?, plane(b)?);
     let pixel = |i: usize| {
         let linear = [red.mean[i], green.mean[i], blue.mean[i]];

@@ -1,6 +1,6 @@
 //! Reading image files that scenes refer to.
 
-use crate::texture::bitmap::Pixels;
+use super::Pixels;
 use image::ImageDecoder;
 use std::io::Read;
 use std::path::Path;
@@ -10,7 +10,7 @@ pub fn pixels(path: &Path) -> Result<Pixels, String> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let begin = beginning(path).map_err(|e| e.to_string())?;
     let pixels = match extension.as_str() {
-        _ if begin == EXR => super::exr::colors::pixels(path)?,
+        _ if begin == super::exr::claim::MAGIC => super::exr::colors::pixels(path)?,
         // Many writers sign Radiance files in their own way, so their name counts as well.
         _ if begin == RADIANCE => hdr_pixels(path)?,
         "hdr" | "rgbe" => hdr_pixels(path)?,
@@ -28,9 +28,6 @@ pub fn pixels(path: &Path) -> Result<Pixels, String> {
         }
     }
 }
-
-/// What an OpenEXR file begins with.
-const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// What most Radiance files begin with.
 const RADIANCE: [u8; 4] = *b"#?RA";

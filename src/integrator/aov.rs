@@ -1,6 +1,7 @@
 //! Properties of what is seen, beside the image of another integrator.
 
-use super::{AnyIntegrator, COLOURS, Counters, INTEGRATORS, nested_integrator};
+use super::{AnyIntegrator, Counters, INTEGRATORS, nested_integrator};
+use crate::image::COLOURS;
 use crate::image::check_names;
 use crate::math::Ray;
 use crate::scene::error::{SceneError, known};

@@ -24,6 +24,7 @@ mod volpathmis;
 mod wavefront;
 
 use crate::film::Film;
+use crate::image::COLOURS;
 use crate::math::{DVec3, Ray};
 use crate::sampler::Sampler;
 pub use crate::sampler::blocks::MAX_VERTICES;
@@ -69,9 +70,6 @@ macro_rules! integrators {
     };
 }
 integrators!(path, direct, depth, volpath, volpathmis, aov, moment);
-
-/// The channels of an image's colours.
-pub const COLOURS: [&str; 3] = ["R", "G", "B"];
 
 /// At most one nested integrator, and what begins the names of its channels: its name, or what Mitsuba calls
 /// one without.

@@ -210,9 +210,8 @@ impl<'a> SampleMaker<'a> {
     #[inline]
     fn wavelengths(&self, u: f64) -> Wavelengths {
         match (self.scene.mode, self.band_range) {
-            (ColorMode::Rgb, _) => Wavelengths::rgb(),
-            (ColorMode::Spectral, None) => Wavelengths::sample_visible(u),
             (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u, lo, hi),
+            (mode, _) => mode.wavelengths(u),
         }
     }
 

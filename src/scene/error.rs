@@ -1,5 +1,6 @@
 //! Errors that point at a place in a scene file.
 
+pub use crate::spelling::known;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
@@ -71,32 +72,6 @@ impl fmt::Display for SceneError {
 }
 
 impl std::error::Error for SceneError {}
-
-/// "expected one of a, b, c" for a word that is none of them, the likeliest first when one is close.
-pub fn known(word: &str, names: &[&str]) -> String {
-    let near = names.iter().filter(|n| distance(word, n) <= 2).min_by_key(|n| distance(word, n));
-    let list = if names.is_empty() { "none".into() } else { names.join(", ") };
-    match near {
-        Some(near) => format!("did you mean `{near}`? known: {list}"),
-        None => format!("known: {list}"),
-    }
-}
-
-/// Levenshtein distance, for the spelling hint.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
-}
 
 #[cfg(test)]
 mod tests {

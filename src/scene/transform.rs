@@ -72,7 +72,7 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
             Err(SceneError::at(
                 &step.span,
                 format!("unknown step <{other}>"),
-                super::error::known(other, &steps),
+                crate::spelling::known(other, &steps),
             ))
         }
     }

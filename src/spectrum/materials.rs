@@ -2,7 +2,7 @@
 
 use super::observer;
 use super::table::Tabulated;
-use crate::scene::error::known;
+use crate::spelling::known;
 use std::ops::RangeInclusive;
 
 const CONDUCTORS: &str = include_str!("data/conductors.csv");

@@ -31,6 +31,15 @@ pub enum ColorMode {
 }
 
 impl ColorMode {
+    /// The lanes' wavelengths, from a number in [0, 1), or the three channels.
+    #[inline(always)]
+    pub fn wavelengths(self, u: f64) -> Wavelengths {
+        match self {
+            Self::Spectral => Wavelengths::sample_visible(u),
+            Self::Rgb => Wavelengths::rgb(),
+        }
+    }
+
     /// The word on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {

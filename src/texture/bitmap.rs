@@ -1,7 +1,7 @@
 //! Images on surfaces.
 
 use super::{AnyTexture, Lookup};
-use crate::image::srgb;
+use crate::image::Pixels;
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::{self, Params, Usage};
@@ -9,44 +9,12 @@ use crate::spectrum::upsample::{Sigmoid, Upsampler};
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Mul};
-use std::path::Path;
 use std::sync::Arc;
 
 pub const NAME: &str = "bitmap";
 pub const ABOUT: &str =
     "An image file (EXR, PNG, JPEG, HDR, BMP); in spectral mode each texel is a smooth reflectance.";
 pub const EXAMPLES: &[&str] = &[];
-
-/// A decoded image: rows from the top, one or three channels.
-#[derive(Debug)]
-pub struct Pixels {
-    pub width: usize,
-    pub height: usize,
-    pub channels: usize,
-    /// Values as stored: sRGB-encoded if `encoded`, else linear.
-    pub values: Vec<f32>,
-    pub encoded: bool,
-}
-
-impl Pixels {
-    /// Decodes a file by its ending; the error names it.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        crate::image::read::pixels(path).map_err(|e| format!("{}: {e}", path.display()))
-    }
-
-    /// The linear values of a texel: one channel three times over, or three.
-    pub fn linear(&self, texel: usize, raw: bool) -> [f32; 3] {
-        match self.channels {
-            1 => [self.decoded(self.values[texel], raw); 3],
-            _ => [0, 1, 2].map(|c| self.decoded(self.values[3 * texel + c], raw)),
-        }
-    }
-
-    /// The linear value for one that is stored.
-    fn decoded(&self, value: f32, raw: bool) -> f32 {
-        if self.encoded && !raw { srgb::decode_channel(value) } else { value }
-    }
-}
 
 /// The values of texels. A look at them waits for memory, so they are short.
 #[derive(Debug)]

@@ -9,7 +9,7 @@ use std::path::Path;
 const MOST_PER_BYTE: u128 = 4096;
 
 /// What every OpenEXR file begins with.
-const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// Refuses a file of another kind, and one that claims more samples than one of its length can hold.
 pub fn check(path: &Path) -> Result<(), String> {

@@ -4,9 +4,9 @@
 //! attribute `chromaticities`: the places of its primaries and of its white on the CIE diagram (*Technical
 //! Introduction to OpenEXR*, "RGB Color" and "Luminance/Chroma Images").
 
+use crate::image::Pixels;
 use crate::math::DVec3;
 use crate::spectrum::observer::{RGB_TO_XYZ, xyz_to_rgb};
-use crate::texture::bitmap::Pixels;
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::*;
 use glam::DMat3;

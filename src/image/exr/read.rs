@@ -4,7 +4,7 @@ use super::{PREFIX, SHARD_PART, VARIANCE, claim, word_name};
 use crate::film::Window;
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::provenance::{Attribute, Provenance};
-use crate::image::{Channel, Image, ImageError};
+use crate::image::{COLOURS, Channel, Image, ImageError};
 use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, FlatSamples, IntegerBounds, Layer, LayerAttributes, Layers,
@@ -155,8 +155,7 @@ fn channels(channels: AnyChannels<FlatSamples>, crop: Window) -> Result<Vec<Chan
 
 /// `R G B` first, the others in the order they have.
 fn sort(channels: &mut [Channel]) {
-    channels
-        .sort_by_key(|channel| ["R", "G", "B"].iter().position(|name| *name == channel.name).unwrap_or(3));
+    channels.sort_by_key(|channel| COLOURS.iter().position(|name| *name == channel.name).unwrap_or(3));
 }
 
 fn accumulators(

@@ -7,7 +7,6 @@ use crate::integrator::links::{SpecularChain, density_of};
 use crate::math::{DVec3, INV_PI, Origin};
 use crate::sampler::{RandomSource, SamplerKind, blocks};
 use crate::scene::{Features, Scene};
-use crate::spectrum::{ColorMode, Wavelengths};
 
 /// Light that has come by specular surfaces to one that scatters with a density.
 #[derive(Clone, Copy, Debug)]
@@ -24,10 +23,7 @@ pub struct Photon {
 pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon> {
     let sampler = RandomSource { kind: SamplerKind::Sobol, seed: 0 }.photon(number);
     let u = sampler.block(blocks::START);
-    let λ = match scene.mode {
-        ColorMode::Rgb => Wavelengths::rgb(),
-        ColorMode::Spectral => Wavelengths::sample_visible(u.light_wavelengths()),
-    };
+    let λ = scene.mode.wavelengths(u.light_wavelengths());
     let start = emission.sample(&scene.emitters, &scene.shapes, &u, &λ)?;
     // A lane might not hold the product.
     let (mut light, scale) = (start.radiance * λ.ones(), start.cos / start.density);

@@ -12,7 +12,7 @@ use crate::math::frame::unit;
 use crate::math::{Ball, DVec2, DVec3, length};
 use crate::scene::Shape;
 use crate::shape::{Geometry, Mesh, Patch, SurfacePoint};
-use crate::spectrum::{ColorMode, Wavelengths};
+use crate::spectrum::ColorMode;
 
 /// Most elements of a kind; the largest are taken.
 const MOST_ELEMENTS: usize = 16;
@@ -174,10 +174,7 @@ impl Visitor for At45 {
     type Output = Turned;
 
     fn visit<M: Material>(self, material: &M) -> Turned {
-        let λ = match self.mode {
-            ColorMode::Rgb => Wavelengths::rgb(),
-            ColorMode::Spectral => Wavelengths::sample_visible(0.5),
-        };
+        let λ = self.mode.wavelengths(0.5);
         let point = SurfacePoint::flat();
         let bsdf = material.at(&point, &λ);
         let reflected = bsdf.sample(self.wo, REFLECTED, DVec2::ZERO);

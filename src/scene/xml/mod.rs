@@ -75,7 +75,7 @@ impl Element {
             Some(a) => Err(SceneError::at(
                 &a.name_span,
                 format!("<{}> has no attribute `{}`", self.tag, a.name),
-                super::error::known(&a.name, names),
+                crate::spelling::known(&a.name, names),
             )),
         }
     }
