@@ -145,7 +145,8 @@ pub(super) mod tests {
     fn reserved_names_are_refused() {
         let mut provenance = example(0..8);
         provenance.extra.insert("seed".into(), Attribute::Integer(1));
-        assert!(provenance.to_attributes().is_err());
+        let refused = provenance.to_attributes().map_err(|error| error.to_string());
+        assert!(refused.is_err_and(|why| why.contains("`seed`")));
     }
 
     #[test]

@@ -40,7 +40,7 @@ impl Roulette {
         edges >= self.edges.min(self.vertices)
     }
 
-    /// [`roulette`], if it has begun.
+    /// The function `roulette`, if it has begun.
     #[inline(always)]
     pub fn play(&self, carried: f64, edges: u32, vertices: u32, specular: bool, u: f64) -> Option<f32> {
         if edges < self.edges && vertices < self.vertices {

@@ -139,6 +139,7 @@ fn transmittances_are_exponential() {
 
 #[test]
 fn nothing_passes_an_endless_medium_and_all_passes_nothing() {
+    let mut checked = [0; 2];
     each(|name, medium, λ| {
         let sampler = sampler(2, 0);
         let mut numbers = FlightNumbers::independent(&sampler, blocks::shadow_flight(1));
@@ -151,8 +152,10 @@ fn nothing_passes_an_endless_medium_and_all_passes_nothing() {
             let expected = if vacuum { 1.0 } else { 0.0 };
             let all = passes(f64::INFINITY).0[..lanes].iter().all(|v| *v == expected);
             assert!(all, "{name}: {:?}", passes(f64::INFINITY));
+            checked[usize::from(vacuum)] += 1;
         }
     });
+    assert!(checked.iter().all(|count| *count > 0), "{checked:?}");
 }
 
 /// The albedo is that of the place where light is scattered.

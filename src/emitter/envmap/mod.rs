@@ -217,10 +217,12 @@ fn importances(corners: &[[Texel; 2]; 2], common: f64) -> Corners {
 
 #[cfg(test)]
 mod tests {
+    use crate::emitter::Radiance;
     use crate::load_text;
-    use crate::spectrum::ColorMode;
+    use crate::math::{DVec2, DVec3};
+    use crate::spectrum::{ColorMode, Wavelengths};
 
-    /// Black texels are no light, and no error.
+    /// Black texels are no light, and no error: all samples go to where there is some.
     #[test]
     fn a_map_may_be_black_in_places() {
         let folder = tempfile::tempdir().unwrap();
@@ -233,6 +235,14 @@ mod tests {
             path.display()
         );
         let scene = load_text("scene.xml", &text, ColorMode::Spectral).unwrap();
-        assert!(scene.emitters.environment.is_some());
+        let emitter = &scene.emitters.list[scene.emitters.environment.expect("there is one")].emitter;
+        let λ = Wavelengths::sample_visible(0.3);
+        for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
+            let u = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / 8.0;
+            let light = emitter.sample(None, DVec3::ZERO, DVec3::ZERO, u, &λ).expect("there is light");
+            let Radiance::Mapped(place) = light.radiance else { panic!("it is looked up later") };
+            let radiance = scene.emitters.mapped(&place, &λ);
+            assert!(light.pdf > 0.0 && light.pdf.is_finite() && !radiance.is_zero(), "{u}: {light:?}");
+        }
     }
 }
