@@ -14,6 +14,10 @@
 //!   divided, pixels are the same; only [`render::plan`], which chooses settings by pilots, chooses which.
 //! - [`film`], [`image`]: sums that no order can change, and the files made of them.
 //! - [`math`], [`spectrum`]: what all of them share.
+//!
+//! Models read their parameters by [`scene::params`], and [`scene`] knows them by their registries alone. Integrators
+//! know the scene, and each those that stand before it in emitter sampling, links, caustics, guide, path, `volpath`.
+//! [`render`] knows all, and only [`load`] knows [`render`].
 
 /// The package's version and a hash of the sources, but for those of the command line: equal ones render the
 /// same pixels.
