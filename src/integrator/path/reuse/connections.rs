@@ -1,8 +1,8 @@
 //! Connections between sources of camera paths and sources of light paths.
 
-use super::light_sources::{LightSources, Lit};
+use super::light_sources::{LightSource, LightSources};
 use super::rivals::{Contested, MOST_EDGES, Rivals};
-use super::shared::{Shared, Source, ask};
+use super::shared::{Shared, Source, trace_shadow_rays};
 use crate::integrator::Counters;
 use crate::math::{INV_PI, Ray};
 use crate::scene::Scene;
@@ -24,7 +24,7 @@ impl Connections {
         max_depth: u32,
         first: usize,
         group: &[Shared],
-        lit: &[Lit],
+        lit: &[LightSource],
     ) {
         for (j, path) in group.iter().enumerate() {
             let (Some(receiver), Some(source)) = (&path.receiver, &path.source) else { continue };
@@ -33,7 +33,7 @@ impl Connections {
             }
             let of = j as u32 % light_sources.paths;
             let longest = MOST_EDGES.min(max_depth.saturating_sub(receiver.edges + 2));
-            for lit in lit.iter().filter(|lit| lit.owner.1 == of && lit.edges < longest) {
+            for lit in lit.iter().filter(|lit| lit.owner.light_path == of && lit.edges < longest) {
                 if let Some(rivals) = rivals(source, lit, light_sources.paths) {
                     // Times r, because MIS weights are applied later by `Rivals::camera`, as to what a camera
                     // path would have found.
@@ -48,9 +48,9 @@ impl Connections {
 
     /// Traces the rays of all queued connections, adds the light of those that are unoccluded to `contested`,
     /// and empties the queue.
-    pub fn settle(&mut self, scene: &Scene, contested: &mut Vec<Contested>, counters: &mut Counters) {
+    pub fn resolve(&mut self, scene: &Scene, contested: &mut Vec<Contested>, counters: &mut Counters) {
         let Self { rays, proposed, occluded } = self;
-        ask(scene, rays, occluded, counters);
+        trace_shadow_rays(scene, rays, occluded, counters);
         contested.extend(proposed.drain(..).zip(occluded).filter(|(_, is)| !**is).map(|(of, _)| of));
         rays.clear();
     }
@@ -58,7 +58,7 @@ impl Connections {
 
 /// The competing densities of a path from the source of a camera path by that of a light path. `None` unless
 /// both face each other.
-fn rivals(source: &Source, lit: &Lit, light_paths: u32) -> Option<Rivals> {
+fn rivals(source: &Source, lit: &LightSource, light_paths: u32) -> Option<Rivals> {
     let way = lit.source.p - source.p;
     let squared = way.length_squared();
     let w = way / squared.sqrt();

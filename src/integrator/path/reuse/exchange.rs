@@ -1,11 +1,11 @@
 //! Distribution of the light of a group's sources among its receivers.
 
 use super::connections::Connections;
-use super::light_sources::Lit;
+use super::contribution::{Contribution, Light};
+use super::light_sources::LightSource;
 use super::lobes::{At, Lobed};
-use super::part::{Light, Part};
-use super::questions::Questions;
-use super::receivers::Receivers;
+use super::pending::PendingContributions;
+use super::receivers::{EdgeClass, Receivers};
 use super::rivals::Contested;
 use super::shared::{Shared, Source};
 use crate::integrator::{CameraPath, Counters};
@@ -16,9 +16,9 @@ use crate::scene::Scene;
 #[derive(Default)]
 pub struct Exchange {
     receivers: Receivers,
-    parts: Vec<(usize, Part)>,
-    questions: Questions,
-    lit: Vec<Lit>,
+    contributions: Vec<(usize, Contribution)>,
+    pending: PendingContributions,
+    found: Vec<LightSource>,
     connections: Connections,
 }
 
@@ -56,7 +56,7 @@ impl Exchange {
         counters: &mut Counters,
     ) {
         self.find(scene, max_depth, paths, shared, contested, counters);
-        let lit = std::mem::take(&mut self.lit);
+        let found = std::mem::take(&mut self.found);
         let (mut first, mut contested_before) = (0, 0);
         for (number, receiving) in paths.chunk_by_mut(|a, b| a.group == b.group).enumerate() {
             let shared = &shared[first..first + receiving.len()];
@@ -71,24 +71,25 @@ impl Exchange {
                 let has_light = !path.radiance.is_zero() || own > 0;
                 if let Some(source) = path.source.as_ref().filter(|_| has_light) {
                     let light = Light::ByCamera(path.radiance, range);
-                    let offer = Offer { source, light, own: Some(j), receivers: self.receivers.like(j) };
+                    let offer =
+                        Offer { source, light, own: Some(j), receivers: self.receivers.with_edges_of(j) };
                     self.propose(scene, receiving, group, offer);
                 }
             }
-            for lit in of_group(&lit, number) {
-                for kind in 0..self.receivers.kinds() {
-                    let (edges, receivers) = self.receivers.of_kind(kind);
-                    if edges + 2 + lit.edges <= max_depth {
-                        let light = Light::ByLight(lit.radiance, lit.scale, lit.rivals);
-                        let offer = Offer { source: &lit.source, light, own: None, receivers };
+            for source in of_group(&found, number) {
+                for class in 0..self.receivers.classes().len() {
+                    let EdgeClass { edges, receivers } = self.receivers.classes()[class];
+                    if edges + 2 + source.edges <= max_depth {
+                        let light = Light::ByLight(source.radiance, source.scale, source.rivals);
+                        let offer = Offer { source: &source.source, light, own: None, receivers };
                         self.propose(scene, receiving, group, offer);
                     }
                 }
             }
             first += shared.len();
         }
-        self.lit = lit;
-        self.questions.settle(scene, paths, shared, contested, counters);
+        self.found = found;
+        self.pending.resolve(scene, paths, shared, contested, counters);
         contested.clear();
     }
 
@@ -104,15 +105,15 @@ impl Exchange {
     ) {
         let Some(light_sources) = &scene.techniques.light_sources else { return };
         let groups = || paths.chunk_by(|a, b| a.group == b.group);
-        light_sources.find(scene, groups().map(|of| (of[0].sampler, of[0].λ)), &mut self.lit, counters);
+        light_sources.find(scene, groups().map(|of| (of[0].sampler, of[0].λ)), &mut self.found, counters);
         let mut first = 0;
         for (number, size) in groups().map(<[_]>::len).enumerate() {
             let group = &shared[first..first + size];
-            let lit = of_group(&self.lit, number);
-            self.connections.propose(light_sources, max_depth, first, group, lit);
+            let found = of_group(&self.found, number);
+            self.connections.propose(light_sources, max_depth, first, group, found);
             first += size;
         }
-        self.connections.settle(scene, contested, counters);
+        self.connections.resolve(scene, contested, counters);
         // Each path's own are in order already, and stay so.
         contested.sort_by_key(|of| of.path);
     }
@@ -120,7 +121,7 @@ impl Exchange {
     /// Gives each receiver that faces a source its share: at once if all of them are known to see it, else
     /// once the shadow rays have been traced.
     fn propose(&mut self, scene: &Scene, receiving: &mut [CameraPath], group: PathGroup, offer: Offer) {
-        let Self { receivers, parts, questions, .. } = self;
+        let Self { receivers, contributions, pending, .. } = self;
         let mut weights = [0.0; 64];
         let facing = receivers.weights(offer.receivers, offer.source, &mut weights);
         // A path knows of itself that it met its source, whatever rounding says.
@@ -134,47 +135,47 @@ impl Exchange {
                 weights[j] = f64::MIN_POSITIVE;
             }
             let weight = |i: usize| Some(group.shared[i].receiver.as_ref()?.weight);
-            let parts =
-                bits::numbers(facing | own).filter_map(|i| Some((i, Part::matte(weight(i)?, weights[i]))));
-            questions.offer(receiving, group, offer, in_sight, true, parts);
+            let contributions = bits::numbers(facing | own)
+                .filter_map(|i| Some((i, Contribution::matte(weight(i)?, weights[i]))));
+            pending.offer(receiving, group, offer, in_sight, true, contributions);
         } else {
-            rough_parts(scene, group, &offer, facing, &weights, parts);
-            questions.offer(receiving, group, offer, in_sight, false, parts.iter().copied());
+            rough_parts(scene, group, &offer, facing, &weights, contributions);
+            pending.offer(receiving, group, offer, in_sight, false, contributions.iter().copied());
         }
     }
 }
 
-/// The parts of a source, where it or a receiver is rough.
+/// The contributions of a source, where it or a receiver is rough.
 fn rough_parts(
     scene: &Scene,
     PathGroup { shared, lobed, .. }: PathGroup,
     Offer { source, own, .. }: &Offer,
     facing: u64,
     weights: &[f64; 64],
-    parts: &mut Vec<(usize, Part)>,
+    contributions: &mut Vec<(usize, Contribution)>,
 ) {
     let onward = source.lobes.as_ref().map(|lobes| At::new(scene, lobes, lobed.λ));
-    let part = |i: usize| {
+    let contribution = |i: usize| {
         let receiver = shared[i].receiver.as_ref()?;
-        let mut part = match lobed.at(i) {
-            None => Part::matte(receiver.weight, weights[i]),
+        let mut contribution = match lobed.at(i) {
+            None => Contribution::matte(receiver.weight, weights[i]),
             Some(at) => at.receives(receiver, source),
         };
         if let Some(onward) = &onward {
-            onward.sends(receiver, source, &mut part);
+            onward.sends(receiver, source, &mut contribution);
         }
-        (part.density > 0.0 && part.density.is_finite()).then_some((i, part))
+        (contribution.density > 0.0 && contribution.density.is_finite()).then_some((i, contribution))
     };
-    parts.clear();
-    parts.extend(bits::numbers(facing).filter_map(part));
-    if let Some(j) = own.filter(|j| parts.iter().all(|(i, _)| i != j)) {
-        parts.push((j, Part::matte(shared[j].own, f64::MIN_POSITIVE)));
+    contributions.clear();
+    contributions.extend(bits::numbers(facing).filter_map(contribution));
+    if let Some(j) = own.filter(|j| contributions.iter().all(|(i, _)| i != j)) {
+        contributions.push((j, Contribution::matte(shared[j].own, f64::MIN_POSITIVE)));
     }
 }
 
 /// The sources that light paths have found for a group, by its number.
-fn of_group(lit: &[Lit], number: usize) -> &[Lit] {
-    let begin = lit.partition_point(|lit| lit.owner.0 < number);
-    let end = lit.partition_point(|lit| lit.owner.0 <= number);
-    &lit[begin..end]
+fn of_group(found: &[LightSource], number: usize) -> &[LightSource] {
+    let begin = found.partition_point(|source| source.owner.group < number);
+    let end = found.partition_point(|source| source.owner.group <= number);
+    &found[begin..end]
 }

@@ -1,6 +1,6 @@
 //! A light path that finds sources: its state and its scattering.
 
-use super::light_sources::{LightSources, Lit};
+use super::light_sources::{LightSource, LightSources, Owner};
 use super::rivals::Rivals;
 use super::shared::Source;
 use crate::bsdf::Bsdf;
@@ -19,7 +19,7 @@ const SURE_EDGES: u32 = 2;
 
 /// The state of a light path between two vertices.
 pub struct LightPath {
-    owner: (usize, u32),
+    owner: Owner,
     sampler: Sampler,
     /// The overflow of its number above 32 bits.
     beyond: u32,
@@ -42,11 +42,11 @@ impl LightPath {
     pub fn begin(
         sources: &LightSources,
         scene: &Scene,
-        owner: (usize, u32),
+        owner: Owner,
         sampler: Sampler,
         λ: Wavelengths,
     ) -> Option<(Self, Ray)> {
-        let (sampler, beyond) = sampler.one_of(owner.1, sources.paths);
+        let (sampler, beyond) = sampler.one_of(owner.light_path, sources.paths);
         let u = sampler.block(blocks::shared_light_path(beyond, 0));
         let start = sources.emission.sample(&scene.emitters, &scene.shapes, &u, &λ)?;
         let scale = start.cos / (start.density * f64::from(sources.paths));
@@ -77,7 +77,7 @@ impl LightPath {
         sources: &LightSources,
         scene: &Scene,
         Landing { ray, hit, edges, u }: Landing,
-        found: &mut Vec<Lit>,
+        found: &mut Vec<LightSource>,
     ) -> Option<Ray> {
         let (shape, point) = scene.surface::<{ Features::ALL }>(ray, &hit);
         let to_light = -ray.direction;
@@ -102,7 +102,7 @@ impl LightPath {
             if !radiance.is_zero() {
                 let (p, n, ng) = (point.p, vertex.to_world(DVec3::Z), point.ng);
                 let by_light = self.ratio * cos_light / (scattered.pdf + by_emitter(DVec3::Z));
-                found.push(Lit {
+                found.push(LightSource {
                     owner: self.owner,
                     source: Source {
                         p,

@@ -26,11 +26,19 @@ pub struct LightSources {
     pub paths: u32,
 }
 
+/// Whose light path has found a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Owner {
+    /// The group that it is for.
+    pub group: usize,
+    /// The number of the light path there.
+    pub light_path: u32,
+}
+
 /// A source that a light path has found.
 #[derive(Debug)]
-pub struct Lit {
-    /// The group that it is for, and the light path's number there.
-    pub owner: (usize, u32),
+pub struct LightSource {
+    pub owner: Owner,
     pub source: Source,
     /// Edges of the light path from the emitter to the source.
     pub edges: u32,
@@ -57,12 +65,14 @@ impl LightSources {
         &self,
         scene: &Scene,
         groups: impl Iterator<Item = (Sampler, Wavelengths)>,
-        found: &mut Vec<Lit>,
+        found: &mut Vec<LightSource>,
         counters: &mut Counters,
     ) {
         found.clear();
         let begun = |(group, (sampler, λ)): (usize, (Sampler, Wavelengths))| {
-            (0..self.paths).filter_map(move |i| LightPath::begin(self, scene, (group, i), sampler, λ))
+            (0..self.paths).filter_map(move |light_path| {
+                LightPath::begin(self, scene, Owner { group, light_path }, sampler, λ)
+            })
         };
         let mut all: Vec<(LightPath, Ray)> = groups.enumerate().flat_map(begun).collect();
         let mut numbers = ManyNumbers::<STREAM>::default();
@@ -81,7 +91,7 @@ impl LightSources {
                 });
             }
         }
-        found.sort_by_key(|lit| lit.owner);
+        found.sort_by_key(|source| source.owner);
         counters.light_sources += found.len() as u64;
     }
 }

@@ -1,6 +1,6 @@
 //! Rough receivers and sources.
 
-use super::part::Part;
+use super::contribution::Contribution;
 use super::shared::{Lobes, Receiver, Shared, Source};
 use crate::bsdf::{AnyBsdf, Bsdf};
 use crate::math::frame::unit;
@@ -55,20 +55,24 @@ impl<'a> At<'a> {
     }
 
     /// This receiver's part of a source, as if that were matte.
-    pub fn receives(&self, receiver: &Receiver, source: &Source) -> Part {
+    pub fn receives(&self, receiver: &Receiver, source: &Source) -> Contribution {
         let way = source.p - receiver.p;
         let distance = length(way);
         let w = way / distance;
         let scattered = self.bsdf.evaluate(self.lobes.fixed, self.to_local(w));
         let geometry = std::f64::consts::PI * source.ng.dot(w).abs() / (distance * distance);
-        Part { weight: receiver.weight * scattered.value, geometry, density: scattered.pdf * geometry }
+        Contribution {
+            weight: receiver.weight * scattered.value,
+            geometry,
+            density: scattered.pdf * geometry,
+        }
     }
 
-    /// Completes the part of a receiver with the scattering at this rough source.
-    pub fn sends(&self, receiver: &Receiver, source: &Source, part: &mut Part) {
+    /// Completes the contribution to a receiver with the scattering at this rough source.
+    pub fn sends(&self, receiver: &Receiver, source: &Source, contribution: &mut Contribution) {
         let towards = self.to_local(unit(receiver.p - source.p));
         let scattered = self.bsdf.evaluate(towards, self.lobes.fixed);
-        part.weight *= scattered.value;
-        part.density *= scattered.pdf;
+        contribution.weight *= scattered.value;
+        contribution.density *= scattered.pdf;
     }
 }

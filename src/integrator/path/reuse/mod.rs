@@ -34,12 +34,12 @@
 //! depend on the pixel. These find none for pixels that see xᵢ by mirrors or glass, which share all of it.
 
 mod connections;
+mod contribution;
 mod exchange;
 mod light_path;
 mod light_sources;
 mod lobes;
-mod part;
-mod questions;
+mod pending;
 mod receivers;
 mod rivals;
 mod shared;

@@ -19,8 +19,15 @@ pub struct Receivers {
     blocks: Vec<Block>,
     whole: Shaft,
     runs: [Shaft; 4],
-    /// For each number of edges before a receiver, a bit for each receiver with that many.
-    alike: Vec<(u32, u64)>,
+    classes: Vec<EdgeClass>,
+}
+
+/// Receivers with the same number of edges before them.
+#[derive(Clone, Copy)]
+pub struct EdgeClass {
+    pub edges: u32,
+    /// A bit for each of them.
+    pub receivers: u64,
 }
 
 /// Four receivers; one that is missing has no normal, and so no weight.
@@ -41,11 +48,11 @@ impl Receivers {
         self.blocks.clear();
         let block = |four| Block { p: vectors(four, &|r| r.p), n: vectors(four, &|r| r.n) };
         self.blocks.extend(group.chunks(4).map(block));
-        self.alike.clear();
+        self.classes.clear();
         for (i, receiver) in group.iter().enumerate().filter_map(|(i, s)| Some((i, s.receiver.as_ref()?))) {
-            match self.alike.iter_mut().find(|alike| alike.0 == receiver.edges) {
-                Some((_, bits)) => *bits |= 1 << i,
-                None => self.alike.push((receiver.edges, 1 << i)),
+            match self.classes.iter_mut().find(|class| class.edges == receiver.edges) {
+                Some(class) => class.receivers |= 1 << i,
+                None => self.classes.push(EdgeClass { edges: receiver.edges, receivers: 1 << i }),
             }
         }
         self.whole.begin(points(group));
@@ -76,18 +83,13 @@ impl Receivers {
     }
 
     /// A bit for each receiver that has as many edges before it as that of a path.
-    pub fn like(&self, path: usize) -> u64 {
-        self.alike.iter().find(|alike| alike.1 >> path & 1 == 1).map_or(0, |alike| alike.1)
+    pub fn with_edges_of(&self, path: usize) -> u64 {
+        self.classes.iter().find(|class| class.receivers >> path & 1 == 1).map_or(0, |class| class.receivers)
     }
 
-    /// How many different numbers of edges receivers have before them.
-    pub fn kinds(&self) -> usize {
-        self.alike.len()
-    }
-
-    /// One of these numbers of edges, and a bit for each receiver that has as many.
-    pub fn of_kind(&self, kind: usize) -> (u32, u64) {
-        self.alike[kind]
+    /// The receivers by their numbers of edges.
+    pub fn classes(&self) -> &[EdgeClass] {
+        &self.classes
     }
 
     /// A bit for each receiver that is known to see the source; the others may see it or not.

@@ -72,7 +72,7 @@ fn between(Origin { p, primitive }: Origin, error: f64, end: DVec3, end_error: f
 }
 
 /// Traces shadow rays between receivers and sources, and counts them as such.
-pub fn ask(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut Counters) {
+pub fn trace_shadow_rays(scene: &Scene, rays: &[Ray], occluded: &mut Vec<bool>, counters: &mut Counters) {
     counters.shared += rays.len() as u64;
     wavefront::occluded(scene, rays, occluded, counters);
 }

@@ -78,7 +78,7 @@ fn receivers_share_with_their_like_on_the_side_that_is_matte() {
             albedo: Spectrum::ONE,
             lobes: None,
         };
-        let facing = receivers.weights(receivers.like(path), &source, &mut weights);
+        let facing = receivers.weights(receivers.with_edges_of(path), &source, &mut weights);
         // The cosine at the floor, that at the source, and the distance.
         for (i, x) in [-1.0, -0.5, 0.5, 1.0f64].into_iter().enumerate() {
             let way = DVec3::new(-x, 0.0, 2.0);

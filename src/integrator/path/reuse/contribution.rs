@@ -1,4 +1,4 @@
-//! The parts that receivers get of a source's light.
+//! The contributions that receivers get of a source's light.
 
 use super::rivals::{Contested, Rivals};
 use crate::integrator::CameraPath;
@@ -6,10 +6,10 @@ use crate::spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
-/// The part that a receiver gets of the light of a source, not yet divided by the sum of densities. Geometry
+/// What a receiver gets of the light of a source, not yet divided by the sum of densities. Geometry
 /// and density are multiplied with π, which cancels.
 #[derive(Clone, Copy)]
-pub struct Part {
+pub struct Contribution {
     /// Throughput from the source to the camera, without the geometry term.
     pub weight: Spectrum,
     /// Geometry term, apart from `weight`, whose numbers might not hold its range.
@@ -19,8 +19,8 @@ pub struct Part {
     pub density: f64,
 }
 
-impl Part {
-    /// The part of a matte receiver in a matte source.
+impl Contribution {
+    /// Of a matte source to a matte receiver.
     pub fn matte(weight: Spectrum, geometry: f64) -> Self {
         Self { weight, geometry, density: geometry }
     }
@@ -36,7 +36,7 @@ pub enum Light {
 }
 
 impl Light {
-    /// The light to distribute and the scale of each part's geometry term, given the sum of all parts'
+    /// The light to distribute and the scale of each contribution's geometry term, given the sum of all contributions'
     /// densities.
     fn shared(&self, density: f64, contested: &[Contested]) -> (Spectrum, f64) {
         match self {
@@ -50,14 +50,15 @@ impl Light {
 }
 
 /// Distributes light among receivers.
-pub fn hand_on(
+pub fn distribute(
     paths: &mut [CameraPath],
     light: &Light,
     contested: &[Contested],
-    parts: impl Iterator<Item = (usize, Part)> + Clone,
+    contributions: impl Iterator<Item = (usize, Contribution)> + Clone,
 ) {
-    let (light, scale) = light.shared(parts.clone().map(|(_, part)| part.density).sum(), contested);
-    for (receiver, part) in parts {
-        paths[receiver].radiance += part.weight * light * (part.geometry * scale) as f32;
+    let (light, scale) =
+        light.shared(contributions.clone().map(|(_, contribution)| contribution.density).sum(), contested);
+    for (receiver, contribution) in contributions {
+        paths[receiver].radiance += contribution.weight * light * (contribution.geometry * scale) as f32;
     }
 }
