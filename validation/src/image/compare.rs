@@ -103,13 +103,14 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
     let each = sidak(third, pairs.len());
     let (level, margin, tile_size) = (settings.level, settings.tile_margin, settings.tile_size.max(1));
     let limits = detail::Limits { level, corrected: sidak(each, 2), margin, tile_size };
+    let of_means = mean::Limits { level, corrected: each, margin: settings.margin, channels: pairs.len() };
     let channel = |pair: &Pair| {
         let ratio = tiles::noise_ratio_of(pair, tile_size);
         let pixels = pixels::figures(pair, ratio);
         let noise = NoiseOf { ratio, shared: pixels.shared_noise };
         ChannelComparison {
             name: pair.name.to_string(),
-            mean: mean::compare(pair, noise, settings.level, each, settings.margin),
+            mean: mean::compare(pair, noise, of_means),
             detail: detail::compare(pair, ratio, limits),
             pixels,
             errors: errors::errors(pair),

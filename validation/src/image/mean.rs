@@ -85,15 +85,24 @@ pub(super) struct NoiseOf {
     pub shared: f64,
 }
 
-/// Compares the means of `pair`: equivalent if the interval of the ratio at `level` lies within 1 ± `margin`,
-/// else different if equality is rejected at `corrected`, the level left after correction for the other tests
-/// of the same images. What either has missed of rare events the other's variance tells, as of tiles.
+/// Levels and the margin of the ratio of means.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// Of the interval.
+    pub level: f64,
+    /// Of the test, the level left after correction for the other tests of the same images.
+    pub corrected: f64,
+    pub margin: f64,
+    /// How many channels must all lie within it.
+    pub channels: usize,
+}
+
+/// Compares the means of `pair`: equivalent if the interval of the ratio lies within 1 ± the margin, else different
+/// if equality is rejected. What either has missed of rare events the other's variance tells, as of tiles.
 pub(super) fn compare(
     pair: &Pair,
     noise: NoiseOf,
-    level: f64,
-    corrected: f64,
-    margin: f64,
+    Limits { level, corrected, margin, channels }: Limits,
 ) -> MeanComparison {
     let sums = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
     if sums.count == 0.0 {
@@ -122,7 +131,7 @@ pub(super) fn compare(
         p_value,
         verdict,
         detectable: detectable_difference(relative_error, corrected, welch.degrees),
-        more_samples: open.then(|| more_samples(relative_error, level, margin, 1)),
+        more_samples: open.then(|| more_samples(relative_error, level, margin, channels)),
     }
 }
 
