@@ -51,7 +51,7 @@ pub use light_path::{Landing, Splat};
 
 /// Light paths per camera path, until a pilot has found how much of the light they find; see
 /// [`crate::render::plan`].
-const DEFAULT_RATIO: f64 = 0.25;
+pub const DEFAULT_RATIO: f64 = 0.25;
 
 /// The light paths of a scene: how they start, and how many there are.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ impl Caustics {
         emitters: &Emitters,
     ) -> Option<Self> {
         let settings = integrator.path()?;
-        let ratio = settings.light_paths.unwrap_or(DEFAULT_RATIO);
+        let ratio = settings.light_paths;
         if settings.lengths.max_depth < 3 || ratio == 0.0 {
             return None;
         }

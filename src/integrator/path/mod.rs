@@ -10,6 +10,7 @@ mod step;
 mod stream;
 
 use super::AnyIntegrator;
+use super::caustics::DEFAULT_RATIO;
 use super::lengths::Lengths;
 use super::links::LinkPolicy;
 use super::roulette::Roulette;
@@ -41,28 +42,29 @@ pub struct Path {
     /// Emitter samples at vertices that the camera sees, straight or by mirrors, smooth glass and smooth
     /// coats.
     pub first_emitter_samples: u32,
-    /// Light paths per camera path, where there are caustics; see [`caustics`](super::caustics). If `None`, a
-    /// pilot decides.
-    pub light_paths: Option<f64>,
+    /// Light paths per camera path, where there are caustics; see [`caustics`](super::caustics).
+    pub light_paths: f64,
     /// How many neighbouring pixels share what their paths find; see [`reuse`].
     pub reuse: u32,
     /// Light paths of each group of pixels that share; see [`reuse`].
     pub shared_light_paths: u32,
-    /// Settings that a pilot is to choose; see [`crate::render::plan::reuse`].
-    pub free: Free,
     /// Where emitters are sampled through glass and by mirrors; see [`links`](super::links).
     pub links: LinkPolicy,
+    /// Which of these settings are only where pilots begin.
+    pub open: Open,
 }
 
-/// Which settings are left to a pilot.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Free {
+/// Which settings the scene's file leaves open, for [`crate::render::plan`] to choose. `links` is open where it is
+/// [`LinkPolicy::Auto`].
+#[derive(Clone, Copy, Debug)]
+pub struct Open {
+    pub light_paths: bool,
     pub reuse: bool,
-    /// No number of shared light paths was given.
+    /// If pixels share.
     pub shared_light_paths: bool,
-    /// No number of emitter samples was given for the first vertex.
+    /// If `reuse` is open.
     pub first_emitter_samples: bool,
-    /// Nothing was said of when roulette begins.
+    /// If `reuse` is open.
     pub roulette: bool,
 }
 
@@ -83,11 +85,17 @@ impl Path {
             roulette: Roulette::after(lengths.rr_depth),
             emitter_samples: 1,
             first_emitter_samples: 1,
-            light_paths: None,
+            light_paths: DEFAULT_RATIO,
             reuse: 1,
             shared_light_paths: 0,
-            free: Free::default(),
             links: LinkPolicy::Auto,
+            open: Open {
+                light_paths: true,
+                reuse: false,
+                shared_light_paths: true,
+                first_emitter_samples: true,
+                roulette: true,
+            },
         }
     }
 }
@@ -129,7 +137,8 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     }
     let about = "where emitters are sampled through glass and by mirrors; `unaided`: where light paths cannot help; `guided`: there, along ways that light paths have shown (an extension)";
     let links = params.choice_of("links", &LinkPolicy::ALL, about)?;
-    let free = Free {
+    let open = Open {
+        light_paths: light_paths.is_none(),
         reuse: reuse == AUTO,
         shared_light_paths: shared_light_paths < 0,
         first_emitter_samples: first == AUTO,
@@ -137,12 +146,12 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     };
     Ok(AnyIntegrator::Path(Path {
         emitter_samples,
-        first_emitter_samples: if free.first_emitter_samples { emitter_samples } else { first },
-        light_paths,
-        reuse: if free.reuse { 1 } else { reuse },
+        first_emitter_samples: if open.first_emitter_samples { emitter_samples } else { first },
+        light_paths: light_paths.unwrap_or(DEFAULT_RATIO),
+        reuse: if open.reuse { 1 } else { reuse },
         shared_light_paths: u32::try_from(shared_light_paths).unwrap_or(0),
-        free,
         links,
+        open,
         ..Path::of(lengths)
     }))
 }

@@ -18,7 +18,7 @@ mod walk;
 
 use super::MAX_VERTICES;
 use super::lengths::Lengths;
-use super::path::{Free, Path};
+use super::path::Path;
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
@@ -46,9 +46,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
 impl VolPath {
     /// The path tracer of surfaces with the same settings, and with all others as if none was given.
     pub fn without_media(self) -> Path {
-        let free =
-            Free { reuse: false, shared_light_paths: true, first_emitter_samples: true, roulette: true };
-        Path { free, ..Path::of(self.lengths) }
+        Path::of(self.lengths)
     }
 
     /// Estimates the radiance along a camera ray.

@@ -62,7 +62,7 @@ const RAY: f64 = 2.0;
 
 /// Settles the number of light paths of a scene whose file does not.
 pub fn settle(scene: &mut Scene) {
-    if scene.techniques.caustics.is_none() || !is_free(scene) {
+    if scene.techniques.caustics.is_none() || !are_open(scene) {
         return;
     }
     let mut part = part_of_light_paths(scene);
@@ -94,7 +94,7 @@ impl LightPathGain {
         let caustics = scene.techniques.caustics.as_ref()?;
         let film = scene.sensor.film.crop;
         let (tiles, rays) = splats(scene, FINE_TILES, MOST_LIGHT_PATHS);
-        let ratios = if is_free(scene) {
+        let ratios = if are_open(scene) {
             let (most, fewest) = (most(film), FEWEST.min(most(film)));
             let halves = std::iter::successors(Some(most), |s| Some(0.5 * s));
             halves.take_while(|s| *s >= fewest).flat_map(|s| [s, 0.75 * s]).collect()
@@ -167,8 +167,8 @@ fn most(film: Window) -> f64 {
 }
 
 /// Whether a scene's file leaves open how many light paths there are.
-pub fn is_free(scene: &Scene) -> bool {
-    scene.integrator.path().is_some_and(|path| path.light_paths.is_none())
+pub fn are_open(scene: &Scene) -> bool {
+    scene.integrator.path().is_some_and(|path| path.open.light_paths)
 }
 
 /// What light paths contribute to the pixels of a tile.

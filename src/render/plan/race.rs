@@ -3,10 +3,11 @@
 
 use super::cells::Cells;
 use super::direct::Direct;
-use super::light_paths::{self, LightPathGain};
+use super::light_paths::LightPathGain;
 use super::look::{Cell, Look, Measurements};
 use super::reuse::{self, Candidate};
 use crate::integrator::caustics::Caustics;
+use crate::integrator::path::Open;
 use crate::math::function::ln;
 use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
 use crate::scene::Scene;
@@ -127,23 +128,19 @@ pub struct Race<'a> {
 }
 
 impl<'a> Race<'a> {
-    /// Of all settings of a scene that a pilot is to choose; the others are as given.
-    pub fn new(scene: &'a mut Scene, given: Candidate) -> Self {
-        let free = scene.integrator.path().map(|path| path.free).unwrap_or_default();
+    /// Of the settings of a scene that are open; the others are as given.
+    pub fn new(scene: &'a mut Scene, given: Candidate, open: Open) -> Self {
         let times = |Priced { number: times, price }| {
             priced((times * given.samples).min(MOST_EMITTER_SAMPLES), price)
         };
-        let samples = if free.first_emitter_samples {
-            SAMPLES.map(times).into()
-        } else {
-            vec![priced(given.samples, 1.0)]
-        };
+        let all = open.first_emitter_samples;
+        let samples = if all { SAMPLES.map(times).into() } else { vec![priced(given.samples, 1.0)] };
         let brought = LightPathGain::of(scene);
         let evenly = || Cells::of(scene.sensor.film.crop, |_| false);
         let cells = brought.as_ref().map_or_else(evenly, LightPathGain::cells);
-        let relieved = scene.techniques.links.as_ref().is_some_and(|links| links.everywhere)
-            && light_paths::is_free(scene);
-        let field = |caustics| Field::new(caustics, given, &samples, free.shared_light_paths);
+        let relieved =
+            scene.techniques.links.as_ref().is_some_and(|links| links.everywhere) && open.light_paths;
+        let field = |caustics| Field::new(caustics, given, &samples, open.shared_light_paths);
         let with = brought.is_some();
         let fields = if with && relieved { vec![field(true), field(false)] } else { vec![field(with)] };
         Self { scene, cells, fields, samples, brought, unused_caustics: None }

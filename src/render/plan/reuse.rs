@@ -35,16 +35,17 @@ pub fn settle(scene: &mut Scene) {
         light_paths: path.shared_light_paths,
         samples: path.first_emitter_samples,
     };
-    if !path.free.reuse {
+    let open = path.open;
+    if !open.reuse {
         set(scene, given);
-        if scene.techniques.caustics.is_some() && light_paths::is_free(scene) {
+        if scene.techniques.caustics.is_some() && open.light_paths {
             light_paths::balance(scene);
         }
         return;
     }
     scene.sensor.film.spread = scene.sensor.film.spreadable();
-    let best = Race::new(scene, given).run();
-    if let Some(ratio) = best.caustics.filter(|_| light_paths::is_free(scene)) {
+    let best = Race::new(scene, given, open).run();
+    if let Some(ratio) = best.caustics.filter(|_| open.light_paths) {
         light_paths::set(scene, ratio);
     }
 }
@@ -55,7 +56,7 @@ pub fn set(scene: &mut Scene, choice: Candidate) {
     let light_paths = choice.light_paths.min(if choice.pixels > 1 { choice.pixels } else { 0 });
     (path.reuse, path.shared_light_paths) = (choice.pixels, light_paths);
     path.first_emitter_samples = choice.samples;
-    if path.free.reuse && path.free.roulette {
+    if path.open.reuse && path.open.roulette {
         path.roulette = path.roulette.early();
     }
     scene.techniques.light_sources = match light_paths {
