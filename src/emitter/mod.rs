@@ -123,7 +123,7 @@ pub enum Radiance {
 pub struct View {
     /// Unit, world.
     pub direction: DVec3,
-    /// Where a environment map has it.
+    /// Where an environment map has it.
     pub place: Option<MapPlace>,
 }
 

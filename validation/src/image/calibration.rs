@@ -18,16 +18,24 @@ fn judge(a: &Image, b: &Image) -> Comparison {
     compare(a, b, &Settings::default()).unwrap()
 }
 
+/// How many of these pairs of images are called different.
+fn rejected(trials: u64, pair: impl Fn(u64) -> [Image; 2]) -> usize {
+    let different = |trial: &u64| {
+        let [a, b] = pair(*trial);
+        judge(&a, &b).verdict == Verdict::Different
+    };
+    (0..trials).filter(different).count()
+}
+
 /// Share of `TRIALS` comparisons of two images of the same scene, with these sample counts per pixel, that
 /// are called different.
 fn false_alarms(noise: Noise, samples: [usize; 2]) -> f64 {
     let scene = scene();
-    let rejected = (0..TRIALS).filter(|&trial| {
-        let [a, b] = [("calibration a", samples[0]), ("calibration b", samples[1])]
-            .map(|(name, samples)| render(WIDTH, &scene, noise, samples, name, trial));
-        judge(&a, &b).verdict == Verdict::Different
+    let rejected = rejected(TRIALS, |trial| {
+        [("calibration a", samples[0]), ("calibration b", samples[1])]
+            .map(|(name, samples)| render(WIDTH, &scene, noise, samples, name, trial))
     });
-    let share = rejected.count() as f64 / TRIALS as f64;
+    let share = rejected as f64 / TRIALS as f64;
     println!("{noise:?} {samples:?}: {share} rejected at level 0.01");
     share
 }
@@ -68,16 +76,13 @@ fn an_image_that_has_missed_what_is_rare_is_not_different() {
 #[test]
 fn rare_events_all_over_the_better_image_are_no_difference() {
     let scene = vec![1.0; 64 * 64];
-    let rejected = |samples: [usize; 2]| {
-        let different = |trial: u64| {
-            let [a, b] = [("sparks a", samples[0]), ("sparks b", samples[1])]
-                .map(|(name, samples)| render(64, &scene, Noise::Spark, samples, name, trial));
-            judge(&a, &b).verdict == Verdict::Different
-        };
-        (0..200).filter(|&trial| different(trial)).count()
-    };
+    let found = [[512, 16], [16, 512]].map(|samples| {
+        rejected(200, |trial| {
+            [("sparks a", samples[0]), ("sparks b", samples[1])]
+                .map(|(name, samples)| render(64, &scene, Noise::Spark, samples, name, trial))
+        })
+    });
     // Two expected; nine are one in ten thousand.
-    let found = [[512, 16], [16, 512]].map(rejected);
     assert!(found.iter().all(|count| *count < 9), "{found:?}");
 }
 
@@ -86,11 +91,10 @@ fn rare_events_all_over_the_better_image_are_no_difference() {
 fn level_is_kept_where_a_filter_shares_samples() {
     let scene = scene();
     for weights in [&[0.25, 0.5, 0.25][..], &[0.1, 0.2, 0.4, 0.2, 0.1]] {
-        let different = |trial: u64| {
-            let [a, b] = [0, 1].map(|side| filtered(WIDTH, &scene, weights, "filtered", 2 * trial + side));
-            judge(&a, &b).verdict == Verdict::Different
-        };
-        let share = (0..TRIALS).filter(|&trial| different(trial)).count() as f64 / TRIALS as f64;
+        let rejected = rejected(TRIALS, |trial| {
+            [0, 1].map(|side| filtered(WIDTH, &scene, weights, "filtered", 2 * trial + side))
+        });
+        let share = rejected as f64 / TRIALS as f64;
         println!("{weights:?}: {share} rejected at level 0.01");
         assert!(share <= 0.021, "{weights:?} {share}");
     }

@@ -108,17 +108,17 @@ pub fn compare(a: &Image, b: &Image, settings: &Settings) -> Result<Comparison, 
         let ratio = tiles::noise_ratio_of(pair, tile_size);
         let pixels = pixels::figures(pair, ratio);
         let noise = NoiseOf { ratio, shared: pixels.shared_noise };
-        ChannelComparison {
+        let found = ChannelComparison {
             name: pair.name.to_string(),
             mean: mean::compare(pair, noise, of_means),
             detail: detail::compare(pair, ratio, limits),
             pixels,
             errors: errors::errors(pair),
-        }
+        };
+        (found, noise)
     };
-    let channels: Vec<ChannelComparison> = pairs.iter().map(channel).collect();
-    let shared: Vec<f64> = channels.iter().map(|channel| channel.pixels.shared_noise).collect();
-    let tiles = tiles::compare(&pairs, &shared, settings, third);
+    let (channels, noise): (Vec<ChannelComparison>, Vec<NoiseOf>) = pairs.iter().map(channel).unzip();
+    let tiles = tiles::compare(&pairs, &noise, settings, third);
     let means = channels.iter().map(|channel| channel.mean.p_value).fold(1.0, least_of);
     let details = channels.iter().flat_map(|channel| [channel.detail.p_value, channel.detail.worst_p_value]);
     let p_values = [

@@ -142,19 +142,23 @@ pub(super) fn informed(a: Side, b: Side, ratio: Option<f64>) -> (Side, Side) {
 /// each tile's interval at the level of the settings lies within ± their margin for tiles. Equivalence of all
 /// needs no correction: it is claimed only if every single test accepts (intersection–union).
 ///
-/// The noise of each pair's means is `shared` times that of independent pixels.
-pub(super) fn compare(pairs: &[Pair], shared: &[f64], settings: &Settings, corrected: f64) -> TileComparison {
+/// `noise` is that of each pair.
+pub(super) fn compare(
+    pairs: &[Pair],
+    noise: &[NoiseOf],
+    settings: &Settings,
+    corrected: f64,
+) -> TileComparison {
     let size = settings.tile_size.max(1);
     let cuts: Vec<Vec<Raw>> = pairs.iter().map(|pair| cut(pair, size)).collect();
     let tested = cuts.iter().flatten().filter(|tile| tile.sums.count > 0.0).count();
     let each = sidak(corrected, tested);
     let mut tiles = Vec::new();
-    for ((pair, cut), shared) in pairs.iter().zip(&cuts).zip(shared) {
+    for ((pair, cut), noise) in pairs.iter().zip(&cuts).zip(noise) {
         let total = Sums::over(pair.pixels().map(|(_, _, pixel)| pixel));
         let image_mean = (total.a.mean + total.b.mean).abs() / (2.0 * total.count);
-        let noise = NoiseOf { ratio: noise_ratio(cut, pair), shared: *shared };
         for raw in cut.iter().filter(|raw| raw.sums.count > 0.0) {
-            tiles.push(test(raw, pair.name, size, image_mean, noise, each, settings));
+            tiles.push(test(raw, pair.name, size, image_mean, *noise, each, settings));
         }
     }
     summarise(tiles, pairs, size, each, settings)
@@ -244,6 +248,11 @@ mod tests {
     use super::*;
     use crate::image::synthetic::grey;
 
+    /// That of a pair whose pixels are independent.
+    fn noise(pairs: &[Pair]) -> [NoiseOf; 1] {
+        [NoiseOf { ratio: noise_ratio_of(&pairs[0], 16), shared: 1.0 }]
+    }
+
     #[test]
     fn a_wrong_tile_is_found_at_its_place() {
         let (width, height) = (40, 20);
@@ -253,7 +262,7 @@ mod tests {
             b.channels[0].mean[y * width + x] = 1.1;
         }
         let (pairs, _) = Pair::all(&a, &b);
-        let found = compare(&pairs, &[1.0], &Settings::default(), 0.005);
+        let found = compare(&pairs, &noise(&pairs), &Settings::default(), 0.005);
         assert_eq!((found.columns, found.rows, found.tested), (3, 2, 6));
         assert_eq!(found.different.len(), 1);
         let tile = &found.different[0];
@@ -277,7 +286,7 @@ mod tests {
             a.channels[0].mean[64 * 15 + x] = 1.0;
         }
         let (pairs, _) = Pair::all(&a, &b);
-        assert!(compare(&pairs, &[1.0], &Settings::default(), 0.005).different.is_empty());
+        assert!(compare(&pairs, &noise(&pairs), &Settings::default(), 0.005).different.is_empty());
     }
 
     #[test]
@@ -289,7 +298,7 @@ mod tests {
         let settings = Settings::default().with_tiles_within_noise();
         let verdict = |a, b| {
             let (pairs, _) = Pair::all(a, b);
-            compare(&pairs, &[1.0], &settings, 0.005).verdict
+            compare(&pairs, &noise(&pairs), &settings, 0.005).verdict
         };
         let (upright, turned) = (picture(1.5, 0.5, 0.1), picture(0.5, 1.5, 0.1));
         assert_eq!(verdict(&upright, &turned), Verdict::Different);
