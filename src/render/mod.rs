@@ -222,8 +222,7 @@ fn assemble(
         names.into_iter().map(|name| Channel { name, mean: empty(), variance: Some(empty()) }).collect();
     for part in parts {
         for (i, moments) in part.moments.chunks_exact(channels.len()).enumerate() {
-            let (x, y) = part.window.pixel(i);
-            let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
+            let Some(at) = window.index_of(part.window.pixel(i)) else { continue };
             for (channel, (mean, variance)) in channels.iter_mut().zip(moments) {
                 channel.mean[at] = *mean;
                 channel.variance.iter_mut().for_each(|v| v[at] = *variance);

@@ -120,8 +120,8 @@ impl Splats {
         }
     }
 
-    fn add_in(&self, window: Window, SampleId { pixel: (x, y), sample }: SampleId, values: &mut [f64]) {
-        let at = (y - window.y) as usize * window.width as usize + (x - window.x) as usize;
+    fn add_in(&self, window: Window, SampleId { pixel, sample }: SampleId, values: &mut [f64]) {
+        let Some(at) = window.index_of(pixel) else { return };
         let sample = (sample - self.begin) as u32;
         let mine = self.first[at]..self.first[at + 1];
         let begin = mine.start + self.samples[mine.clone()].partition_point(|s| *s < sample);
