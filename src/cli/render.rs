@@ -13,6 +13,7 @@ use etalon::render::quality::Quality;
 use etalon::render::sample_count::{self, NoCount, Pilot};
 use etalon::render::{Progress, RenderError, Report, Settings, checkpoint, memory};
 use etalon::scene::Scene;
+use std::error::Error;
 use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -75,23 +76,7 @@ impl Arguments {
         let scene = self.scene.load(usize::from(self.threads))?;
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
-        let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
-        image::check_outputs(&scene.files, &outputs)?;
-        if self.target_error.is_some() && !scene.integrator.has_radiance() {
-            return Err(
-                "--target-error: the integrator sees no light, and the error is that of light; use --spp"
-                    .into(),
-            );
-        }
-        let channels = scene.integrator.channel_names(&scene.sensor.film);
-        if self.png.is_some() {
-            image::check_developable(&channels)?;
-        }
-        let passes = self.in_passes() || self.asks_pilot() || scene.techniques.caustics.is_some();
-        let light_paths = scene.techniques.light_paths().into();
-        let spreads = scene.sensor.film.spread.is_some();
-        let needs = memory::Needs { channels: channels.len(), passes, light_paths, spreads };
-        memory::check(&settings, needs, memory::available())?;
+        self.check(&scene, &settings)?;
         let resumed = self.resumed(&scene, &mut settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();
@@ -139,20 +124,47 @@ impl Arguments {
             // Before anything is printed, which may fail.
             watch.finish();
         }
+        self.tell(&summary)
+    }
+
+    /// Finds out before anything is rendered what would be lost at the end.
+    fn check(&self, scene: &Scene, settings: &Settings) -> Result<(), Box<dyn Error>> {
+        let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
+        image::check_outputs(&scene.files, &outputs)?;
+        if self.target_error.is_some() && !scene.integrator.has_radiance() {
+            return Err(
+                "--target-error: the integrator sees no light, and the error is that of light; use --spp"
+                    .into(),
+            );
+        }
+        let channels = scene.integrator.channel_names(&scene.sensor.film);
+        if self.png.is_some() {
+            image::check_developable(&channels)?;
+        }
+        let passes = self.in_passes() || self.asks_pilot() || scene.techniques.caustics.is_some();
+        let light_paths = scene.techniques.light_paths().into();
+        let spreads = scene.sensor.film.spread.is_some();
+        let needs = memory::Needs { channels: channels.len(), passes, light_paths, spreads };
+        memory::check(settings, needs, memory::available())?;
+        Ok(())
+    }
+
+    /// Prints what came of the render.
+    fn tell(&self, summary: &Summary) -> Outcome {
         if self.json {
             say!("{}", summary.document());
         } else if !self.quiet {
             summary.print()?;
         }
-        self.warn(&summary);
+        self.warn(summary);
         if summary.interrupted() {
-            eprintln!("interrupted: the image has samples {:?} of {:?}", summary.samples(), settings.samples);
+            eprintln!("interrupted: the image has samples {:?} of {:?}", summary.samples(), summary.asked);
             if self.checkpoint.is_some() {
-                eprintln!("go on with: {}", self.go_on(&settings.samples));
+                eprintln!("go on with: {}", self.go_on(&summary.asked));
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        if report.non_finite > 0 {
+        if summary.report.non_finite > 0 {
             return Ok(ExitCode::from(NOT_FINITE));
         }
         Ok(ExitCode::from(if summary.attained() == Some(false) { UNATTAINED } else { 0 }))

@@ -10,12 +10,12 @@
 //! and on a flight of length t to a surface of normal g, ∂p′ = ∂p + t ∂d − d g·(∂p + t ∂d)/(g·d). ∂n follows
 //! from ∂p′ and how the surface is curved. A mirror is an interface with ν = 1 and c′ = −c.
 
-use super::Surface;
 use super::chain::{Turn, turn};
+use super::surfaces::{Surface, specular};
 use crate::bsdf::Bsdf;
 use crate::integrator::Counters;
 use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, Origin, Ray, length};
-use crate::scene::{Features, Scene, Shape};
+use crate::scene::{Features, Scene};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// The number for the choice of a lobe that is below every probability of reflection.
@@ -127,13 +127,4 @@ impl Bent {
     pub fn missed(&self) -> f64 {
         length(self.miss)
     }
-}
-
-/// The shape of a primitive, and its number there, if a link may lead by it.
-pub fn specular(scene: &Scene, primitive: u32) -> Option<(&Shape, u32)> {
-    if scene.instances.have(primitive) {
-        return None;
-    }
-    let (shape, local) = scene.shape_of(primitive);
-    (shape.refracts() || shape.mirrors()).then_some((shape, local))
 }

@@ -6,17 +6,15 @@
 //! carries along ([`bent`](super::bent)).
 
 use super::SAME;
-use super::bent::{Bent, specular};
+use super::bent::Bent;
 use super::element::Element;
 use super::lens::Starts;
+use super::surfaces::{End, Surface, Surfaces};
 use crate::integrator::Counters;
 use crate::math::frame::unit;
 use crate::math::{DVec3, Frame, Origin, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
-
-/// Most surfaces of a link; longer chains are left to scattering.
-const LONGEST_LINK: usize = 8;
 
 /// Most Newton steps; the fourth is seldom needed.
 const CORRECTIONS: usize = 12;
@@ -26,14 +24,6 @@ const HALVINGS: usize = 6;
 
 /// A ray has met a point if it misses it by no more than this fraction of the link's length.
 const MET: f64 = 1.0 / (1u64 << 26) as f64;
-
-/// A surface of a specular chain.
-#[derive(Clone, Copy, Debug)]
-pub enum Surface<'a> {
-    /// Refracts; given by the first primitive of its shape.
-    Glass(u32),
-    Mirror(&'a Element),
-}
 
 /// A path between two points by surfaces that refract or reflect.
 #[derive(Clone, Copy, Debug)]
@@ -55,76 +45,12 @@ pub struct Link {
     pub miss: f64,
 }
 
-/// Which end of a straight line lies on a mirror.
-#[derive(Clone, Copy)]
-enum End {
-    First,
-    Last,
-}
-
-/// The surfaces of a specular chain that is being collected.
-struct Chain<'a> {
-    surfaces: [Surface<'a>; LONGEST_LINK],
-    count: usize,
-}
-
-impl<'a> Chain<'a> {
-    fn push(&mut self, surface: Surface<'a>) -> Option<()> {
-        *self.surfaces.get_mut(self.count)? = surface;
-        self.count += 1;
-        Some(())
-    }
-
-    /// Whether it leads through a lens, in and out: there may be several such links, and another technique
-    /// finds all of them.
-    fn is_lens(&self, scene: &Scene) -> bool {
-        match self.surfaces[..self.count] {
-            [Surface::Glass(a), Surface::Glass(b)] if a == b => {
-                scene.techniques.links.as_ref().is_some_and(|links| links.lenses.have(a))
-            }
-            _ => false,
-        }
-    }
-
-    /// Adds the shapes that the straight line goes through, up to the mirror if it leads there; `None` if one
-    /// of them does not refract.
-    fn read(
-        &mut self,
-        scene: &Scene,
-        Origin { mut p, mut primitive }: Origin,
-        to: DVec3,
-        mirror: Option<(&Element, End)>,
-        counters: &mut Counters,
-    ) -> Option<()> {
-        let mut distance = length(to - p);
-        let straight = (to - p) / distance;
-        if !scene.techniques.links.as_ref()?.may_be_between(p, straight, distance) {
-            return Some(());
-        }
-        loop {
-            let ray = Ray::leaving(p, straight, distance, primitive);
-            counters.rays += 1;
-            let Some(hit) = scene.accel.closest(&ray) else { return Some(()) };
-            match mirror.filter(|(mirror, _)| mirror.has(hit.primitive)) {
-                Some((_, End::Last)) => return Some(()),
-                // Another piece of it: all lie in one plane but for the rounding of their corners.
-                Some((_, End::First)) => {}
-                None => {
-                    let (shape, _) = specular(scene, hit.primitive).filter(|(shape, _)| shape.refracts())?;
-                    self.push(Surface::Glass(shape.first_primitive))?;
-                }
-            }
-            (p, primitive, distance) = (ray.at(hit.t), hit.primitive, distance - hit.t);
-        }
-    }
-}
-
 /// A search for links by given surfaces to a point, one from each of some start directions.
 pub struct Search<'a> {
     scene: &'a Scene,
     from: Origin,
     to: DVec3,
-    chain: Chain<'a>,
+    surfaces: Surfaces<'a>,
     starts: Starts,
     /// Whether the start directions are those of the links already, and not only near them.
     exact: bool,
@@ -144,12 +70,12 @@ impl<'a> Search<'a> {
         most: usize,
         counters: &mut Counters,
     ) -> Option<Self> {
-        let mut chain = Chain { surfaces: [Surface::Glass(0); LONGEST_LINK], count: 0 };
+        let mut surfaces = Surfaces::none();
         let mut lens = None;
         let first = match by {
             None => {
-                chain.read(scene, from, to, None, counters)?;
-                if chain.is_lens(scene) {
+                surfaces.read(scene, from, to, None, counters)?;
+                if surfaces.are_lens(scene) {
                     return None;
                 }
                 to
@@ -157,23 +83,23 @@ impl<'a> Search<'a> {
             Some(element) => match element.lens() {
                 Some(found) => {
                     let glass = Surface::Glass(element.primitives[0]);
-                    chain.push(glass)?;
-                    (0..found.inner).try_for_each(|_| chain.push(Surface::Mirror(element)))?;
-                    chain.push(glass)?;
+                    surfaces.push(glass)?;
+                    (0..found.inner).try_for_each(|_| surfaces.push(Surface::Mirror(element)))?;
+                    surfaces.push(glass)?;
                     lens = Some(found);
                     found.ball.centre
                 }
                 None => {
                     let seen = element.reflection(from.p, to)?;
-                    chain.read(scene, from, seen, Some((element, End::Last)), counters)?;
-                    chain.push(Surface::Mirror(element))?;
+                    surfaces.read(scene, from, seen, Some((element, End::Last)), counters)?;
+                    surfaces.push(Surface::Mirror(element))?;
                     let mirrored = Origin { p: seen, primitive: element.primitives[0] };
-                    chain.read(scene, mirrored, to, Some((element, End::First)), counters)?;
+                    surfaces.read(scene, mirrored, to, Some((element, End::First)), counters)?;
                     seen
                 }
             },
         };
-        if chain.count == 0 || chain.count > most {
+        if !(1..=most).contains(&surfaces.list().len()) {
             return None;
         }
         let starts = match lens {
@@ -181,12 +107,12 @@ impl<'a> Search<'a> {
             None => Starts::one(unit(first - from.p)),
         };
         let distance = length(first - from.p) + length(to - first);
-        Some(Self { scene, from, to, chain, starts, exact: lens.is_some(), distance })
+        Some(Self { scene, from, to, surfaces, starts, exact: lens.is_some(), distance })
     }
 
     /// How many surfaces a link leads by.
     pub fn surfaces(&self) -> u32 {
-        self.chain.count as u32
+        self.surfaces.list().len() as u32
     }
 
     /// The links that are found.
@@ -204,7 +130,7 @@ impl<'a> Search<'a> {
 
     /// The link to which Newton's method converges from a direction.
     fn link(&self, mut direction: DVec3, λ: &Wavelengths, counters: &mut Counters) -> Option<Link> {
-        let surfaces = &self.chain.surfaces[..self.chain.count];
+        let surfaces = self.surfaces.list();
         let mut bend =
             |direction| Bent::new(self.scene, self.from, direction, surfaces, self.to, λ, counters);
         let mut bent = bend(direction)?;

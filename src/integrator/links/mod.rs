@@ -31,6 +31,7 @@ mod element;
 mod elements;
 mod lens;
 mod link;
+mod surfaces;
 
 use super::Counters;
 use super::emitter_sampling::Proposal;
@@ -48,8 +49,8 @@ use crate::spectrum::{ColorMode, Wavelengths};
 pub use chain::SpecularChain;
 use element::Element;
 use elements::Elements;
+pub use link::Link;
 use link::Search;
-pub use link::{Link, Surface};
 
 /// Directions closer than this are those of the same link: Newton's method repeats one far more closely, and
 /// other links are farther apart.

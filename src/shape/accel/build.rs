@@ -7,6 +7,7 @@
 use super::block::Block;
 use super::fold::{Content, LEAF, Plan, kind};
 use super::grow::grow;
+use super::items::{Item, Items};
 use super::node::{Node, NodeRef};
 use super::shaft::{Few, Plane};
 use super::space::Space;
@@ -15,12 +16,13 @@ use super::triangles::{NEAR, Triangles};
 use super::trying::{FEW, Kind, Limits, Trying};
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed, Tried};
-use crate::math::bounds::{NOTHING, around, half_extent, union};
+use crate::math::bounds::{around, half_extent};
 use crate::math::{Bounds, DVec3, length};
 use crate::pages::Pages;
-use crate::shape::{Cube, Geometry, Patch};
+use crate::shape::{Geometry, Patch};
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -32,15 +34,6 @@ const MANY: usize = 1000;
 /// Share of all nodes whose reinsertion elsewhere in the tree is tried. Without, any-hit rays in rooms take a
 /// third longer; more gains nothing.
 const REINSERTED: f32 = 0.02;
-
-/// A primitive by shape and place in it, all faces of a cube, or an instance.
-#[derive(Clone, Copy)]
-struct Item {
-    /// Index of the shape; instances are counted after the shapes.
-    shape: u32,
-    local: u32,
-    primitive: u32,
-}
 
 impl Accel {
     /// Numbers the primitives of all shapes in order and arranges them for searching.
@@ -56,36 +49,10 @@ impl Accel {
 
     pub(super) fn limited(shapes: &[&Geometry], mut instances: Vec<Instance>, limits: Limits) -> Self {
         let trying = Trying::decide(shapes, &instances, limits);
-        let (mut items, mut tried): (Vec<Item>, [Vec<Item>; Kind::COUNT]) = Default::default();
-        items.reserve_exact(shapes.iter().map(|shape| shape.primitives() as usize).sum::<usize>());
-        let (mut bounds, mut of_tree, mut of_triangles) = (NOTHING, NOTHING, NOTHING);
-        let mut primitives = 0;
-        for (shape, geometry) in shapes.iter().enumerate() {
-            bounds = union(bounds, geometry.bounds());
-            if let Geometry::Mesh(_) = geometry {
-                of_triangles = union(of_triangles, geometry.bounds());
-            }
-            let list = match trying.as_ref().and_then(|trying| trying.kind(shapes, shape)) {
-                Some(kind) => &mut tried[kind as usize],
-                None => {
-                    of_tree = union(of_tree, geometry.bounds());
-                    &mut items
-                }
-            };
-            let together = if let Geometry::Cube(_) = geometry { Cube::FACES } else { 1 };
-            for local in (0..geometry.primitives()).step_by(together as usize) {
-                list.push(Item { shape: shape as u32, local, primitive: primitives });
-                primitives += together;
-            }
-        }
-        for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
-            bounds = union(bounds, instance.bounds());
-            of_tree = union(of_tree, instance.bounds());
-            items.push(Item { shape: (shapes.len() + i) as u32, local: 0, primitive: primitives });
-            primitives = instance.number(primitives);
-        }
+        let Items { in_tree, tried, primitives, bounds, of_tree, of_triangles } =
+            Items::list(shapes, &mut instances, trying.as_ref());
         // A ground that is far larger than all else must not widen the boxes of a tree that it is not in.
-        let inner = if items.is_empty() { bounds } else { of_tree };
+        let inner = if in_tree.is_empty() { bounds } else { of_tree };
         let space = match primitives {
             0 => Space::new((DVec3::ZERO, DVec3::ZERO), 0.0),
             _ => Space::new(inner, half_extent(bounds)),
@@ -107,38 +74,45 @@ impl Accel {
             near: NEAR * 2.0 * half_extent(of_triangles).max(0.0),
         };
         accel.keep(shapes, &tried);
-        if items.is_empty() {
-            return accel;
+        if !in_tree.is_empty() {
+            let binary = accel.binary(shapes, &in_tree);
+            let plan = Plan::new(&binary, |item| accel.content(shapes, &in_tree[item as usize]));
+            accel.arrange(shapes, &in_tree, &plan);
         }
-        let mut boxes: Vec<Aabb> = items.par_iter().map(|item| accel.box_of(shapes, item)).collect();
-        let whose = accel.split(shapes, &items, &mut boxes);
+        accel
+    }
+
+    /// The binary tree of the items.
+    fn binary(&self, shapes: &[&Geometry], items: &[Item]) -> Bvh2 {
+        let mut boxes: Vec<Aabb> = items.par_iter().map(|item| self.box_of(shapes, item)).collect();
+        let whose = self.split(shapes, items, &mut boxes);
         // An instance is a leaf of its own.
-        let whole_leaves = accel.instances.is_empty() && items.len() > MANY;
+        let whole_leaves = self.instances.is_empty() && items.len() > MANY;
         let most = if whole_leaves { usize::from(LEAF) } else { 1 };
         let mut binary = grow(boxes, whose, most);
         ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
-        let plan = Plan::new(&binary, |primitive| {
-            let item = &items[primitive as usize];
-            let around = || accel.box_of(shapes, item).half_area();
-            let Some(shape) = shapes.get(item.shape as usize) else {
-                // A leaf of its own.
-                return Content { surface: around(), size: LEAF, kind: kind::INSTANCE };
-            };
-            let (surface, kind) = match shape {
-                Geometry::Mesh(mesh) => {
-                    let [a, b, c] = mesh.corners(item.local);
-                    let unit = space.scale() * space.scale();
-                    ((length((b - a).cross(c - a)) * unit) as f32, kind::TRIANGLE)
-                }
-                Geometry::Patch(_) => (around(), kind::PATCH),
-                Geometry::Cube(_) => (around(), kind::CUBE),
-                Geometry::Sphere(_) => (around(), kind::SPHERE),
-                Geometry::Cylinder(_) => (around(), kind::CYLINDER),
-            };
-            Content { surface, size: 1, kind }
-        });
-        accel.arrange(shapes, &items, &plan);
-        accel
+        binary
+    }
+
+    /// What an item costs in a leaf.
+    fn content(&self, shapes: &[&Geometry], item: &Item) -> Content {
+        let around = || self.box_of(shapes, item).half_area();
+        let Some(shape) = shapes.get(item.shape as usize) else {
+            // A leaf of its own.
+            return Content { surface: around(), size: LEAF, kind: kind::INSTANCE };
+        };
+        let (surface, kind) = match shape {
+            Geometry::Mesh(mesh) => {
+                let [a, b, c] = mesh.corners(item.local);
+                let unit = self.space.scale() * self.space.scale();
+                ((length((b - a).cross(c - a)) * unit) as f32, kind::TRIANGLE)
+            }
+            Geometry::Patch(_) => (around(), kind::PATCH),
+            Geometry::Cube(_) => (around(), kind::CUBE),
+            Geometry::Sphere(_) => (around(), kind::SPHERE),
+            Geometry::Cylinder(_) => (around(), kind::CYLINDER),
+        };
+        Content { surface, size: 1, kind }
     }
 
     /// Stores the primitives outside the tree, by kind, so that blocks are full.

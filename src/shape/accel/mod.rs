@@ -20,6 +20,7 @@ mod fold;
 mod grow;
 mod hull;
 mod instances;
+mod items;
 mod node;
 mod packet;
 mod patches;
