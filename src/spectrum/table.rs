@@ -5,8 +5,36 @@
 pub struct Tabulated {
     wavelengths: Vec<f32>,
     values: Vec<f32>,
-    /// 1/step if the wavelengths are evenly spaced; then a multiplication finds the interval.
-    per_nm: Option<f32>,
+    search: Search,
+}
+
+/// How the interval of a wavelength is found.
+#[derive(Clone, Debug, PartialEq)]
+enum Search {
+    /// The wavelengths are evenly spaced, this many for each nm.
+    Even(f32),
+    /// There are this many cells for each nm, and each knows the last wavelength before it, or the first.
+    Cells(f32, Vec<u32>),
+}
+
+/// How many cells there are for each wavelength: tables may be many times as dense in one place as on average.
+const CELLS: usize = 4;
+
+impl Search {
+    fn cells(wavelengths: &[f32]) -> Self {
+        let (first, last) = (wavelengths[0], wavelengths[wavelengths.len() - 1]);
+        let count = CELLS * wavelengths.len();
+        let per_nm = count as f32 / (last - first);
+        // Rounding is monotonic, so what is in an earlier cell is less.
+        let cell = |λ: f32| cell_of(λ - first, per_nm, count);
+        let before = |at| wavelengths.partition_point(|&λ| cell(λ) < at).saturating_sub(1) as u32;
+        Self::Cells(per_nm, (0..count).map(before).collect())
+    }
+}
+
+#[inline]
+fn cell_of(distance: f32, per_nm: f32, count: usize) -> usize {
+    ((distance * per_nm) as usize).min(count - 1)
 }
 
 impl Tabulated {
@@ -28,7 +56,8 @@ impl Tabulated {
                 wavelengths[i]
             ));
         }
-        Ok(Self { wavelengths, values, per_nm: None })
+        let search = Search::cells(&wavelengths);
+        Ok(Self { wavelengths, values, search })
     }
 
     /// Values spread evenly over [min, max] nm.
@@ -36,7 +65,7 @@ impl Tabulated {
         let last = values.len().saturating_sub(1).max(1) as f32;
         let wavelengths = (0..values.len()).map(|i| min + (max - min) * (i as f32 / last)).collect();
         let mut table = Self::new(wavelengths, values)?;
-        table.per_nm = Some(last / (max - min));
+        table.search = Search::Even(last / (max - min));
         Ok(table)
     }
 
@@ -76,11 +105,17 @@ impl Tabulated {
         if !(λ >= self.wavelengths[0] && λ <= self.wavelengths[last]) {
             return 0.0;
         }
-        let i = match self.per_nm {
-            Some(per_nm) => ((λ - self.wavelengths[0]) * per_nm) as usize,
-            None => self.wavelengths.partition_point(|&w| w <= λ).wrapping_sub(1),
+        let distance = λ - self.wavelengths[0];
+        let i = match &self.search {
+            Search::Even(per_nm) => ((distance * per_nm) as usize).min(last - 1),
+            Search::Cells(per_nm, before) => {
+                let mut i = before[cell_of(distance, *per_nm, before.len())] as usize;
+                while i + 1 < last && self.wavelengths[i + 1] <= λ {
+                    i += 1;
+                }
+                i
+            }
         };
-        let i = i.min(last - 1);
         let t = (λ - self.wavelengths[i]) / (self.wavelengths[i + 1] - self.wavelengths[i]);
         self.values[i] * (1.0 - t) + self.values[i + 1] * t
     }
@@ -130,6 +165,28 @@ mod tests {
             (regular.eval(359.9), regular.eval(830.0), regular.eval(f32::NAN)),
             (0.0, regular.values[47], 0.0)
         );
+    }
+
+    #[test]
+    fn intervals_are_those_of_a_search() {
+        let cubic = |x: f32| 300.0 + x * x * x / 27.0;
+        // Dense in the middle, with neighbours that differ by a rounding.
+        let mut wavelengths: Vec<f32> = (0..60).map(|i| cubic(i as f32 - 30.0)).collect();
+        wavelengths.extend([1301.0, f32::from_bits(1301f32.to_bits() + 1), 90_000.0]);
+        wavelengths.dedup();
+        let values = (0..wavelengths.len()).map(|i| i as f32).collect();
+        let table = Tabulated::new(wavelengths.clone(), values).unwrap();
+        let between =
+            wavelengths.windows(2).flat_map(|w| (0..8).map(|k| w[0] + (w[1] - w[0]) * k as f32 / 8.0));
+        let beside = wavelengths
+            .iter()
+            .flat_map(|&λ| [-1, 0, 1].map(|k| f32::from_bits((λ.to_bits() as i32 + k) as u32)));
+        let (first, last) = table.range();
+        for λ in between.chain(beside).filter(|λ| (first..=last).contains(λ)) {
+            let i = (wavelengths.partition_point(|&w| w <= λ) - 1).min(wavelengths.len() - 2);
+            let t = (λ - wavelengths[i]) / (wavelengths[i + 1] - wavelengths[i]);
+            assert_eq!(table.eval(λ), i as f32 * (1.0 - t) + (i + 1) as f32 * t, "{λ}");
+        }
     }
 
     #[test]
