@@ -6,8 +6,9 @@
 //! would have made directly, and each pass answers at least the first query that got a placeholder in the one
 //! before.
 
-use std::{cell::RefCell, collections::HashMap, f64::consts::FRAC_1_PI};
+use std::{cell::RefCell, f64::consts::FRAC_1_PI};
 
+use super::known::{Key, Known};
 use super::{Lines, Peer, PeerError};
 use crate::scatterer::{DVec3, Laws, Sample, Scatterer};
 
@@ -43,9 +44,6 @@ pub fn judge<L: Lines, T>(
 /// ωo and the three numbers of a sample.
 type Draw = (DVec3, [f64; 3]);
 
-/// The bits of a query: two directions, or a direction and three numbers.
-type Key = [u64; 6];
-
 /// Number of the first questions that are asked twice.
 const TWICE: usize = 16;
 
@@ -55,8 +53,8 @@ fn changed(request: &str, question: &str) -> PeerError {
 
 #[derive(Default)]
 struct Answers {
-    pairs: HashMap<Key, Option<[f64; 2]>>,
-    draws: HashMap<Key, Option<Sample>>,
+    pairs: Known<[f64; 2]>,
+    draws: Known<Option<Sample>>,
     unknown_pairs: Vec<[DVec3; 2]>,
     unknown_draws: Vec<Draw>,
     /// Number of placeholders so far.
@@ -70,9 +68,11 @@ struct Memory {
 }
 
 impl Memory {
-    /// Takes the queries recorded since the last call.
+    /// Takes the queries recorded in the run that is over.
     fn unknown(&self) -> (Vec<[DVec3; 2]>, Vec<Draw>) {
-        let Answers { unknown_pairs, unknown_draws, .. } = &mut *self.answers.borrow_mut();
+        let Answers { pairs, draws, unknown_pairs, unknown_draws, .. } = &mut *self.answers.borrow_mut();
+        pairs.again();
+        draws.again();
         (std::mem::take(unknown_pairs), std::mem::take(unknown_draws))
     }
 
@@ -87,10 +87,10 @@ impl Memory {
         let sampled = peer.sample(configuration, draws)?;
         let mut answers = self.answers.borrow_mut();
         for (&[wo, wi], answer) in pairs.iter().zip(evaluated) {
-            answers.pairs.insert(key(wo, wi.to_array()), Some(answer));
+            answers.pairs.learn(key(wo, wi.to_array()), answer);
         }
         for (&(wo, u), answer) in draws.iter().zip(sampled) {
-            answers.draws.insert(key(wo, u), answer);
+            answers.draws.learn(key(wo, u), answer);
         }
         Ok(())
     }
@@ -126,11 +126,11 @@ impl Memory {
             return [f64::NAN; 2];
         }
         let Answers { pairs, unknown_pairs, unanswered, .. } = &mut *self.answers.borrow_mut();
-        let known = pairs.entry(key(wo, wi.to_array())).or_insert_with(|| {
+        let (answer, new) = pairs.ask(key(wo, wi.to_array()));
+        if new {
             unknown_pairs.push([wo, wi]);
-            None
-        });
-        known.unwrap_or_else(|| {
+        }
+        answer.copied().unwrap_or_else(|| {
             *unanswered += 1;
             [0.25 * FRAC_1_PI; 2]
         })
@@ -148,10 +148,11 @@ impl Scatterer for Memory {
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
         let Answers { draws, unknown_draws, .. } = &mut *self.answers.borrow_mut();
-        *draws.entry(key(wo, u)).or_insert_with(|| {
+        let (answer, new) = draws.ask(key(wo, u));
+        if new {
             unknown_draws.push((wo, u));
-            None
-        })
+        }
+        answer.copied().flatten()
     }
 
     fn unanswered(&self) -> usize {

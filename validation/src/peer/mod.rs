@@ -4,6 +4,7 @@
 //! - [`Peer`] implements the protocol over such lines.
 //! - [`judge`] runs a check of this crate on one configuration of a peer.
 
+mod known;
 mod memory;
 mod process;
 mod protocol;
