@@ -31,7 +31,7 @@ pub fn relations() -> Vec<Relation> {
         block(&glass("")) + &shape("cube", &[scale([0.15; 3]), translate([0.8, 0.2, 0.5])], &diffuse(0.6));
     let four = "<integer name=\"emitter_samples\" value=\"4\"/></integrator>";
     vec![
-        relation("ball", 0.0, &ball(&metal())),
+        relation("ball", 0.0, &ball(&metal())).longer(2),
         relation("ball_and_light_paths", 1.0, &ball(&metal())),
         relation("ball_of_glass", 1.0, &ball(&glass(""))).at_length(),
         relation("hollow_ball", 1.0, &turned),
@@ -59,7 +59,7 @@ pub fn relations() -> Vec<Relation> {
             .at_length(),
         // By way of the mirror the lamp is two edges from the floor, and the camera a third.
         up_to(2, "one_edge_too_far", 0.0, &room(&ball(&metal()))),
-        up_to(3, "no_edge_too_far", 1.0, &room(&ball(&metal()))),
+        up_to(3, "no_edge_too_far", 1.0, &room(&ball(&metal()))).longer(2),
         relation(
             "in_spectra",
             1.0,

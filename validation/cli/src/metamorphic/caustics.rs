@@ -233,9 +233,10 @@ pub fn relations() -> Vec<Relation> {
             "film_with_border",
             &filtered(tent, "<boolean name=\"sample_border\" value=\"true\"/>"),
             &room(&ball(&mirror())),
-        ),
+        )
+        .longer(2),
         relation("pane", &view, &room(&pane)),
-        relation("polished_metal", &view, &room(&ball(&polished))),
+        relation("polished_metal", &view, &room(&ball(&polished))).longer(2),
         relation("polished_metal_by_two_lamps", &view, &room(&(ball(&polished) + &second + &hanging)))
             .at_length(),
         few_light_paths("brushed_metal_before_two_lamps", brushed(), ""),

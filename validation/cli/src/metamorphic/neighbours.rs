@@ -77,7 +77,7 @@ fn two_panes() -> Relation {
     let bulb = sphere([-0.5, 0.0, 1.0], 0.4, &area(4.0)) + &sphere([-0.5, 0.0, 1.0], 0.6, flint);
     let case = case("two_panes", walls(&diffuse(0.7)) + &panes + &bulb);
     let (mode, view) = (ColorMode::Spectral, Some(last_column::<8> as fn(&Image) -> Image));
-    Case { integrator: path(7), light_paths: 0.0, mode, view, ..case }.relation().samples(16_384)
+    Case { integrator: path(7), light_paths: 0.0, mode, view, ..case }.relation().samples(32_768)
 }
 
 /// A floor of rough metal that reflects light, arriving from a wall at grazing angles, upwards.
@@ -120,7 +120,7 @@ fn near_and_far() -> Relation {
     let case = case("near_and_far", board + &wall + &screen + &plate + &lamp);
     Case { camera, integrator: with_links(&path(4), "never"), view: Some(one_of::<4>), ..case }
         .relation()
-        .samples(6 * 8192)
+        .samples(12 * 8192)
 }
 
 /// A dark room seen in a mirror, where light paths do not help, lit by a bulb in glass, which guided samples

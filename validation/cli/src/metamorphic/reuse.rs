@@ -164,11 +164,9 @@ pub fn relations() -> Vec<Relation> {
     let case = Case::new;
     let cases = vec![
         case("matte", room(&matte)),
-        Case { pixels: 2, ..case("two", room(&matte)) },
         Case { integrator: path(-1), ..case("roulette", room(&matte)) }.option("integer", "rr_depth", "2"),
         case("smooth_normals", room(&vase(&diffuse(0.8)))),
         case("two_sides", room(&(screen(&both_sides) + &vase(&both_sides)))),
-        Case { pixels: 16, ..case("pickets", room(&pickets)) },
         case("rough_plastic", closed_room(&plastic) + &ball(&diffuse(0.5))),
         case("mirror", room(&(ball(&mirror) + &screen(&mirror)))),
         case("glass_before_mirror", room(&(ball(&glass) + &screen(&mirror)))),
@@ -178,6 +176,7 @@ pub fn relations() -> Vec<Relation> {
         ),
     ];
     let noisy = [
+        Case { pixels: 2, ..case("two", room(&matte)) },
         Case { camera: wide, ..case("gaussian_film", room(&matte)) },
         case("veil", room(&screen(&veil))),
         case("glass", room(&ball(&glass))),
@@ -234,11 +233,12 @@ pub fn relations() -> Vec<Relation> {
     let mut relations: Vec<Relation> = cases.into_iter().map(Case::relation).collect();
     relations.extend(noisy.map(|case| case.relation().longer(2)));
     relations.push(case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3));
+    relations.push(Case { pixels: 16, ..case("pickets", room(&pickets)) }.relation().longer(3));
     relations.push(lit_matte.relation().longer(3).at_length());
     relations.push(lit_glass.relation().longer(4));
-    relations.push(lit_metal.relation().longer(3));
+    relations.push(lit_metal.relation().longer(5));
     relations.push(lit_one_way.relation().longer(3));
-    relations.push(lit_by_a_tray.relation().longer(3).within(0.04));
+    relations.push(lit_by_a_tray.relation().longer(9).within(0.04));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.push(lit_by_one_of_two.relation().samples(32 * 1024).within(0.03).at_length());
@@ -246,7 +246,8 @@ pub fn relations() -> Vec<Relation> {
     relations.push(metal_beside_glass.relation().samples(4096).at_length());
     relations.push(brushed_metal.relation().samples(3 * 4096).at_length());
     relations.push(metal_walls.relation().samples(4 * 4096).at_length());
-    relations.extend([open, checkered].map(|case| case.relation().samples(4096)));
+    relations.push(open.relation().samples(4096));
+    relations.push(checkered.relation().samples(8192));
     // Without light paths, pixels share the results of emitter samples through glass and by mirrors.
     let links = with_links(&path(6), "everywhere");
     let sheet = sheet(&bsdf("twosided", &mirror));
@@ -260,12 +261,14 @@ pub fn relations() -> Vec<Relation> {
         pixels: 16,
         ..case("roulette_of_colours", closed_room(pure) + &ball(pure))
     };
-    relations.push(colours.option("integer", "rr_depth", "2").relation().samples(16_384));
+    // It was 6 to 13 % too dark.
+    relations.push(colours.option("integer", "rr_depth", "2").relation().samples(8192).within(0.02));
     let spectral = |case| Case { mode: ColorMode::Spectral, ..case };
     let dispersion = spectral(case("dispersion", room(&ball(&flint))));
     relations.push(dispersion.relation().samples(65_536).at_length());
     let spectra = spectral(case("spectra", closed_room(checks) + &matte));
     relations.push(spectra.relation().samples(65_536).at_length());
-    relations.push(large_balls().relation().samples(16_384));
+    // A quarter of the light was missing.
+    relations.push(large_balls().relation().samples(16_384).within(0.03));
     relations
 }

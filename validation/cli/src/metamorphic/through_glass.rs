@@ -84,7 +84,7 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_in_a_globe_and_light_paths", 1.0, &globe).at_length(),
         relation("seen_in_a_mirror", 1.0, &(globe.clone() + &mirror)).at_length(),
         relation("matte_within_glass", 1.0, &within()),
-        relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))),
+        relation("thin_pane", 0.0, &pane(&bsdf("thindielectric", ""))).longer(2),
         relation("screen_above_a_pane", 0.0, &(pane(&bsdf("thindielectric", "")) + &screen))
             .longer(3)
             .at_length(),
