@@ -20,17 +20,14 @@ pub fn relations() -> Vec<Relation> {
     let checkered = |kind: &str| {
         let board = "<texture type=\"checkerboard\" name=\"radiance\"><rgb name=\"color0\" value=\"0.1, 0.4, 1\"/>\
              <rgb name=\"color1\" value=\"1, 0.4, 0.1\"/><transform name=\"to_uv\"><scale value=\"3\"/></transform></texture>";
-        let lamp = shape(kind, &[scale([0.9; 3]), translate([0.3, 0.2, 2.2])], &emitter("area", board));
+        let lamp = shape(kind, &[scale([0.6; 3]), translate([0.3, 0.2, 2.0])], &emitter("area", board));
         let side = |emitters: u32, bsdfs: u32| {
             let integrator = direct_integrator(emitters, bsdfs);
             vec![Term::new(with_light(&lamp).replace(&path(4), &integrator))]
         };
         let name = format!("bsdf_samples_only_of_a_checkered_{kind}");
-        Relation::expectation(name, side(1, 0), side(0, 16)).samples(if kind == "cylinder" {
-            8192
-        } else {
-            4096
-        })
+        let samples = if kind == "cylinder" { 12_288 } else { 6144 };
+        Relation::expectation(name, side(1, 0), side(0, 16)).samples(samples)
     };
     let roulette = |depth: u32| {
         let settings = "<integer name=\"max_depth\" value=\"4\"/>";
