@@ -19,9 +19,12 @@ struct Question<A> {
     asked: usize,
 }
 
+/// See the module.
+#[derive(Default)]
 pub struct Known<A> {
     questions: Vec<Question<A>>,
-    /// The question of each hash of a key; the next number is taken if another has it already.
+    /// The question of each hash of a key; the next number is taken if another has it already. There may be tens
+    /// of millions, and keys would take three times as much room.
     places: HashMap<u64, u32>,
     hasher: RandomState,
     /// The questions of the run before and of this one, in order.
@@ -29,20 +32,6 @@ pub struct Known<A> {
     now: Vec<u32>,
     /// Where in `before` the next question is expected.
     next: usize,
-}
-
-impl<A> Default for Known<A> {
-    fn default() -> Self {
-        let (before, now) = (vec![], vec![]);
-        Self {
-            questions: vec![],
-            places: HashMap::default(),
-            hasher: RandomState::new(),
-            before,
-            now,
-            next: 0,
-        }
-    }
 }
 
 impl<A> Known<A> {
@@ -66,6 +55,7 @@ impl<A> Known<A> {
         (self.questions[place as usize].answer.as_ref(), new)
     }
 
+    /// Keeps the answer to a question.
     pub fn learn(&mut self, key: Key, answer: A) {
         let (place, _) = self.find(key);
         self.questions[place as usize].answer = Some(answer);
