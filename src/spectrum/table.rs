@@ -13,7 +13,8 @@ pub struct Tabulated {
 enum Search {
     /// The wavelengths are evenly spaced, this many for each nm.
     Even(f32),
-    /// There are this many cells for each nm, and each knows the last wavelength before it, or the first.
+    /// There are this many cells for each nm, and each knows the last wavelength before it, or the first; so does the
+    /// end of the last one.
     Cells(f32, Vec<u32>),
 }
 
@@ -28,7 +29,7 @@ impl Search {
         // Rounding is monotonic, so what is in an earlier cell is less.
         let cell = |λ: f32| cell_of(λ - first, per_nm, count);
         let before = |at| wavelengths.partition_point(|&λ| cell(λ) < at).saturating_sub(1) as u32;
-        Self::Cells(per_nm, (0..count).map(before).collect())
+        Self::Cells(per_nm, (0..=count).map(before).collect())
     }
 }
 
@@ -37,25 +38,31 @@ fn cell_of(distance: f32, per_nm: f32, count: usize) -> usize {
     ((distance * per_nm) as usize).min(count - 1)
 }
 
+/// The error says what is wrong with a table.
+fn check(wavelengths: &[f32], values: &[f32]) -> Result<(), String> {
+    if wavelengths.len() != values.len() {
+        return Err(format!("{} wavelengths but {} values", wavelengths.len(), values.len()));
+    }
+    if wavelengths.len() < 2 {
+        return Err("a table needs at least two wavelengths".into());
+    }
+    if let Some(i) = values.iter().chain(wavelengths).position(|v| !v.is_finite()) {
+        return Err(format!("entry {} is not finite", i % values.len() + 1));
+    }
+    if let Some(i) = wavelengths.windows(2).position(|w| w[1] <= w[0]) {
+        return Err(format!(
+            "wavelengths must increase, but {} follows {}",
+            wavelengths[i + 1],
+            wavelengths[i]
+        ));
+    }
+    Ok(())
+}
+
 impl Tabulated {
     /// Values at increasing wavelengths. The error says what is wrong with them.
     pub fn new(wavelengths: Vec<f32>, values: Vec<f32>) -> Result<Self, String> {
-        if wavelengths.len() != values.len() {
-            return Err(format!("{} wavelengths but {} values", wavelengths.len(), values.len()));
-        }
-        if wavelengths.len() < 2 {
-            return Err("a table needs at least two wavelengths".into());
-        }
-        if let Some(i) = values.iter().chain(&wavelengths).position(|v| !v.is_finite()) {
-            return Err(format!("entry {} is not finite", i % values.len() + 1));
-        }
-        if let Some(i) = wavelengths.windows(2).position(|w| w[1] <= w[0]) {
-            return Err(format!(
-                "wavelengths must increase, but {} follows {}",
-                wavelengths[i + 1],
-                wavelengths[i]
-            ));
-        }
+        check(&wavelengths, &values)?;
         let search = Search::cells(&wavelengths);
         Ok(Self { wavelengths, values, search })
     }
@@ -63,10 +70,10 @@ impl Tabulated {
     /// Values spread evenly over [min, max] nm.
     pub fn regular(min: f32, max: f32, values: Vec<f32>) -> Result<Self, String> {
         let last = values.len().saturating_sub(1).max(1) as f32;
-        let wavelengths = (0..values.len()).map(|i| min + (max - min) * (i as f32 / last)).collect();
-        let mut table = Self::new(wavelengths, values)?;
-        table.search = Search::Even(last / (max - min));
-        Ok(table)
+        let wavelengths: Vec<f32> =
+            (0..values.len()).map(|i| min + (max - min) * (i as f32 / last)).collect();
+        check(&wavelengths, &values)?;
+        Ok(Self { wavelengths, values, search: Search::Even(last / (max - min)) })
     }
 
     /// Reads lines of "wavelength value", whatever follows, `#` starting a comment. The error names the line;
@@ -109,11 +116,10 @@ impl Tabulated {
         let i = match &self.search {
             Search::Even(per_nm) => ((distance * per_nm) as usize).min(last - 1),
             Search::Cells(per_nm, before) => {
-                let mut i = before[cell_of(distance, *per_nm, before.len())] as usize;
-                while i + 1 < last && self.wavelengths[i + 1] <= λ {
-                    i += 1;
-                }
-                i
+                let cell = cell_of(distance, *per_nm, before.len() - 1);
+                let (from, to) = (before[cell] as usize, before[cell + 1] as usize);
+                let i = from + self.wavelengths[from + 1..=to].partition_point(|&w| w <= λ);
+                i.min(last - 1)
             }
         };
         let t = (λ - self.wavelengths[i]) / (self.wavelengths[i + 1] - self.wavelengths[i]);
