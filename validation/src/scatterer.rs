@@ -56,6 +56,12 @@ pub trait Scatterer {
     /// number chooses the lobe and the others the direction in it; the check `jacobian` relies on that.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample>;
 
+    /// The same distribution with what no direction changes worked out once, such as its textures and spectra at
+    /// the point. None for models that have nothing to keep.
+    fn prepared(&self) -> Option<Box<dyn Scatterer + '_>> {
+        None
+    }
+
     /// Number of queries so far that got a placeholder, where answers come later ([`crate::peer`]).
     fn unanswered(&self) -> usize {
         0

@@ -118,6 +118,7 @@ impl Cell {
     /// Runs the check `furnace`, and compares the albedo with the expected one.
     pub fn run(&self, effort: &Effort, number: u64) -> Result<Outcome, String> {
         let subject = Subject::new(&self.snippet)?;
+        let subject = subject.placed();
         let wo = from(self.degrees);
         let check = find("furnace").ok_or("there is no furnace")?;
         let seed = seed_for(&self.name, number);
@@ -159,7 +160,7 @@ fn fitted(cosine: f64, eta: f64) -> f64 {
 
 /// A subject whose light is measured in multiples of `unit`.
 struct Measured<'a> {
-    subject: &'a Subject,
+    subject: &'a dyn Scatterer,
     unit: f64,
 }
 
@@ -183,7 +184,7 @@ impl Scatterer for Measured<'_> {
 }
 
 /// Σ probability × weight over the delta lobes, as flux; exact but for rounding.
-fn delta_albedo(subject: &Subject, wo: DVec3) -> f64 {
+fn delta_albedo(subject: &dyn Scatterer, wo: DVec3) -> f64 {
     const NUMBERS: usize = 4096;
     let mut lobes: Vec<Sample> = vec![];
     for i in 0..=NUMBERS {

@@ -1,8 +1,8 @@
 //! Trials of every material × example × check × direction.
 
-use crate::companions::Companion;
+use crate::companions::{Companion, Company, companies};
 use crate::trial::{ANGLES, Source, Trial, trials_of};
-use etalon::bsdf::{AnyMaterial, Bsdf, MATERIALS, WHITE};
+use etalon::bsdf::{AnyBsdf, AnyMaterial, Bsdf, MATERIALS, WHITE};
 use etalon::math::DVec2;
 use etalon::scene::loader::Loader;
 use etalon::scene::xml;
@@ -18,9 +18,10 @@ pub const HERO: f64 = 0.4;
 /// A material at a point, as the checks see it: at its first wavelength.
 pub struct Subject {
     laws: Laws,
-    pub(crate) material: AnyMaterial,
-    pub(crate) point: SurfacePoint,
+    material: AnyMaterial,
+    point: SurfacePoint,
     λ: Wavelengths,
+    companies: [Company; 2],
     limit: Option<(Box<Subject>, f64)>,
 }
 
@@ -35,7 +36,8 @@ impl Subject {
         let mut λ = Wavelengths::sample_visible(HERO);
         λ.collapse();
         let laws = Laws { reciprocal: material.is_reciprocal(), ..Laws::default() };
-        let subject = Self { laws, material, point: SurfacePoint::flat(), λ, limit: None };
+        let point = SurfacePoint::flat();
+        let subject = Self { laws, material, point, λ, companies: companies(), limit: None };
         let laws = Laws { eta: subject.index(), ..laws };
         Ok(Self { laws, ..subject })
     }
@@ -50,10 +52,20 @@ impl Subject {
         Self { limit: Some((Box::new(limit), within)), ..self }
     }
 
+    /// The material where it is, at other wavelengths.
+    pub(crate) fn at<'a>(&'a self, λ: &'a Wavelengths) -> AnyBsdf<'a> {
+        self.material.at(&self.point, λ)
+    }
+
+    /// With its textures and spectra evaluated.
+    pub(crate) fn placed(&self) -> Placed<'_> {
+        Placed { subject: self, bsdf: self.at(&self.λ) }
+    }
+
     /// The relative index of the far side, from a refracted sample of light from the front at so small an
     /// angle that it crosses whatever the index is.
     fn index(&self) -> Option<f64> {
-        let bsdf = self.material.at(&self.point, &self.λ);
+        let bsdf = self.placed().bsdf;
         let tries = (0..4096).map(|i| [(i % 64) as f64 / 64.0, (i / 64) as f64 / 64.0]);
         let samples = tries
             .filter_map(|[lobe, u]| bsdf.sample(direction(0.9999, 0.3), lobe, DVec2::new(u, 0.2 + 0.5 * u)));
@@ -61,23 +73,55 @@ impl Subject {
     }
 }
 
-impl Scatterer for Subject {
+/// A subject with its textures and spectra evaluated.
+pub(crate) struct Placed<'a> {
+    subject: &'a Subject,
+    bsdf: AnyBsdf<'a>,
+}
+
+impl Scatterer for Placed<'_> {
     fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.material.at(&self.point, &self.λ).evaluate(wo, wi).value.0[0] as f64
+        self.bsdf.evaluate(wo, wi).value.0[0] as f64
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.material.at(&self.point, &self.λ).evaluate(wo, wi).pdf
+        self.bsdf.evaluate(wo, wi).pdf
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
-        let sample = self.material.at(&self.point, &self.λ).sample(wo, u[0], DVec2::new(u[1], u[2]))?;
-        Some(Sample {
-            wi: sample.wi,
-            weight: sample.weight.0[0] as f64,
-            pdf: sample.pdf,
-            delta: sample.delta,
-        })
+        let sample = self.bsdf.sample(wo, u[0], DVec2::new(u[1], u[2]))?;
+        let weight = sample.weight.0[0] as f64;
+        Some(Sample { wi: sample.wi, weight, pdf: sample.pdf, delta: sample.delta })
+    }
+
+    fn laws(&self) -> Laws {
+        self.subject.laws
+    }
+
+    fn companions(&self) -> Vec<Box<dyn Scatterer + '_>> {
+        self.subject.companions()
+    }
+
+    fn limit(&self) -> Option<Limit<'_>> {
+        self.subject.limit()
+    }
+}
+
+impl Scatterer for Subject {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.placed().value(wo, wi)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.placed().pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        self.placed().sample(wo, u)
+    }
+
+    fn prepared(&self) -> Option<Box<dyn Scatterer + '_>> {
+        Some(Box::new(self.placed()))
     }
 
     fn laws(&self) -> Laws {
@@ -85,7 +129,8 @@ impl Scatterer for Subject {
     }
 
     fn companions(&self) -> Vec<Box<dyn Scatterer + '_>> {
-        Companion::of(self).into_iter().map(|companion| Box::new(companion) as Box<dyn Scatterer>).collect()
+        let companions = self.companies.iter().map(|company| Companion::new(self, company));
+        companions.map(|companion| Box::new(companion) as Box<dyn Scatterer>).collect()
     }
 
     fn limit(&self) -> Option<Limit<'_>> {

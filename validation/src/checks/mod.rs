@@ -103,7 +103,8 @@ impl Check {
         seeds: &[u64],
         effort: &Effort,
     ) -> Vec<Outcome> {
-        (self.outcomes)(scatterer, wo, seeds, effort)
+        let prepared = scatterer.prepared();
+        (self.outcomes)(prepared.as_deref().unwrap_or(scatterer), wo, seeds, effort)
     }
 }
 
