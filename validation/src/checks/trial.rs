@@ -153,8 +153,12 @@ fn p_values_of_honest_models_are_uniform() {
     let wo = direction(0.4, 1.0);
     let effort = Effort { samples: 1 << 14, ..Effort::default() };
     for check in ["chi2", "normalisation", "furnace", "moments"] {
-        let run = |number| find(check).unwrap().run(&conductor, wo, seed_for(check, number), &effort);
-        let p_values: Vec<f64> = (0..200).filter_map(|number| run(number).p_value).collect();
+        // Runs of a batch share a pilot sample and integrals.
+        let batch = |number: u64| {
+            let seeds: Vec<u64> = (10 * number..10 * number + 10).map(|n| seed_for(check, n)).collect();
+            find(check).unwrap().repeat(&conductor, wo, &seeds, &effort)
+        };
+        let p_values: Vec<f64> = (0..20).flat_map(batch).filter_map(|outcome| outcome.p_value).collect();
         let uniform = uniformity(&p_values);
         println!("{check}: {} p-values, uniformity p = {uniform:.3}", p_values.len());
         // These two checks give no p-value where the quadrature error is not far below the noise of the

@@ -34,17 +34,17 @@ pub fn relations() -> Vec<Relation> {
         relation("ball", 0.0, &ball(&metal())).longer(2),
         relation("ball_and_light_paths", 1.0, &ball(&metal())),
         relation("ball_of_glass", 1.0, &ball(&glass(""))).at_length(),
-        relation("hollow_ball", 1.0, &turned),
-        relation("sheet", 0.0, &sheet(&metal())),
+        relation("hollow_ball", 1.0, &turned).samples(1024),
+        relation("sheet", 0.0, &sheet(&metal())).samples(1024),
         relation("sheet_and_light_paths", 1.0, &sheet(&metal())),
-        relation("back_of_a_sheet", 1.0, &sheet(&twosided).replace("-60", "120")),
+        relation("back_of_a_sheet", 1.0, &sheet(&twosided).replace("-60", "120")).samples(1024),
         relation("disk", 1.0, &disk(&tinted)),
         relation("squares", 1.0, &sheet(&squares)),
-        relation("block", 1.0, &block(&metal())),
+        relation("block", 1.0, &block(&metal())).samples(1024),
         relation("lamp_that_is_not_seen", 0.0, &(hidden.clone() + &sheet(&metal())))
             .samples(16384)
             .at_length(),
-        relation("lamp_that_is_not_seen_and_light_paths", 1.0, &(hidden + &sheet(&metal()))),
+        relation("lamp_that_is_not_seen_and_light_paths", 1.0, &(hidden + &sheet(&metal()))).samples(2048),
         relation("two_mirrors", 1.0, &(ball(&metal()) + &sheet(&metal()))).at_length(),
         relation(
             "many_mirrors",
@@ -54,7 +54,7 @@ pub fn relations() -> Vec<Relation> {
         relation("bulb_before_a_sheet", 1.0, &(globe() + &sheet(&metal()))).at_length(),
         relation("metal_within_glass", 1.0, &within).at_length(),
         relation("matte_within_a_block", 1.0, &embedded).samples(16384).at_length(),
-        relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)),
+        relation("upon_rough_metal", 1.0, &(ball(&metal()) + &rough_floor)).samples(2048),
         with_integrator(relation("four_samples", 1.0, &(ball(&metal()) + &sheet(&metal()))), four)
             .at_length(),
         // By way of the mirror the lamp is two edges from the floor, and the camera a third.

@@ -220,8 +220,8 @@ pub fn relations() -> Vec<Relation> {
         relation("glass_ball", &view, &room(&ball(&glass("")))),
         relation("mirror_ball", &view, &room(&ball(&mirror()))),
         roulette(relation("roulette", &view, &room(&ball(&dim_mirror)))),
-        relation("thin_lens", &lens, &room(&ball(&glass("")))),
-        relation("parallel_view", &parallel, &room(&ball(&glass("")))),
+        relation("thin_lens", &lens, &room(&ball(&glass("")))).samples(2048),
+        relation("parallel_view", &parallel, &room(&ball(&glass("")))).samples(2048),
         relation("gaussian_film", &filtered("<rfilter type=\"gaussian\"/>", ""), &room(&ball(&mirror()))),
         relation(
             "ringing_film_cropped",
@@ -244,8 +244,8 @@ pub fn relations() -> Vec<Relation> {
         few_light_paths("veiled_metal_before_two_lamps_and_sky", veiled_metal, &constant(0.1)).at_length(),
         four_emitter_samples(relation("polished_metal_by_four_samples", &view, &room(&ball(&polished))))
             .at_length(),
-        relation("frosted_glass", &view, &room(&block(&frosted))),
-        relation("thin_sheets", &view, &room(&block(&sheet))),
+        relation("frosted_glass", &view, &room(&block(&frosted))).samples(1024),
+        relation("thin_sheets", &view, &room(&block(&sheet))).samples(1024),
         relation("bulb_in_a_globe", &view, &room(&bulb)),
         relation("block_of_glass", &view, &room(&block(&glass("")))),
         relation("tinted_glass", &view, &room(&block(&glass(&grey("specular_transmittance", 0.6))))),
@@ -269,7 +269,7 @@ pub fn relations() -> Vec<Relation> {
         hidden(relation("upon_a_hidden_lamp", &view, &room(&(ball(&mirror()) + &shining_floor))))
             .samples(8192),
         relation("two_sided_glass", &view, &room(&block(&two_sided(&glass(""))))),
-        relation("two_sided_frosted_glass", &view, &room(&ball(&two_sided(&frosted)))),
+        relation("two_sided_frosted_glass", &view, &room(&ball(&two_sided(&frosted)))).samples(1024),
         relation("two_sided_veil", &view, &room(&(ball(&mirror()) + &two_sided_veil))),
         relation("in_spectra", &view, &room(&ball(&glass("")))).in_spectra().at_length(),
         relation(

@@ -39,7 +39,7 @@ pub fn relations() -> Vec<Relation> {
         relation("glass_and_metal_and_light_paths", 1.0, &(block(&metal()) + &ball(&clear()) + &sheet)),
         relation("bulb", 0.0, &(globe() + &sheet)),
         relation("matte_within_glass", 1.0, &within()),
-        relation("vase", 0.0, &(vase(&clear()) + &dull)),
+        relation("vase", 0.0, &(vase(&clear()) + &dull)).samples(1024),
         relation("plastic_and_a_veil", 0.0, &(globe() + &veil() + &sphere([0.9, -0.3, 0.4], 0.4, &plastic))),
         relation("glass_that_shines", 0.0, &(shining + &ball(&metal()))),
         with_integrator(relation("four_samples", 0.0, &globe()), four).at_length(),

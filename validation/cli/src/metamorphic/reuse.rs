@@ -235,8 +235,8 @@ pub fn relations() -> Vec<Relation> {
     relations.push(case("relief", room(&(screen(&relief) + &ball(&diffuse(0.5))))).relation().longer(3));
     relations.push(Case { pixels: 16, ..case("pickets", room(&pickets)) }.relation().longer(3));
     relations.push(lit_matte.relation().longer(3).at_length());
-    relations.push(lit_glass.relation().longer(4));
-    relations.push(lit_metal.relation().longer(5));
+    relations.push(lit_glass.relation().samples(3072).within(0.02));
+    relations.push(lit_metal.relation().samples(3072).within(0.02));
     relations.push(lit_one_way.relation().longer(3));
     relations.push(lit_by_a_tray.relation().longer(9).within(0.04));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
