@@ -112,16 +112,16 @@ fn dispersing() -> Vec<ClosedForm> {
         "<spectrum name=\"radiance\" type=\"uniform\"><float name=\"value\" value=\"1\"/></spectrum>",
     );
     let scene = scene(&[&path(-1), &camera, &shell, &light]);
-    let bands: [(&str, super::Measure); 3] = [
-        ("blue", |image| mean(image, "S0.460,000nm")),
-        ("green", |image| mean(image, "S0.550,000nm")),
-        ("red", |image| mean(image, "S0.620,000nm")),
+    let bands: [(&str, u64, super::Measure); 3] = [
+        ("blue", 1 << 19, |image| mean(image, "S0.460,000nm")),
+        ("green", 1 << 18, |image| mean(image, "S0.550,000nm")),
+        ("red", 1 << 18, |image| mean(image, "S0.620,000nm")),
     ];
-    let case = |(band, measure): (&str, super::Measure)| {
+    let case = |(band, samples, measure): (&str, u64, super::Measure)| {
         let source =
             "∫ of a band's sensitivity, whatever disperses before a furnace of radiance 1 per nanometre";
         let case = ClosedForm::new(format!("dispersing_shell_{band}"), source, scene.clone(), 60.0);
-        case.spectral().measure(measure).margin(MARGIN).samples(1 << 18)
+        case.spectral().measure(measure).margin(MARGIN).samples(samples)
     };
     bands.map(case).into()
 }

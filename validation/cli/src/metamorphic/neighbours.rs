@@ -120,7 +120,7 @@ fn near_and_far() -> Relation {
     let case = case("near_and_far", board + &wall + &screen + &plate + &lamp);
     Case { camera, integrator: with_links(&path(4), "never"), view: Some(one_of::<4>), ..case }
         .relation()
-        .samples(12 * 8192)
+        .samples(24 * 8192)
 }
 
 /// A dark room seen in a mirror, where light paths do not help, lit by a bulb in glass, which guided samples
