@@ -2,20 +2,10 @@
 //!
 //! p(cos θ) = (1 − g²) / (4π (1 + g² − 2g cos θ)^(3/2)), with mean cosine g.
 
-use super::AnyPhase;
+use super::Phase;
 use crate::math::INV_PI;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
-
-pub const NAME: &str = "hg";
-pub const ABOUT: &str = "Henyey and Greenstein's phase function, from backward (−1) to forward (1).";
-pub const EXAMPLES: &[&str] = &[
-    r#"<phase type="hg"/>"#,
-    r#"<phase type="hg"><float name="g" value="-0.35"/></phase>"#,
-    r#"<phase type="hg"><float name="g" value="0"/></phase>"#,
-    r#"<phase type="hg"><float name="g" value="1e-9"/></phase>"#,
-    r#"<phase type="hg"><float name="g" value="0.97"/></phase>"#,
-];
 
 /// Scattering forwards or backwards by one parameter.
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +13,25 @@ pub struct HenyeyGreenstein {
     g: f64,
 }
 
-pub fn parse(params: &mut Params) -> Result<AnyPhase, SceneError> {
-    let expected = "a number above −1 and below 1";
-    let g = params.float_where("g", 0.8, "mean cosine", expected, |g| g.abs() < 1.0)?;
-    Ok(AnyPhase::HenyeyGreenstein(HenyeyGreenstein { g }))
-}
+impl Phase for HenyeyGreenstein {
+    const NAME: &'static str = "hg";
+    const ABOUT: &'static str = "Henyey and Greenstein's phase function, from backward (−1) to forward (1).";
+    const EXAMPLES: &'static [&'static str] = &[
+        r#"<phase type="hg"/>"#,
+        r#"<phase type="hg"><float name="g" value="-0.35"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="0"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="1e-9"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="0.97"/></phase>"#,
+    ];
 
-impl HenyeyGreenstein {
-    /// The density in sr⁻¹ of a direction, by the cosine of the angle by which the light is turned.
+    fn parse(params: &mut Params) -> Result<Self, SceneError> {
+        let expected = "a number above −1 and below 1";
+        let g = params.float_where("g", 0.8, "mean cosine", expected, |g| g.abs() < 1.0)?;
+        Ok(Self { g })
+    }
+
     #[inline]
-    pub fn density(self, cos: f64) -> f64 {
+    fn density(&self, cos: f64) -> f64 {
         // 1 + g² − 2g cos θ without cancellation where both are near one.
         let forward = if self.g > 0.0 { 1.0 - cos } else { 1.0 + cos };
         let towards = self.g.abs();
@@ -46,7 +45,7 @@ impl HenyeyGreenstein {
     ///
     /// which is v where g is zero and loses nothing where it is small.
     #[inline]
-    pub fn sample_cosine(self, u: f64) -> f64 {
+    fn sample_cosine(&self, u: f64) -> f64 {
         let (g, v) = (self.g, 1.0 - 2.0 * u);
         let (g2, v2) = (g * g, v * v);
         let denominator = 1.0 + g * v;

@@ -1,11 +1,7 @@
 //! Phase functions: how a medium scatters light, as densities over the sphere.
 //!
-//! *How to add one*: write `phase/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
-//! [`PHASES`] and a variant to [`AnyPhase`]. The contract tests follow from the registry.
-
-mod hg;
-mod isotropic;
-mod rayleigh;
+//! *How to add one*: write `phase/<name>.rs` with a type that implements [`Phase`], and add it to the list below.
+//! The contract tests follow from the registry.
 
 #[cfg(test)]
 mod contract;
@@ -13,66 +9,79 @@ mod contract;
 use crate::bsdf::{Bsdf, Evaluation, Sample};
 use crate::math::function::sin_cos_turn;
 use crate::math::{DVec2, DVec3};
+use crate::scene::error::SceneError;
+use crate::scene::params::Params;
 use crate::scene::registry::Entry;
 use crate::spectrum::Spectrum;
-pub use hg::HenyeyGreenstein;
 pub use isotropic::Isotropic;
-pub use rayleigh::Rayleigh;
 
-/// Any phase function.
-///
-/// As a [`Bsdf`] it works in any frame whose third axis is ωo, the direction to where the light goes, and has
-/// no cosine: `value` is p(cos θ) in sr⁻¹, θ being the angle by which light is turned, so that 0 is straight
-/// on.
-#[derive(Clone, Debug)]
-pub enum AnyPhase {
-    Isotropic(Isotropic),
-    HenyeyGreenstein(HenyeyGreenstein),
-    Rayleigh(Rayleigh),
+/// A phase function that depends on the angle alone by which light is turned.
+pub trait Phase: Sized {
+    const NAME: &'static str;
+    /// One sentence for `etalon plugins`.
+    const ABOUT: &'static str;
+    /// Scene-file snippets that span the parameters.
+    const EXAMPLES: &'static [&'static str];
+
+    /// Reads its parameters from a scene file.
+    ///
+    /// # Errors
+    /// If one has no such value, with its place.
+    fn parse(params: &mut Params) -> Result<Self, SceneError>;
+
+    /// The density in sr⁻¹ of turning light by an angle of this cosine.
+    fn density(&self, cos: f64) -> f64;
+
+    /// The cosine that a number in [0, 1) stands for, which falls from 1 to −1: the inverse of ∫ 2πp dcos from
+    /// the cosine to 1.
+    fn sample_cosine(&self, u: f64) -> f64;
 }
 
 macro_rules! phases {
-    ($($module:ident),* $(,)?) => {
+    ($($module:ident::$Model:ident),* $(,)?) => {
+        $(mod $module;)*
+
+        /// Any phase function.
+        ///
+        /// As a [`Bsdf`] it works in any frame whose third axis is ωo, the direction to where the light goes, and
+        /// has no cosine: `value` is p(cos θ) in sr⁻¹, θ being the angle by which light is turned, so that 0 is
+        /// straight on.
+        #[derive(Clone, Debug)]
+        pub enum AnyPhase { $($Model($module::$Model)),* }
+
+        impl AnyPhase {
+            /// See [`Phase::density`].
+            #[inline]
+            pub fn density(&self, cos: f64) -> f64 {
+                match self { $(Self::$Model(phase) => phase.density(cos)),* }
+            }
+
+            /// See [`Phase::sample_cosine`].
+            #[inline]
+            fn sample_cosine(&self, u: f64) -> f64 {
+                match self { $(Self::$Model(phase) => phase.sample_cosine(u)),* }.clamp(-1.0, 1.0)
+            }
+
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$Model(_) => <$module::$Model as Phase>::NAME),* }
+            }
+        }
+
         /// Every phase function.
         pub static PHASES: &[Entry<AnyPhase>] = &[$(Entry {
-            name: $module::NAME,
-            about: $module::ABOUT,
-            examples: $module::EXAMPLES,
-            parse: $module::parse,
+            name: <$module::$Model as Phase>::NAME,
+            about: <$module::$Model as Phase>::ABOUT,
+            examples: <$module::$Model as Phase>::EXAMPLES,
+            parse: |params| <$module::$Model as Phase>::parse(params).map(AnyPhase::$Model),
         }),*];
     };
 }
-phases!(isotropic, hg, rayleigh);
 
-impl AnyPhase {
-    /// The density in sr⁻¹ of turning light by an angle of this cosine.
-    #[inline]
-    pub fn density(&self, cos: f64) -> f64 {
-        match self {
-            Self::Isotropic(phase) => phase.density(),
-            Self::HenyeyGreenstein(phase) => phase.density(cos),
-            Self::Rayleigh(phase) => phase.density(cos),
-        }
-    }
-
-    /// The cosine that a number in [0, 1) stands for: the inverse of the cumulative distribution.
-    #[inline]
-    fn sample_cosine(&self, u: f64) -> f64 {
-        let cos = match self {
-            Self::Isotropic(phase) => phase.sample_cosine(u),
-            Self::HenyeyGreenstein(phase) => phase.sample_cosine(u),
-            Self::Rayleigh(phase) => phase.sample_cosine(u),
-        };
-        cos.clamp(-1.0, 1.0)
-    }
-
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Isotropic(_) => isotropic::NAME,
-            Self::HenyeyGreenstein(_) => hg::NAME,
-            Self::Rayleigh(_) => rayleigh::NAME,
-        }
-    }
+phases! {
+    isotropic::Isotropic,
+    hg::HenyeyGreenstein,
+    rayleigh::Rayleigh,
+    tabphase::Tabulated,
 }
 
 impl Bsdf for AnyPhase {

@@ -2,35 +2,34 @@
 //!
 //! p(cos θ) = 3/(16π) (1 + cos²θ).
 
-use super::AnyPhase;
+use super::Phase;
 use crate::math::INV_PI;
 use crate::math::function::cbrt;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 
-pub const NAME: &str = "rayleigh";
-pub const ABOUT: &str = "Scattering by particles much smaller than the wavelength, such as air.";
-pub const EXAMPLES: &[&str] = &[r#"<phase type="rayleigh"/>"#];
-
 /// Scattering by what is far smaller than a wavelength, of light without polarisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Rayleigh;
 
-pub fn parse(_params: &mut Params) -> Result<AnyPhase, SceneError> {
-    Ok(AnyPhase::Rayleigh(Rayleigh))
-}
+impl Phase for Rayleigh {
+    const NAME: &'static str = "rayleigh";
+    const ABOUT: &'static str = "Scattering by particles much smaller than the wavelength, such as air.";
+    const EXAMPLES: &'static [&'static str] = &[r#"<phase type="rayleigh"/>"#];
 
-impl Rayleigh {
-    /// The density in sr⁻¹ of a direction, by the cosine of the angle by which the light is turned.
+    fn parse(_params: &mut Params) -> Result<Self, SceneError> {
+        Ok(Self)
+    }
+
     #[inline]
-    pub fn density(self, cos: f64) -> f64 {
+    fn density(&self, cos: f64) -> f64 {
         3.0 / 16.0 * INV_PI * (1.0 + cos * cos)
     }
 
     /// The cumulative distribution is (4 − 3 cos θ − cos³θ)/8, so the cosine is the one real root of c³ + 3c
     /// = 4 − 8u = 2z, by Cardano's formula a − 1/a with a³ = z + √(z² + 1).
     #[inline]
-    pub fn sample_cosine(self, u: f64) -> f64 {
+    fn sample_cosine(&self, u: f64) -> f64 {
         let z = 2.0 - 4.0 * u;
         // By the larger of the two cube roots, which does not cancel; their signs are opposite.
         let root = cbrt(z.abs() + (z * z + 1.0).sqrt());

@@ -74,6 +74,22 @@ fn media_that_cannot_be_meant_are_refused() {
             r#"<phase type="hg"><float name="g" value="1"/></phase>"#,
             &["`g`", "above −1 and below 1"],
         ),
+        ("<phase", r#"<phase type="tabphase"/>"#, &["there are no `values`", "at least two"]),
+        (
+            "\"1\"",
+            r#"<phase type="tabphase"><string name="values" value="1"/></phase>"#,
+            &["too few values", "at least two"],
+        ),
+        (
+            "1, -2",
+            r#"<phase type="tabphase"><string name="values" value="1, -2"/></phase>"#,
+            &["-2 is no density", "at least 0"],
+        ),
+        (
+            "0 0",
+            r#"<phase type="tabphase"><string name="values" value="0 0"/></phase>"#,
+            &["all values are 0"],
+        ),
         (
             "1.5",
             r#"<medium type="homogeneous"><float name="albedo" value="1.5"/></medium>"#,
