@@ -25,6 +25,8 @@ fn run(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort) -> Outc
     let Some(limit) = scatterer.limit() else {
         return Outcome::new("limits", Verdict::Inconclusive, "it has no limit");
     };
-    let (verdict, message) = compare([scatterer, limit.scatterer], wo, seed, limit.within, effort);
+    let prepared = limit.scatterer.prepared();
+    let models = [scatterer, prepared.as_deref().unwrap_or(limit.scatterer)];
+    let (verdict, message) = compare(models, wo, seed, limit.within, effort);
     Outcome::new("limits", verdict, message).figure("margin", limit.within)
 }

@@ -40,7 +40,8 @@ pub struct Histogram {
 
 /// The histograms of a few models.
 pub fn histograms(samples: usize) -> Result<Vec<Histogram>, String> {
-    SUBJECTS.iter().map(|(name, snippet)| Ok(histogram(name, &Subject::new(snippet)?, samples))).collect()
+    let of = |(name, snippet): &(&str, &str)| Ok(histogram(name, &Subject::new(snippet)?.placed(), samples));
+    SUBJECTS.iter().map(of).collect()
 }
 
 fn histogram(name: &str, subject: &dyn Scatterer, samples: usize) -> Histogram {
