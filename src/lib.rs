@@ -12,7 +12,7 @@
 //! - [`integrator`]: the estimators. [`integrator::path`] is the heart of the program.
 //! - [`render`]: makes samples and schedules them: tiles, passes, threads, checkpoints. However the work is
 //!   divided, pixels are the same; only [`render::plan`], which chooses settings by pilots, chooses which.
-//! - [`film`], [`image`]: sums that no order can change, and the files made of them.
+//! - [`film`], [`image`], [`files`]: sums that no order can change, and the files made of them.
 //! - [`math`], [`spectrum`]: what all of them share.
 //!
 //! Models read their parameters by [`scene::params`], and [`scene`] knows them by their registries alone. Integrators
@@ -25,6 +25,7 @@ pub const VERSION: &str = env!("ETALON_VERSION");
 
 pub mod bsdf;
 pub mod emitter;
+pub mod files;
 pub mod film;
 pub mod image;
 pub mod integrator;

@@ -1,7 +1,7 @@
 //! `etalon merge`
 
 use super::{NOT_FINITE, Outcome};
-use etalon::image;
+use etalon::{files, image};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -21,9 +21,9 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn run(self) -> Outcome {
-        image::check_outputs(&[], &[Some(&self.output), self.png.as_ref()])?;
+        files::check_outputs(&[], &[Some(&self.output), self.png.as_ref()])?;
         // A merged file may take the place of a part, a picture may not.
-        image::check_outputs(&self.parts, &[self.png.as_ref()])?;
+        files::check_outputs(&self.parts, &[self.png.as_ref()])?;
         let merged = image::merge_files(self.parts)?;
         // Both can be made before one is written.
         let picture = self.png.as_ref().map(|_| image::develop(&merged)).transpose()?;

@@ -6,6 +6,7 @@ use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
 use super::watch::Watch;
 use super::{INTERRUPTED, NOT_FINITE, Outcome, SceneArguments, UNATTAINED, quoted, say};
+use etalon::files::{self, FileError};
 use etalon::film::Window;
 use etalon::image::{self, Image};
 use etalon::render::passes::Partial;
@@ -130,7 +131,7 @@ impl Arguments {
     /// Finds out before anything is rendered what would be lost at the end.
     fn check(&self, scene: &Scene, settings: &Settings) -> Result<(), Box<dyn Error>> {
         let outputs = [Some(&self.output), self.png.as_ref(), self.checkpoint.as_ref()];
-        image::check_outputs(&scene.files, &outputs)?;
+        files::check_outputs(&scene.files, &outputs)?;
         if self.target_error.is_some() && !scene.integrator.has_radiance() {
             return Err(
                 "--target-error: the integrator sees no light, and the error is that of light; use --spp"
@@ -205,7 +206,7 @@ impl Arguments {
 
     /// The render in the checkpoint; its samples are those that a pilot chose, if one was to. Without
     /// `--resume` there must be none, nor any other file in its place.
-    fn resumed(&self, scene: &Scene, settings: &mut Settings) -> Result<Option<Partial>, image::ImageError> {
+    fn resumed(&self, scene: &Scene, settings: &mut Settings) -> Result<Option<Partial>, FileError> {
         let Some(path) = &self.checkpoint else { return Ok(None) };
         if !self.resume {
             return checkpoint::refuse_to_replace(path).map(|()| None);

@@ -4,7 +4,6 @@
 //! are equal byte for byte. A *shard*, a render of a part of the samples, carries its exact accumulators
 //! along, so that [`merge`] can join shards to the file that one run would have written.
 
-mod atomic;
 mod attributes;
 mod coverage;
 mod exr;
@@ -18,8 +17,6 @@ mod sheet;
 pub mod srgb;
 
 pub use self::exr::{check_names, read_exr, write_exr};
-pub(crate) use atomic::write_file_with;
-pub use atomic::{check_outputs, check_writable, write_file};
 pub use merge::{merge, merge_files};
 pub use pixels::Pixels;
 pub use png::{Rgb8, check_developable, develop, encode_png, write_png};
@@ -27,6 +24,7 @@ pub use provenance::{Attribute, Provenance};
 pub use sheet::contact_sheet;
 pub use srgb::encode_srgb;
 
+use crate::files::FileError;
 use crate::film::{Accumulators, Window};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -135,3 +133,9 @@ impl fmt::Display for ImageError {
 }
 
 impl std::error::Error for ImageError {}
+
+impl From<FileError> for ImageError {
+    fn from(error: FileError) -> ImageError {
+        ImageError { path: Some(error.path), cause: error.cause }
+    }
+}

@@ -1,8 +1,8 @@
 //! Pictures for the eye: 8-bit sRGB, and PNG files of them.
 
-use super::atomic::write_file;
 use super::srgb::encode_srgb;
 use super::{COLOURS, Image, ImageError};
+use crate::files::write_file;
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::path::Path;
@@ -73,7 +73,7 @@ pub fn develop(image: &Image) -> Result<Rgb8, ImageError> {
 
 /// Writes a picture to a PNG file, whole or not at all.
 pub fn write_png(path: &Path, picture: &Rgb8) -> Result<(), ImageError> {
-    write_file(path, &encode_png(picture).map_err(|error| error.at(path))?)
+    Ok(write_file(path, &encode_png(picture).map_err(|error| error.at(path))?)?)
 }
 
 /// The bytes of a PNG file of a picture. Equal pictures give equal bytes.

@@ -8,8 +8,8 @@ use super::Settings;
 use super::batch_means::BatchMeans;
 use super::light_path_noise::LightPathNoise;
 use super::passes::Partial;
+use crate::files::{FileError, write_file_with};
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
-use crate::image::{ImageError, write_file_with};
 use crate::sampler::SampleId;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -105,8 +105,8 @@ pub fn size(settings: &Settings, channels: usize) -> u64 {
 ///
 /// # Errors
 /// Says which it is.
-pub fn refuse_to_replace(path: &Path) -> Result<(), ImageError> {
-    let error = |cause: String| Err(ImageError { path: Some(path.to_owned()), cause });
+pub fn refuse_to_replace(path: &Path) -> Result<(), FileError> {
+    let error = |cause: String| Err(FileError::new(path, cause));
     match std::fs::metadata(path) {
         Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(why) => return error(why.to_string()),
@@ -123,7 +123,7 @@ pub fn refuse_to_replace(path: &Path) -> Result<(), ImageError> {
 }
 
 /// Saves a render in progress. An error leaves an older checkpoint as it was.
-pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), ImageError> {
+pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), FileError> {
     let report = &partial.report;
     let head = Head {
         identity: Identity::new(scene, settings, &partial.channels),
@@ -135,7 +135,7 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
         means: partial.means.clone(),
         light_paths: partial.light_paths,
     };
-    let head = serde_json::to_vec(&head).map_err(|e| ImageError { path: None, cause: e.to_string() })?;
+    let head = serde_json::to_vec(&head).map_err(|error| FileError::new(path, error))?;
     write_file_with(path, |file| {
         let mut hash = Xxh3::new();
         let mut put = |bytes: &[u8]| {
@@ -164,7 +164,7 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
 ///
 /// # Errors
 /// If it cannot be read, is damaged, or is that of another render; with one sentence that names the file.
-pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, ImageError> {
+pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, FileError> {
     read(path, scene, settings).map_err(|refused| refused.at(path))
 }
 
@@ -173,7 +173,7 @@ pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, 
 /// # Errors
 /// If it cannot be read, is damaged at its beginning, or no pilot has chosen such samples; with one sentence
 /// that names the file.
-pub fn chosen_samples(path: &Path) -> Result<Range<u64>, ImageError> {
+pub fn chosen_samples(path: &Path) -> Result<Range<u64>, FileError> {
     let chosen = |(start, end)| match start {
         0 => Ok(start..end),
         _ => Err(Refused::Other(format!(
@@ -190,7 +190,7 @@ enum Refused {
 }
 
 impl Refused {
-    fn at(self, path: &Path) -> ImageError {
+    fn at(self, path: &Path) -> FileError {
         let cause = match self {
             Self::Input(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
                 "the checkpoint is damaged: it ends too early".into()
@@ -199,7 +199,7 @@ impl Refused {
             Self::Damaged(why) => format!("the checkpoint is damaged: {why}"),
             Self::Other(why) => format!("the checkpoint cannot be resumed: {why}"),
         };
-        ImageError { path: Some(path.to_owned()), cause }
+        FileError::new(path, cause)
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::samples::Samples;
 use super::{PREFIX, SHARD_PART, VARIANCE, word_name};
+use crate::files::write_file;
 use crate::film::Accumulators;
 use crate::film::Window;
-use crate::image::atomic::write_file;
 use crate::image::attributes::sort_attributes;
 use crate::image::provenance::Attribute;
 use crate::image::{Channel, Image, ImageError};
@@ -27,7 +27,7 @@ const SRGB: Chromaticities = Chromaticities {
 /// Writes an image to a file, whole or not at all. Equal images give equal bytes.
 pub fn write_exr(path: &Path, image: &Image) -> Result<(), ImageError> {
     let bytes = encode(image).map_err(|error| error.at(path))?;
-    write_file(path, &bytes)
+    Ok(write_file(path, &bytes)?)
 }
 
 /// The bytes of the file.

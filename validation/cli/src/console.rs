@@ -43,7 +43,7 @@ pub fn write(
     if !text.ends_with('\n') {
         text.push('\n');
     }
-    Ok(etalon::image::write_file(path, text.as_bytes())?)
+    Ok(etalon::files::write_file(path, text.as_bytes())?)
 }
 
 /// Tests in advance whether documents can be written to the given paths, each of its own and none that of a
@@ -51,7 +51,7 @@ pub fn write(
 pub fn check_writable(read: &[&Path], written: &[&Option<PathBuf>]) -> Result<(), Box<dyn Error>> {
     let read: Vec<PathBuf> = read.iter().map(|path| path.to_path_buf()).collect();
     let written: Vec<Option<&PathBuf>> = written.iter().map(|path| path.as_ref()).collect();
-    etalon::image::check_outputs(&read, &written)?;
+    etalon::files::check_outputs(&read, &written)?;
     if written.iter().any(Option::is_some) {
         Provenance::here()?;
     }

@@ -1,7 +1,7 @@
 //! The command line: `fuzz scenes`, `fuzz techniques`, `fuzz paths`, `fuzz input`.
 
 use clap::Parser;
-use etalon::image::write_file;
+use etalon::files::write_file;
 use fuzz::inputs::formats::named;
 use fuzz::inputs::seeds::{Seeds, folders};
 use fuzz::inputs::watch::{Effort, save, watch};

@@ -1,7 +1,7 @@
 //! Writing PLY, for meshes that programs make.
 
 use super::super::MeshData;
-use crate::image::{ImageError, write_file_with};
+use crate::files::{FileError, write_file_with};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// With the reason why it cannot be written; a file that was there stays as it was.
-pub fn write_ply(mesh: &MeshData, path: &Path) -> Result<(), ImageError> {
+pub fn write_ply(mesh: &MeshData, path: &Path) -> Result<(), FileError> {
     write_file_with(path, |file| write(mesh, file))
 }
 

@@ -3,7 +3,7 @@
 use super::calibration::{EFFORT, Row, calibrate};
 use crate::console::{check_writable, percentage, say, write};
 use crate::references::ROUNDING;
-use etalon::image::write_file;
+use etalon::files::write_file;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use validation::Verdict;

@@ -46,7 +46,7 @@ impl Effort {
 /// Writes the page to `out`, after testing that it can be written there. Outcomes in the JSON documents of
 /// `from` are not computed again. `say` gets each step.
 pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> Result<Verdict, String> {
-    etalon::image::check_writable(out).map_err(|e| e.to_string())?;
+    etalon::files::check_writable(out).map_err(|e| e.to_string())?;
     let evidence = Evidence::gather(from, effort, say)?;
     say("histograms");
     let histograms = histogram::histograms(effort.samples)?;
@@ -56,7 +56,7 @@ pub fn write(out: &Path, from: Option<&Path>, effort: Effort, say: fn(&str)) -> 
     let file = results();
     let findings = if file.exists() { Some(Findings::read(&file)?) } else { None };
     let page = page::page(&evidence, &histograms, (&pictures, &stills), findings.as_ref(), &machine::here());
-    etalon::image::write_file(out, page.as_bytes()).map_err(|e| e.to_string())?;
+    etalon::files::write_file(out, page.as_bytes()).map_err(|e| e.to_string())?;
     Ok(evidence.verdict())
 }
 

@@ -1,0 +1,63 @@
+//! Whether a file could be written, before a render of hours finds out.
+
+use super::{FileError, create_unique, folder, is_link, is_special, partial, target};
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Finds out whether the file at `path` could be written, and leaves no trace. That there will be space is
+/// not promised.
+///
+/// # Errors
+/// With the reason why it could not be: no folder, no permission, a folder in its place.
+pub fn check_writable(path: &Path) -> Result<(), FileError> {
+    let target = target(path);
+    let cannot = |why: String| FileError::writing(path, why);
+    if target.is_dir() {
+        return Err(cannot("it is a folder".into()));
+    }
+    let folder = folder(&target);
+    if !folder.is_dir() {
+        return Err(cannot(format!("there is no folder {}", folder.display())));
+    }
+    if is_special(&target) {
+        return Ok(());
+    }
+    // Neither the file nor what another process may be writing beside it is touched.
+    let partial = partial(&target);
+    let in_use = match File::options().write(true).open(&partial) {
+        Err(_) if is_link(&partial) => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        tried => tried.map(drop),
+    };
+    let tried = in_use.and_then(|()| create_unique(&target, "probe"));
+    tried.and_then(|(_, probe)| fs::remove_file(probe)).map_err(|error| cannot(error.to_string()))
+}
+
+/// Finds out whether those of `outputs` that are given could all be written, each in a place of its own and
+/// none over one of `inputs`, and leaves no trace.
+///
+/// # Errors
+/// With the reason why one could not be.
+pub fn check_outputs(inputs: &[PathBuf], outputs: &[Option<&PathBuf>]) -> Result<(), FileError> {
+    outputs.iter().flatten().try_for_each(|path| check_writable(path))?;
+    let read: Vec<PathBuf> = inputs.iter().map(|path| target(path)).collect();
+    let mut written = vec![];
+    for path in outputs.iter().flatten() {
+        let target = target(path);
+        // Streams and devices take everything that is written to them.
+        if is_special(&target) {
+            continue;
+        }
+        let partial = partial(&target);
+        let among = |taken: &[PathBuf]| taken.contains(&target) || taken.contains(&partial);
+        if among(&read) {
+            return Err(FileError::new(path, "this file is read, and cannot be an output"));
+        }
+        if among(&written) {
+            return Err(FileError::new(path, "another output has this place"));
+        }
+        written.extend([target, partial]);
+    }
+    Ok(())
+}
