@@ -164,7 +164,10 @@ fn rough_parts(
         if let Some(onward) = &onward {
             onward.sends(receiver, source, &mut contribution);
         }
-        (contribution.density > 0.0 && contribution.density.is_finite()).then_some((i, contribution))
+        // Where nothing of its throughput is left, the receiver's own path would have ended before it found
+        // anything: it is none of the techniques.
+        let finds = contribution.density > 0.0 && !contribution.weight.is_zero();
+        (finds && contribution.density.is_finite()).then_some((i, contribution))
     };
     contributions.clear();
     contributions.extend(bits::numbers(facing).filter_map(contribution));

@@ -4,7 +4,8 @@
 //! arrive at points yᵢ, the *sources*. What path j finds from yⱼ on is an estimate for every other pixel,
 //! too, whose xᵢ sees yⱼ. Each of the N points y is a sample of N techniques: that of xₖ has the density, in
 //! area about y, pₖ(y) = Vₖ(y) p(ωₖ) |cos ϑₖ| / dₖ²: visibility, the density with which xₖ scatters towards
-//! y, the cosine at y, the distance.
+//! y, the cosine at y, the distance. It is zero where path k would end on the way because nothing of its throughput
+//! is left: a black rough receiver scatters in all directions, and finds nothing in any.
 //!
 //! **Matte sources.** An estimate Lⱼ of the radiance that leaves yⱼ is one for all directions alike. With the
 //! balance heuristic (Veach 1997, §9.2.2) pixel i gathers

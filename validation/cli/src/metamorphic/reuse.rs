@@ -116,6 +116,29 @@ fn large_balls() -> Case {
     }
 }
 
+/// A texture of two colours, in squares of a few pixels.
+fn checks(name: &str, colors: [&str; 2]) -> String {
+    format!(
+        "<texture type=\"checkerboard\" name=\"{name}\">\
+         <rgb name=\"color0\" value=\"{}\"/><rgb name=\"color1\" value=\"{}\"/>\
+         <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture>",
+        colors[0], colors[1]
+    )
+}
+
+fn board(colors: [&str; 2]) -> String {
+    bsdf("diffuse", &checks("reflectance", colors))
+}
+
+/// Walls of rough metal with black squares, whose own paths end there: they scatter towards every source, but find
+/// nothing for their neighbours.
+fn black_metal() -> Case {
+    let colours = checks("specular_reflectance", ["0", "0.9"]);
+    let metal = "<string name=\"material\" value=\"none\"/>".to_owned() + &float("alpha", 0.4) + &colours;
+    let world = closed_room(&bsdf("roughconductor", &metal)) + &sphere([-0.5, 0.0, 0.7], 0.6, &diffuse(0.5));
+    Case { pixels: 16, integrator: path(6), light_paths: 0.0, ..Case::new("black_metal", world) }
+}
+
 /// The relation for an integrator in a closed room, with `light_paths` light paths per camera path.
 pub(super) fn shared(name: &'static str, integrator: &str, light_paths: f64, things: &str) -> Relation {
     let world = closed_room(&diffuse(0.7)) + things;
@@ -129,14 +152,6 @@ pub fn relations() -> Vec<Relation> {
     let mirror = bsdf("conductor", "<rgb name=\"specular_reflectance\" value=\"0.9, 0.7, 0.4\"/>");
     let flint = bsdf("dielectric", "<string name=\"dispersion\" value=\"sf11\"/>");
     let matte = objects(&[])[2..].concat();
-    let board = |colors: [&str; 2]| {
-        format!(
-            "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
-             <rgb name=\"color0\" value=\"{}\"/><rgb name=\"color1\" value=\"{}\"/>\
-             <transform name=\"to_uv\"><scale value=\"7\"/></transform></texture></bsdf>",
-            colors[0], colors[1]
-        )
-    };
     let checks = &board(["0.8, 0.5, 0", "0, 0.6, 0.7"]);
     let pure = &board(["0.8, 0, 0", "0, 0.7, 0.1"]);
     let screen = |wears: &str| {
@@ -269,6 +284,8 @@ pub fn relations() -> Vec<Relation> {
     let spectra = spectral(case("spectra", closed_room(checks) + &matte));
     relations.push(spectra.relation().samples(65_536).at_length());
     // A quarter of the light was missing.
+    relations.push(black_metal().relation().samples(4096).within(0.02));
+    // As much.
     relations.push(large_balls().relation().samples(16_384).within(0.03));
     relations
 }
