@@ -133,7 +133,10 @@ impl Aov {
             let v = match property {
                 Property::Depth => [hit.t, 0.0, 0.0],
                 Property::Position => point.p.to_array(),
-                Property::Uv => [point.uv.x, point.uv.y, 0.0],
+                Property::Uv => {
+                    let uv = scene.shape_of(hit.primitive).0.geometry.file_uv(&point);
+                    [uv.x, uv.y, 0.0]
+                }
                 Property::GeometricNormal => point.ng.to_array(),
                 Property::ShadingNormal => point.ns.to_array(),
                 Property::Tangent => point.dp_du.to_array(),

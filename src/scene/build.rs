@@ -127,6 +127,7 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
             "sensor" => sensors.push(element),
             "integrator" => integrators.push(element),
             // Read where they are referred to, and here for the sake of their errors.
+            "bsdf" | "texture" if loader.needs_chart(element)? => {}
             "bsdf" => {
                 objects.material(element)?;
             }

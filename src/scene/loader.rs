@@ -6,9 +6,11 @@ use super::registry::construct;
 use super::xml::{Attribute, Document, Element, find, looked_in};
 use crate::image::Pixels;
 use crate::medium::{MEDIA, Medium};
+use crate::shape::Chart;
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Stored;
+use crate::texture::mesh_attribute;
 use crate::volume::Voxels;
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashSet};
@@ -46,6 +48,10 @@ pub struct Loader<'d> {
     voxels: RefCell<BTreeMap<PathBuf, Arc<Voxels>>>,
     /// Media that were read, by their elements; many shapes share one.
     media: RefCell<BTreeMap<*const Element, Arc<Medium>>>,
+    /// Whether the document has textures that are attributes of meshes.
+    any_attributes: bool,
+    /// The mesh whose material or lamp is being read, if textures of it are attributes of the mesh.
+    chart: RefCell<Option<Arc<Chart>>>,
     /// Every file that was read, for the scene's hash.
     files: RefCell<Vec<PathBuf>>,
 }
@@ -81,6 +87,8 @@ impl<'d> Loader<'d> {
             texels: RefCell::default(),
             voxels: RefCell::default(),
             media: RefCell::default(),
+            any_attributes: any(&document.root, &is_attribute),
+            chart: RefCell::default(),
             files: RefCell::default(),
         })
     }
@@ -207,6 +215,38 @@ impl<'d> Loader<'d> {
         Ok(found)
     }
 
+    /// The mesh whose attributes textures may ask for.
+    pub fn chart(&self) -> Option<Arc<Chart>> {
+        self.chart.borrow().clone()
+    }
+
+    /// Reads what is on a shape; with the chart of a mesh, textures may be its attributes.
+    pub fn on_mesh<T>(&self, chart: Option<&Arc<Chart>>, read: impl FnOnce() -> T) -> T {
+        let before = self.chart.replace(chart.cloned());
+        let found = read();
+        self.chart.replace(before);
+        found
+    }
+
+    /// Whether an object can only be read on a mesh: a texture within it is an attribute.
+    pub fn needs_chart(&self, element: &'d Element) -> Result<bool, SceneError> {
+        if !self.any_attributes {
+            return Ok(false);
+        }
+        let (mut open, mut seen) = (vec![element], HashSet::new());
+        while let Some(element) = open.pop() {
+            let element = self.resolve(element)?;
+            if !seen.insert(std::ptr::from_ref(element)) {
+                continue;
+            }
+            if is_attribute(element) {
+                return Ok(true);
+            }
+            open.extend(&element.children);
+        }
+        Ok(false)
+    }
+
     /// A `<medium>`, read once.
     pub fn medium(&self, element: &'d Element) -> Result<Arc<Medium>, SceneError> {
         if let Some(medium) = self.media.borrow().get(&std::ptr::from_ref(element)) {
@@ -225,6 +265,17 @@ pub(super) fn first_name<'a>(aliases: &'a BTreeMap<String, Attribute>, mut name:
         name = aliases.get(name).map_or(name, |first| first.value.as_str());
     }
     name
+}
+
+/// Whether a texture is an attribute of the mesh that it is on.
+fn is_attribute(element: &Element) -> bool {
+    element.tag == "texture"
+        && element.attribute("type").is_some_and(|kind| kind.value == mesh_attribute::NAME)
+}
+
+/// Whether something holds of an element or of one within it.
+fn any(element: &Element, holds: &impl Fn(&Element) -> bool) -> bool {
+    holds(element) || element.children.iter().any(|child| any(child, holds))
 }
 
 fn count(element: &Element) -> usize {

@@ -12,8 +12,9 @@ use crate::emitter::{AnyEmitter, EMITTERS, select};
 use crate::math::bounds::half_extent;
 use crate::math::ray::NO_PRIMITIVE;
 use crate::math::{DVec3, Transform};
-use crate::shape::{Declared, Geometry, SHAPES};
+use crate::shape::{Chart, Declared, Geometry, SHAPES};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Shapes, materials and emitters of a scene, as far as it has been read.
 pub struct Objects<'a, 'd> {
@@ -37,6 +38,8 @@ struct Attachments<'d> {
     sides: [Side; 2],
     emitter: Option<&'d Element>,
     interface: Option<Box<Interface>>,
+    /// Where textures are looked up, if one of them is an attribute of the mesh.
+    chart: Option<Arc<Chart>>,
 }
 
 impl<'a, 'd> Objects<'a, 'd> {
@@ -75,11 +78,13 @@ impl<'a, 'd> Objects<'a, 'd> {
     }
 
     fn surface(&mut self, mut geometry: Geometry, mut params: Params<'_, 'd>) -> Result<(), SceneError> {
-        let Attachments { sides, emitter, interface } = self.attachments(&geometry, &mut params)?;
+        let Attachments { sides, emitter, interface, chart } =
+            self.attachments(&mut geometry, &mut params)?;
         let emitter = match emitter {
             None => None,
             Some(element) => {
-                let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
+                let read = || construct(EMITTERS, element, self.loader, Usage::Emission);
+                let emitter = self.loader.on_mesh(chart.as_ref(), read)?;
                 if !matches!(emitter, AnyEmitter::Area(_)) {
                     let message = format!("a shape cannot be a `{}` emitter", emitter.name());
                     return Err(SceneError::at(&element.span, message, "expected an `area` emitter"));
@@ -101,7 +106,7 @@ impl<'a, 'd> Objects<'a, 'd> {
     /// What is attached to a surface.
     fn attachments(
         &mut self,
-        geometry: &Geometry,
+        geometry: &mut Geometry,
         params: &mut Params<'_, 'd>,
     ) -> Result<Attachments<'d>, SceneError> {
         let material = params
@@ -112,13 +117,35 @@ impl<'a, 'd> Objects<'a, 'd> {
         params.float("silhouette_sampling_weight", 1.0, "Mitsuba's, for derivatives; ignored")?;
         params.finish()?;
         check_extent(geometry.bounds(), geometry.primitives(), params.element)?;
-        let sides = match material {
-            Some(element) => self.material(element)?,
-            None => self.default_sides(emitter.is_some()),
+        let chart = self.chart(geometry, [material, emitter])?;
+        let sides = match (material, &chart) {
+            (Some(element), None) => self.material(element)?,
+            // Of this mesh alone.
+            (Some(element), Some(_)) => {
+                let material =
+                    self.loader.on_mesh(chart.as_ref(), || AnyMaterial::parse(element, self.loader))?;
+                self.add(material)
+            }
+            (None, _) => self.default_sides(emitter.is_some()),
         };
         let parts = interior.is_some() || exterior.is_some();
         let interface = parts.then(|| Box::new(Interface { interior, exterior }));
-        Ok(Attachments { sides, emitter, interface })
+        Ok(Attachments { sides, emitter, interface, chart })
+    }
+
+    /// The chart of a mesh on which some object has textures that are attributes.
+    fn chart(
+        &self,
+        geometry: &mut Geometry,
+        objects: [Option<&'d Element>; 2],
+    ) -> Result<Option<Arc<Chart>>, SceneError> {
+        let Geometry::Mesh(mesh) = geometry else { return Ok(None) };
+        for object in objects.into_iter().flatten() {
+            if self.loader.needs_chart(object)? {
+                return Ok(mesh.draw_chart());
+            }
+        }
+        Ok(None)
     }
 
     /// Reads a group, once, and returns its number. As in Mitsuba, its shapes neither emit nor are groups or
@@ -132,11 +159,12 @@ impl<'a, 'd> Objects<'a, 'd> {
         for child in &element.children {
             let member = self.loader.resolve(child)?;
             let mut params = Params::new(member, self.loader, Usage::Unbounded)?;
-            let Declared::Geometry(geometry) = declared(&mut params)? else {
+            let Declared::Geometry(mut geometry) = declared(&mut params)? else {
                 let message = "groups and instances cannot be grouped again";
                 return Err(SceneError::at(&child.span, message, "expected a shape with a surface"));
             };
-            let Attachments { sides, emitter, interface } = self.attachments(&geometry, &mut params)?;
+            let Attachments { sides, emitter, interface, .. } =
+                self.attachments(&mut geometry, &mut params)?;
             if let Some(emitter) = emitter {
                 let message = "a shape in a group cannot shine";
                 return Err(SceneError::at(&emitter.span, message, "put the shape outside of the group"));

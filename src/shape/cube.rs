@@ -154,7 +154,8 @@ mod tests {
             }
             triangles.extend([[first, first + 1, first + 2], [first + 3, first, first + 2]]);
         }
-        let data = MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles };
+        let data =
+            MeshData { positions, normals: Some(normals), uvs: Some(uvs), triangles, attributes: None };
         Geometry::Mesh(Mesh::new(data, to_world, Normals { flipped: flip, ..Normals::default() }))
     }
 

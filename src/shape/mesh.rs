@@ -1,13 +1,14 @@
 //! Triangle meshes in world space.
 
-use super::mesh_data::MeshData;
-use super::{AreaSample, SurfacePoint};
+use super::mesh_data::{AttributeFile, MeshData};
+use super::{AreaSample, Chart, SurfacePoint};
 use crate::math::bounds::around;
 use crate::math::frame::{length, unit};
 use crate::math::function::acos;
 use crate::math::ray::position_error;
 use crate::math::simd::prefetch;
 use crate::math::{Ball, Bounds, Chosen, DVec2, DVec3, Discrete, Frame, Transform, warp};
+use std::sync::Arc;
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
 #[derive(Debug)]
@@ -17,6 +18,10 @@ pub struct Mesh {
     /// Unit shading normals; `None` means the triangles are flat.
     normals: Option<Vec<[f32; 3]>>,
     uvs: Option<Vec<[f32; 2]>>,
+    /// What texture coordinates belong to, where textures are attributes.
+    chart: Option<Arc<Chart>>,
+    /// Where its attributes are.
+    attributes: Option<AttributeFile>,
     /// Whether the winding of triangles gives the back side.
     flipped: bool,
     /// Distribution of triangles by area, for meshes that emit.
@@ -76,7 +81,17 @@ impl Mesh {
         };
         let (lo, hi) = around(positions.iter().map(|&p| double(p)));
         let error = position_error(lo.abs().max(hi.abs()));
-        Self { positions, triangles, normals, uvs, flipped, areas: Discrete::default(), error }
+        Self {
+            positions,
+            triangles,
+            normals,
+            uvs,
+            chart: None,
+            attributes: data.attributes,
+            flipped,
+            areas: Discrete::default(),
+            error,
+        }
     }
 
     /// The vertices of a triangle.
@@ -132,7 +147,21 @@ impl Mesh {
                 (t0 + d1 * u + d2 * v, dp_du, dp_dv)
             }
         };
+        let uv = if UV && self.chart.is_some() { Chart::coordinates(triangle, u, v) } else { uv };
         SurfacePoint { p: p0 + e1 * u + e2 * v, ng, ns, uv, dp_du, dp_dv }
+    }
+
+    /// Lets points have the coordinates of a chart from now on, for textures that are attributes; `None` if the
+    /// mesh's file holds no attributes.
+    pub fn draw_chart(&mut self) -> Option<Arc<Chart>> {
+        let attributes = self.attributes.clone()?;
+        self.chart = Some(Arc::new(Chart::new(self.triangles.clone(), self.uvs.clone(), attributes)));
+        self.chart.clone()
+    }
+
+    /// The texture coordinates that the file gives to a point.
+    pub fn file_uv(&self, point: &SurfacePoint) -> DVec2 {
+        self.chart.as_ref().map_or(point.uv, |chart| chart.uv(point.uv))
     }
 
     /// See [`Geometry::normal_change`](super::Geometry::normal_change).
@@ -249,6 +278,7 @@ mod tests {
             normals: normals.then(|| vec![[0.0, 0.0, 1.0]; 3]),
             uvs: Some(vec![[0.0, 0.0], [2.0, 0.0], [0.0, 4.0]]),
             triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
         }
     }
 
@@ -315,9 +345,8 @@ mod tests {
     fn smooth_normals_do_not_depend_on_how_a_face_is_cut() {
         let corner = MeshData {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
-            normals: None,
-            uvs: None,
             triangles: vec![[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]],
+            ..MeshData::default()
         };
         let n = Mesh::new(corner, &Transform::IDENTITY, Normals::default()).point::<true>(0, 0.0, 0.0).ns;
         assert!(length(n - DVec3::splat(1.0 / 3f64.sqrt())) < 1e-6, "{n}");

@@ -5,6 +5,7 @@
 //! [`Geometry`].
 
 pub mod accel;
+mod chart;
 pub mod cube;
 pub mod cylinder;
 mod disk;
@@ -26,6 +27,7 @@ use crate::math::{Ball, Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
+pub use chart::{Chart, Place};
 pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use mesh::{Mesh, Normals};
@@ -157,6 +159,15 @@ impl Geometry {
             Self::Cube(_) => 2 * local + u32::from(diagonal < 1.0),
             Self::Patch(Patch { outline: Outline::Square, .. }) => u32::from(diagonal > 1.0),
             _ => local,
+        }
+    }
+
+    /// The texture coordinates of a point as files and models give them, also where textures are looked up by
+    /// others.
+    pub fn file_uv(&self, point: &SurfacePoint) -> DVec2 {
+        match self {
+            Self::Mesh(mesh) => mesh.file_uv(point),
+            _ => point.uv,
         }
     }
 

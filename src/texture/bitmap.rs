@@ -1,10 +1,10 @@
 //! Images on surfaces.
 
-use super::{AnyTexture, Lookup};
+use super::{AnyTexture, Lookup, Placement};
 use crate::image::Pixels;
-use crate::math::{DVec2, DVec3, Transform};
+use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
-use crate::scene::params::{self, Params, Usage};
+use crate::scene::params::{Params, Usage};
 use crate::spectrum::upsample::{Sigmoid, Upsampler};
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
@@ -46,7 +46,7 @@ pub struct Bitmap {
     width: usize,
     height: usize,
     lookup: Lookup,
-    to_uv: Transform,
+    placement: Placement,
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
@@ -54,7 +54,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let wraps = ["repeat", "mirror", "clamp"];
     let lookup = Lookup::parse(params, ["bilinear", "nearest"], wraps, "beyond the unit square")?;
     let raw = params.boolean("raw", false, "whether the values are numbers and not sRGB colours")?;
-    let to_uv = params.transform("to_uv", "applied to the surface's uv")?;
+    let placement = Placement::parse(params)?;
     params.choice(
         "format",
         &["auto", "variant", "float16", "fp16", "uint8"],
@@ -66,15 +66,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let pixels = params.loader.bitmap(&path, place)?;
     let count = pixels.width * pixels.height;
     let texels = || (0..count).into_par_iter();
-    const MOST: f32 = params::MOST as f32;
-    let (allowed, expected) = match params.usage {
-        Usage::Reflectance => (0.0..=1.0, "expected 0 to 1"),
-        Usage::Emission | Usage::Unbounded => {
-            (0.0..=MOST, "expected no negative number, and none above 1.7e38")
-        }
-        // A bump's height may be below zero.
-        Usage::Vector | Usage::Any => (-MOST..=MOST, "expected finite numbers, none above 1.7e38"),
-    };
+    let (allowed, expected) = params.usage.allowed();
     let strange = |i: &usize| !pixels.linear(*i, raw).iter().all(|v| allowed.contains(v));
     if let Some(i) = texels().find_first(strange) {
         let (x, y, values) = (i % pixels.width, i / pixels.width, pixels.linear(i, raw));
@@ -85,7 +77,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let upsampler = (!numbers).then_some(&*params.loader.upsampler);
     let stored = params.loader.texels((path, raw, numbers), || Stored::new(&pixels, raw, upsampler));
     let (width, height) = (pixels.width, pixels.height);
-    Ok(AnyTexture::Bitmap(Box::new(Bitmap { stored, width, height, lookup, to_uv })))
+    Ok(AnyTexture::Bitmap(Box::new(Bitmap { stored, width, height, lookup, placement })))
 }
 
 impl Stored {
@@ -155,7 +147,7 @@ impl Bitmap {
     /// The four texels about a place, row by row, and how far it lies from the first towards the others.
     #[inline(always)]
     fn square(&self, uv: DVec2) -> ([usize; 4], f64, f64) {
-        let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
+        let p = self.placement.point(uv);
         let (columns, x) = self.lookup.between(p.x, self.width);
         let (rows, y) = self.lookup.between(p.y, self.height);
         let rows = rows.map(|row| row * self.width);
@@ -204,8 +196,6 @@ impl Bitmap {
     }
 
     /// (∂/∂u, ∂/∂v) of the interpolated luminance; 0 where texels are not interpolated.
-    ///
-    /// With J the linear part of `to_uv` and (w, h) the size in texels, the gradient is Jᵀ (w ∂/∂x, h ∂/∂y).
     pub fn gradient(&self, uv: DVec2) -> DVec2 {
         if self.lookup.nearest {
             return DVec2::ZERO;
@@ -214,8 +204,7 @@ impl Bitmap {
         let [a, b, c, d] = texels.map(|texel| self.stored.scalar[texel] as f64);
         let dx = ((b - a) * (1.0 - y) + (d - c) * y) * self.width as f64;
         let dy = ((c - a) * (1.0 - x) + (d - b) * x) * self.height as f64;
-        let (u, v) = (self.to_uv.vector(DVec3::X), self.to_uv.vector(DVec3::Y));
-        DVec2::new(u.x * dx + u.y * dy, v.x * dx + v.y * dy)
+        self.placement.gradient(dx, dy)
     }
 
     /// The mean over the texture of what [`eval_scalar`](Self::eval_scalar) is there.
@@ -244,6 +233,7 @@ fn weighted<T: Mul<f32, Output = T> + AddAssign>(
 mod tests {
     use super::*;
     use crate::load_text;
+    use crate::math::Transform;
 
     /// Five by three texels of no pattern, under a map that turns and stretches.
     fn picture(nearest: bool) -> Bitmap {
@@ -251,7 +241,13 @@ mod tests {
         let turn = Transform::rotate(DVec3::Z, 25.0).unwrap();
         let to_uv = Transform::scale(DVec3::new(2.0, 0.5, 1.0)).unwrap().after(&turn);
         let stored = Arc::new(Stored { texels: Texels::Grey, scalar });
-        Bitmap { stored, width: 5, height: 3, lookup: Lookup::repeated(nearest), to_uv }
+        Bitmap {
+            stored,
+            width: 5,
+            height: 3,
+            lookup: Lookup::repeated(nearest),
+            placement: Placement::new(to_uv),
+        }
     }
 
     #[test]
@@ -325,7 +321,7 @@ mod tests {
     fn only_three_channels_make_a_vector() {
         let mut bitmap = picture(true);
         assert!(bitmap.eval_vector(DVec2::ZERO).is_none());
-        bitmap.to_uv = Transform::IDENTITY;
+        bitmap.placement = Placement::new(Transform::IDENTITY);
         let texels = Texels::Rgb((0..15).map(|i| [i as f32, 0.5, -(i as f32)]).collect());
         bitmap.stored = Arc::new(Stored { texels, scalar: vec![] });
         assert_eq!(bitmap.eval_vector(DVec2::new(0.5, 0.5)), Some(DVec3::new(7.0, 0.5, -7.0)));

@@ -1,7 +1,7 @@
 //! Two textures in alternating squares.
 
-use super::AnyTexture;
-use crate::math::{DVec2, DVec3, Transform};
+use super::{AnyTexture, Placement};
+use crate::math::DVec2;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 
@@ -17,7 +17,7 @@ pub const EXAMPLES: &[&str] = &[
 #[derive(Clone, Debug)]
 pub struct Checkerboard {
     sides: [AnyTexture; 2],
-    to_uv: Transform,
+    placement: Placement,
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
@@ -25,15 +25,15 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let usage = if params.usage == Usage::Emission { Usage::Reflectance } else { params.usage };
     let first = params.texture("color0", 0.4, usage, "colour of the squares at the origin")?;
     let second = params.texture("color1", 0.2, usage, "colour of the others")?;
-    let to_uv = params.transform("to_uv", "applied to the surface's uv")?;
-    Ok(AnyTexture::Checkerboard(Box::new(Checkerboard { sides: [first, second], to_uv })))
+    let placement = Placement::parse(params)?;
+    Ok(AnyTexture::Checkerboard(Box::new(Checkerboard { sides: [first, second], placement })))
 }
 
 impl Checkerboard {
     /// The texture at a place.
     #[inline]
     pub fn side(&self, uv: DVec2) -> &AnyTexture {
-        let p = self.to_uv.point(DVec3::new(uv.x, uv.y, 0.0));
+        let p = self.placement.point(uv);
         let half = |x: f64| x - x.floor() > 0.5;
         &self.sides[usize::from(half(p.x) != half(p.y))]
     }

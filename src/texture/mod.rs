@@ -12,6 +12,8 @@ mod color;
 mod d65;
 mod irregular;
 mod lookup;
+pub mod mesh_attribute;
+mod placement;
 mod rawconstant;
 mod regular;
 mod srgb;
@@ -29,6 +31,8 @@ pub use checkerboard::Checkerboard;
 pub use color::scaled as color_scale;
 pub use d65::UnderD65;
 pub use lookup::Lookup;
+pub use mesh_attribute::MeshAttribute;
+pub use placement::Placement;
 
 /// Any texture.
 #[derive(Clone, Debug)]
@@ -37,6 +41,7 @@ pub enum AnyTexture {
     Bitmap(Box<Bitmap>),
     Checkerboard(Box<Checkerboard>),
     UnderD65(Box<UnderD65>),
+    MeshAttribute(Box<MeshAttribute>),
 }
 
 macro_rules! entries {
@@ -50,7 +55,18 @@ macro_rules! entries {
         }),*];
     };
 }
-entries!(bitmap, checkerboard, uniform, regular, irregular, rawconstant, srgb, d65, blackbody);
+entries!(
+    bitmap,
+    checkerboard,
+    mesh_attribute,
+    uniform,
+    regular,
+    irregular,
+    rawconstant,
+    srgb,
+    d65,
+    blackbody
+);
 
 impl AnyTexture {
     /// Reads `<rgb>`, `<spectrum>`, `<float>` or `<texture>`.
@@ -63,8 +79,8 @@ impl AnyTexture {
         let most = match &texture {
             Self::Constant(function) => function.bound(),
             Self::UnderD65(product) => product.bound(),
-            // Looked at texel by texel, and side by side.
-            Self::Bitmap(_) | Self::Checkerboard(_) => 0.0,
+            // Looked at texel by texel, side by side, and vertex by vertex.
+            Self::Bitmap(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => 0.0,
         };
         if usage == Usage::Reflectance && most > 1.0 {
             let message = format!("values up to {most} are no reflectance");
@@ -113,6 +129,7 @@ impl AnyTexture {
             Self::Bitmap(bitmap) => bitmap.eval(uv, λ),
             Self::Checkerboard(board) => board.side(uv).eval(uv, λ),
             Self::UnderD65(product) => product.eval(uv, λ),
+            Self::MeshAttribute(attribute) => attribute.eval(uv, λ),
         }
     }
 
@@ -124,6 +141,7 @@ impl AnyTexture {
             Self::Bitmap(bitmap) => bitmap.eval_scalar(uv),
             Self::Checkerboard(board) => board.scalar_side(uv).eval_scalar(uv),
             Self::UnderD65(product) => product.eval_scalar(uv),
+            Self::MeshAttribute(attribute) => attribute.eval_scalar(uv),
         }
     }
 
@@ -145,6 +163,7 @@ impl AnyTexture {
             Self::Constant(SpectralFunction::Rgb(v)) => Some(DVec3::from(v.map(f64::from))),
             Self::Constant(function) => function.constant().map(|v| DVec3::splat(v as f64)),
             Self::Bitmap(bitmap) => bitmap.eval_vector(uv),
+            Self::MeshAttribute(attribute) => attribute.eval_vector(uv),
             Self::Checkerboard(_) | Self::UnderD65(_) => None,
         }
     }
@@ -155,7 +174,7 @@ impl AnyTexture {
         match self {
             Self::Constant(_) => Some(DVec2::ZERO),
             Self::Bitmap(bitmap) => Some(bitmap.gradient(uv)),
-            Self::Checkerboard(_) | Self::UnderD65(_) => None,
+            Self::Checkerboard(_) | Self::UnderD65(_) | Self::MeshAttribute(_) => None,
         }
     }
 
@@ -166,6 +185,7 @@ impl AnyTexture {
             Self::Bitmap(bitmap) => bitmap.mean(),
             Self::Checkerboard(board) => board.mean(),
             Self::UnderD65(product) => product.mean(),
+            Self::MeshAttribute(attribute) => attribute.mean(),
         }
     }
 
@@ -174,8 +194,8 @@ impl AnyTexture {
         match self {
             Self::Constant(function) => function.luminance(),
             Self::Checkerboard(board) => board.side(uv).luminance(uv),
-            // Both keep it as their number.
-            Self::Bitmap(_) | Self::UnderD65(_) => self.eval_scalar(uv),
+            // They keep it as their number.
+            Self::Bitmap(_) | Self::UnderD65(_) | Self::MeshAttribute(_) => self.eval_scalar(uv),
         }
     }
 
@@ -192,7 +212,7 @@ impl AnyTexture {
         match self {
             Self::Bitmap(bitmap) => bitmap.aspect(),
             Self::UnderD65(product) => product.aspect(),
-            Self::Constant(_) | Self::Checkerboard(_) => 1.0,
+            Self::Constant(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => 1.0,
         }
     }
 
@@ -201,7 +221,7 @@ impl AnyTexture {
         match self {
             Self::Constant(_) => false,
             Self::UnderD65(product) => product.varies(),
-            Self::Bitmap(_) | Self::Checkerboard(_) => true,
+            Self::Bitmap(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => true,
         }
     }
 }

@@ -57,7 +57,9 @@ REQUIRED = {
         lanczos.lobes""".split(),
     "textures": """bitmap.filename=*.png bitmap.filename=*.exr bitmap.filename=*.jpg bitmap.filename=*.hdr
         bitmap.filter_type=bilinear bitmap.filter_type=nearest bitmap.wrap_mode=repeat bitmap.wrap_mode=mirror
-        bitmap.wrap_mode=clamp bitmap.raw=true bitmap.to_uv checkerboard.to_uv checkerboard.color1:bitmap""".split(),
+        bitmap.wrap_mode=clamp bitmap.raw=true bitmap.to_uv checkerboard.to_uv checkerboard.color1:bitmap
+        mesh_attribute.name=vertex_color mesh_attribute.name=face_color mesh_attribute.name=vertex_grain
+        mesh_attribute.scale""".split(),
     "media": """medium:homogeneous medium:heterogeneous homogeneous.albedo:float homogeneous.albedo:rgb
         homogeneous.albedo:gridvolume homogeneous.albedo=0 homogeneous.sigma_t:float homogeneous.sigma_t:rgb
         homogeneous.scale homogeneous.sample_emitters=false heterogeneous.sigma_t:gridvolume

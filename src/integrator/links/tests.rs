@@ -45,8 +45,8 @@ fn bowl(height: f64, bend: f64) -> MeshData {
     MeshData {
         positions: places.iter().map(position).collect(),
         normals: Some(places.iter().map(normal).collect()),
-        uvs: None,
         triangles: (0..SIDE).flat_map(|j| (0..SIDE).flat_map(move |i| halves(i, j))).collect(),
+        ..MeshData::default()
     }
 }
 

@@ -10,6 +10,7 @@ mod values;
 use super::error::{SceneError, Span, known};
 use super::loader::Loader;
 use super::xml::Element;
+use std::ops::RangeInclusive;
 
 pub use values::number;
 
@@ -30,6 +31,21 @@ pub enum Usage {
     /// Not known, for a texture that stands by itself: only what no use could accept is refused, and no
     /// spectrum is made.
     Any,
+}
+
+impl Usage {
+    /// The numbers that a texture may have for this use, and how to say so.
+    pub fn allowed(self) -> (RangeInclusive<f32>, &'static str) {
+        const LARGEST: f32 = MOST as f32;
+        match self {
+            Self::Reflectance => (0.0..=1.0, "expected 0 to 1"),
+            Self::Emission | Self::Unbounded => {
+                (0.0..=LARGEST, "expected no negative number, and none above 1.7e38")
+            }
+            // A bump's height may be below zero.
+            Self::Vector | Self::Any => (-LARGEST..=LARGEST, "expected finite numbers, none above 1.7e38"),
+        }
+    }
 }
 
 /// One row of a model's parameter table.

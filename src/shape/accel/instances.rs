@@ -118,7 +118,7 @@ mod tests {
                 }
             }
         }
-        let data = MeshData { positions, normals: None, uvs: None, triangles };
+        let data = MeshData { positions, triangles, ..MeshData::default() };
         Geometry::Mesh(Mesh::new(data, place, Normals::OF_FACES))
     }
 

@@ -31,7 +31,7 @@ fn ball(rings: u32, scale: f64, centre: DVec3) -> Geometry {
     }
     let place = Transform::translate(centre).after(&Transform::scale(DVec3::splat(scale)).unwrap());
     Geometry::Mesh(Mesh::new(
-        MeshData { positions, normals: None, uvs: None, triangles },
+        MeshData { positions, triangles, ..MeshData::default() },
         &place,
         Normals::OF_FACES,
     ))
@@ -329,9 +329,8 @@ fn rays_that_leave_a_needle_do_not_meet_its_neighbour() {
     let w = 1e-5_f32;
     let data = MeshData {
         positions: vec![[-w, -w, -10.0], [w, -w, -10.0], [w, -w, 10.0], [w, w, 10.0]],
-        normals: None,
-        uvs: None,
         triangles: vec![[0, 1, 2], [1, 3, 2]],
+        ..MeshData::default()
     };
     let w = f64::from(w);
     let mesh = Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES));
@@ -356,7 +355,7 @@ fn of_surfaces_in_one_place_the_first_is_met() {
     let patch = || Geometry::Patch(Patch::new(&Transform::IDENTITY, false, Outline::Square));
     let triangle = || {
         let positions = vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
-        let data = MeshData { positions, normals: None, uvs: None, triangles: vec![[0, 1, 2]] };
+        let data = MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() };
         Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES))
     };
     let mut rng = Pcg32::new(5, 5);

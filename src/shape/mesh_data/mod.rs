@@ -14,7 +14,7 @@ mod procedural;
 mod serialized;
 
 pub use obj::read_obj;
-pub use ply::{read_ply, write_ply};
+pub use ply::{Answer, Attribute, AttributeFile, read_ply, write_ply};
 pub use procedural::sea_urchin;
 pub use serialized::read_serialized;
 
@@ -34,6 +34,8 @@ pub struct MeshData {
     pub uvs: Option<Vec<[f32; 2]>>,
     /// Three vertex numbers per triangle, counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Where attributes of vertices and triangles can be asked for, if the format has them.
+    pub attributes: Option<AttributeFile>,
 }
 
 impl MeshData {

@@ -148,6 +148,7 @@ impl Reader {
             uvs: has(1).then(|| corners.iter().map(uv).collect()),
             normals: has(2).then(|| corners.iter().map(normal).collect()),
             triangles: self.triangles,
+            attributes: None,
         })
     }
 }

@@ -1,12 +1,15 @@
 //! PLY, the Stanford triangle format (Greg Turk, 1994), as text or binary of either byte order.
 //!
 //! Read are `x y z`, `nx ny nz` and texture coordinates under any of their usual names of the element
-//! `vertex`, and the lists `vertex_index` or `vertex_indices` of the element `face`. All else is passed over.
+//! `vertex`, and the lists `vertex_index` or `vertex_indices` of the element `face`. All else is passed over,
+//! and read when a texture asks for it (`attributes.rs`).
 
+mod attributes;
 mod header;
 mod values;
 mod write;
 
+pub use attributes::{Answer, Attribute, AttributeFile};
 pub use write::write_ply;
 
 use super::{MeshData, MeshError, read_bytes};
@@ -21,7 +24,8 @@ use values::{Ascii, Binary, Values};
 /// them for sRGB-encoded fractions), numbers that are not finite, indices out of range, no triangles, and
 /// anything left over behind the data.
 pub fn read_ply(path: &Path) -> Result<MeshData, MeshError> {
-    parse(&read_bytes(path)?)
+    let attributes = Some(AttributeFile { path: path.to_owned() });
+    Ok(MeshData { attributes, ..parse(&read_bytes(path)?)? })
 }
 
 fn parse(bytes: &[u8]) -> Result<MeshData, MeshError> {
@@ -38,16 +42,10 @@ fn read_body(header: &Header, mut values: impl Values) -> Result<MeshData, MeshE
     let vertices = header.elements.iter().find(|element| element.name == "vertex");
     let vertex_count = vertices.map_or(0, |element| element.count);
     for element in &header.elements {
-        if element.count > values.room(element) {
-            let (count, name) = (element.count, &element.name);
-            return Err(MeshError::file(format!(
-                "the header promises {count} records of `{name}`; the file is too short for that"
-            )));
-        }
+        check_room(element, &values)?;
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut values, &mut mesh)?,
             "face" => read_faces(element, &mut values, vertex_count, &mut mesh.triangles)?,
-            _ if element.properties.is_empty() => {}
             _ => skip_element(element, &mut values)?,
         }
     }
@@ -58,6 +56,17 @@ fn read_body(header: &Header, mut values: impl Values) -> Result<MeshData, MeshE
         return Err(MeshError::file("the mesh has no triangles"));
     }
     Ok(mesh)
+}
+
+/// Refuses an element of more records than what is left of the file can hold.
+fn check_room(element: &Element, values: &impl Values) -> Result<(), MeshError> {
+    if element.count <= values.room(element) {
+        return Ok(());
+    }
+    let (count, name) = (element.count, &element.name);
+    Err(MeshError::file(format!(
+        "the header promises {count} records of `{name}`; the file is too short for that"
+    )))
 }
 
 const POSITION: [&str; 3] = ["x", "y", "z"];
@@ -137,9 +146,6 @@ fn read_faces(
     vertex_count: u64,
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), MeshError> {
-    let is_corners = |property: &Property| {
-        matches!(property.name.as_str(), "vertex_index" | "vertex_indices") && property.length.is_some()
-    };
     let at_corners = ["texcoord", "texcoords"];
     if let Some(property) = element.properties.iter().find(|p| at_corners.contains(&p.name.as_str())) {
         return Err(MeshError::file(format!(
@@ -147,9 +153,7 @@ fn read_faces(
             property.name
         )));
     }
-    let Some(corners) = element.properties.iter().position(is_corners) else {
-        return Err(MeshError::file("the element `face` has no list `vertex_index` or `vertex_indices`"));
-    };
+    let corners = corner_list(element)?;
     triangles.reserve_exact(element.count as usize);
     let [Property { kind, length, .. }, ..] = element.properties.as_slice() else { return Ok(()) };
     let usual = element.properties.len() == 1
@@ -189,7 +193,20 @@ fn read_faces(
     Ok(())
 }
 
+/// The property of faces that lists their corners.
+fn corner_list(element: &Element) -> Result<usize, MeshError> {
+    let is_corners = |property: &Property| {
+        matches!(property.name.as_str(), "vertex_index" | "vertex_indices") && property.length.is_some()
+    };
+    let found = element.properties.iter().position(is_corners);
+    found.ok_or_else(|| MeshError::file("the element `face` has no list `vertex_index` or `vertex_indices`"))
+}
+
 fn skip_element(element: &Element, values: &mut impl Values) -> Result<(), MeshError> {
+    // However many such records a file claims, there is nothing of them.
+    if element.properties.is_empty() {
+        return Ok(());
+    }
     for _ in 0..element.count {
         element.properties.iter().try_for_each(|property| skip_property(property, values))?;
     }

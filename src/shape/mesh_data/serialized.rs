@@ -64,7 +64,7 @@ fn parse(mut file: impl BufRead + Seek, length: u64, shape_index: u32) -> Result
     if let Some(vertex) = triangles.iter().flatten().find(|vertex| u64::from(**vertex) >= vertices) {
         return Err(fail(format!("a triangle asks for vertex {vertex} of {vertices}")));
     }
-    Ok(MeshData { positions, normals, uvs, triangles })
+    Ok(MeshData { positions, normals, uvs, triangles, attributes: None })
 }
 
 /// Deflate cannot make data smaller than this many times (zlib's "Technical Details": 1032 to 1).

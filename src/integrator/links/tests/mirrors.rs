@@ -94,9 +94,8 @@ fn both_halves_of_a_sheet_are_mirrors() {
         let corners = [(-2.0, -2.0, 0.0), (2.0, -2.0, 0.0), (2.0, 2.0, 0.0), (-2.0, 2.0, bent)];
         let sheet = MeshData {
             positions: corners.map(corner).to_vec(),
-            normals: None,
-            uvs: None,
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshData::default()
         };
         let scene = with_meshes(&[(sheet, METAL.into())], PANE);
         let mirror = metal(&scene);

@@ -48,7 +48,8 @@ fn what_is_written_is_read_back() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("square.ply");
         write_ply(&mesh, &path).unwrap();
-        assert_eq!(read_ply(&path).unwrap(), mesh);
+        let attributes = Some(AttributeFile { path: path.clone() });
+        assert_eq!(read_ply(&path).unwrap(), MeshData { attributes, ..mesh });
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
     }
 }
