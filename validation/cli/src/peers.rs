@@ -7,7 +7,7 @@ use validation::peer::{Peer, PeerError, Process, judge};
 use validation::statistics::{seed_for, sidak};
 use validation::{Outcome, Report, Scatterer};
 
-use crate::trial::{ANGLES, from};
+use crate::trial::{angles, from};
 
 /// The selection and the effort of checks on a peer.
 pub struct Settings<'a> {
@@ -31,7 +31,7 @@ const STEP_BY_STEP: [&str; 2] = ["jacobian", "moments"];
 const WITHOUT_WORDS: [&str; 2] = ["spectral", "limits"];
 
 /// Starts `command` and runs every check that applies on each of its configurations, for each direction of
-/// [`ANGLES`]. `progress` gets each outcome as it becomes known.
+/// [`angles`]. `progress` gets each outcome as it becomes known.
 pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> Result<Report, PeerError> {
     let asked: Vec<_> = CHECKS
         .iter()
@@ -57,7 +57,8 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
         return Err(PeerError("the peer has no configuration of that name".into()));
     }
     // Every trial shares the suite's level of 1 % (Šidák).
-    let level = sidak(0.01, configurations.len() * CHECKS.len() * ANGLES.len());
+    let directions: usize = configurations.iter().map(|(_, c)| angles(&c.laws.laws()).len()).sum();
+    let level = sidak(0.01, directions * CHECKS.len());
     let mut outcomes = vec![];
     for (index, configuration) in &configurations {
         let effort = Effort {
@@ -68,7 +69,7 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
             ..Effort::default()
         };
         for check in asked.iter().filter(|check| settings.check.is_none_or(|name| name == check.name)) {
-            for angle in ANGLES {
+            for angle in angles(&configuration.laws.laws()) {
                 let name = format!("{}::{}::{angle}", configuration.name, check.name);
                 let (wo, seed) = (from(angle), seed_for(&name, settings.number));
                 let run = |s: &dyn Scatterer| (check.applies)(s).then(|| check.run(s, wo, seed, &effort));

@@ -5,12 +5,24 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use validation::checks::{CHECKS, Check, Effort};
-use validation::scatterer::{DVec3, direction};
+use validation::scatterer::{DVec3, Laws, direction};
 use validation::statistics::{Verdict, seed_for};
 use validation::{Outcome, Scatterer};
 
 /// Angles of incidence in degrees; those above 90 are from below.
-pub const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
+const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
+
+/// The angles at which a model with these laws is asked: [`ANGLES`], and one at which smooth glass reflects all light,
+/// halfway from the critical angle to the surface, if the model refracts.
+pub fn angles(laws: &Laws) -> Vec<f64> {
+    let index = laws.eta.unwrap_or(1.0);
+    let critical = libm::asin(index.min(1.0 / index)).to_degrees();
+    let beyond = ((critical + 90.0) / 2.0).round();
+    let beyond = if index > 1.0 { 180.0 - beyond } else { beyond };
+    // Between next to equal indices it would be as good as along the surface.
+    let reflects_all = laws.eta.is_some() && critical < 88.0;
+    ANGLES.into_iter().chain(reflects_all.then_some(beyond)).collect()
+}
 
 /// Creates the subject for each trial, so that trials can run in parallel.
 pub type Source = Arc<dyn Fn() -> Result<Box<dyn Scatterer>, String> + Send + Sync>;

@@ -44,7 +44,7 @@ fn outcomes(scatterer: &dyn Scatterer, wo: DVec3, seeds: &[u64], effort: &Effort
     let integrals =
         partition.integrate(QUADRATURE / effort.samples as f64, scatterer, |wi| scatterer.pdf(wo, wi));
     let judge = |&seed: &u64| match count(scatterer, wo, seed, effort, &partition) {
-        Ok(observed) => conclude(&observed, &integrals, effort),
+        Ok(observed) => conclude(&observed, &integrals, |bin| partition.place(bin), effort),
         Err((wi, pdf)) => {
             let message = format!("sampled {}, where the pdf is {pdf}", show(wi));
             Outcome::new("chi2", Verdict::Different, message).p_value(0.0)
@@ -80,7 +80,12 @@ fn count(
     Ok(observed)
 }
 
-fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcome {
+fn conclude(
+    observed: &[f64],
+    integrals: &[Integral],
+    place: impl Fn(usize) -> String,
+    effort: &Effort,
+) -> Outcome {
     let samples = effort.samples as f64;
     let total: Integral = integrals.iter().copied().sum();
     if !total.value.is_finite() {
@@ -92,7 +97,9 @@ fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcom
         expected: samples * integral.value,
         error: samples * integral.error,
     });
-    let bins = pool(cells.collect());
+    let cells: Vec<Bin> = cells.collect();
+    let worst = worst(&cells, place);
+    let bins = pool(cells);
     let statistic: f64 = bins.iter().map(|bin| square(bin.observed - bin.expected) / bin.expected).sum();
     let noncentrality: f64 = bins.iter().map(|bin| square(bin.error) / bin.expected).sum();
     let degrees = bins.len().saturating_sub(1) as f64;
@@ -109,10 +116,14 @@ fn conclude(observed: &[f64], integrals: &[Integral], effort: &Effort) -> Outcom
     let blurred = noncentrality > 0.1 * (2.0 * degrees).sqrt();
     let verdict =
         if blurred { Verdict::Inconclusive } else { judge(p_value, effort.level, detectable, MARGIN) };
-    let blur = if blurred { "; the pdf could not be integrated well enough" } else { "" };
+    let more = match verdict {
+        Verdict::Different => format!("; most of it {worst}"),
+        _ if blurred => "; the pdf could not be integrated well enough".into(),
+        _ => String::new(),
+    };
     let message = format!(
         "χ² = {statistic:.1} with {degrees} degrees of freedom, p = {p_value:.3e}; \
-         would find an RMS error of the pdf of {:.2} %{blur}",
+         would find an RMS error of the pdf of {:.2} %{more}",
         100.0 * detectable
     );
     let outcome = Outcome::new("chi2", verdict, message)
@@ -136,6 +147,15 @@ impl Bin {
         self.expected += other.expected;
         self.error += other.error;
     }
+}
+
+/// The bin that adds most to the statistic, in words. The last is that of draws without a direction.
+fn worst(bins: &[Bin], place: impl Fn(usize) -> String) -> String {
+    let share = |bin: &Bin| square(bin.observed - bin.expected) / bin.expected.max(POOL);
+    let found = bins.iter().enumerate().max_by(|(_, a), (_, b)| share(a).total_cmp(&share(b)));
+    let Some((index, bin)) = found else { return "nowhere".into() };
+    let place = if index + 1 == bins.len() { "in draws without a direction".into() } else { place(index) };
+    format!("{place}, with {} draws where the pdf has {:.1}", bin.observed, bin.expected)
 }
 
 /// Merges bins from the smallest up until each expects at least [`POOL`] samples; a remainder joins the last.
@@ -180,7 +200,24 @@ mod tests {
         let integral = |error| Integral { value: 0.5, error };
         let effort = Effort { samples: 100_000, ..Effort::default() };
         let observed = [50_100.0, 49_900.0, 0.0];
-        assert_eq!(conclude(&observed, &[integral(1e-6); 2], &effort).verdict, Verdict::Equivalent);
-        assert_eq!(conclude(&observed, &[integral(1e-2); 2], &effort).verdict, Verdict::Inconclusive);
+        let nowhere = |_| String::new();
+        assert_eq!(conclude(&observed, &[integral(1e-6); 2], nowhere, &effort).verdict, Verdict::Equivalent);
+        assert_eq!(
+            conclude(&observed, &[integral(1e-2); 2], nowhere, &effort).verdict,
+            Verdict::Inconclusive
+        );
+    }
+
+    #[test]
+    fn a_difference_says_where_most_of_it_is() {
+        let effort = Effort { samples: 100_000, ..Effort::default() };
+        let halves = [Integral { value: 0.5, error: 1e-6 }; 2];
+        let place = |bin| format!("bin {bin}");
+        let message = |observed: &[f64]| conclude(observed, &halves, place, &effort).message;
+        let wrong = message(&[53_000.0, 47_000.0, 0.0]);
+        assert!(wrong.contains("most of it bin") && wrong.contains("where the pdf has 50000.0"), "{wrong}");
+        let lost = message(&[45_000.0, 45_000.0, 10_000.0]);
+        assert!(lost.contains("in draws without a direction, with 10000 draws"), "{lost}");
+        assert!(!message(&[50_100.0, 49_900.0, 0.0]).contains("most of it"));
     }
 }

@@ -118,6 +118,19 @@ impl Partition {
         }
     }
 
+    /// In words, the angles from the normal and about it between which a bin lies, in degrees.
+    pub fn place(&self, bin: usize) -> String {
+        let around = |axis: usize| {
+            let lows = self.bins[bin].iter().map(|cell| cell.low[axis]);
+            let highs = self.bins[bin].iter().map(|cell| cell.high[axis]);
+            (lows.fold(f64::INFINITY, f64::min), highs.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let ((low, high), (from, to)) = (around(0), around(1));
+        let polar = |z: f64| libm::acos(z.clamp(-1.0, 1.0)).to_degrees();
+        let (near, far, from, to) = (polar(high), polar(low), from.to_degrees(), to.to_degrees());
+        format!("{near:.2}° to {far:.2}° from the normal and {from:.1}° to {to:.1}° about it")
+    }
+
     /// The integral over each bin of a function of `scatterer`, each with an error below `tolerance` / (number
     /// of bins) where the budget allows.
     pub fn integrate(
