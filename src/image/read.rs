@@ -74,12 +74,42 @@ fn check_claim(path: &Path, (width, height): (u32, u32), pixels_a_byte: u64) -> 
     }
 }
 
+/// Refuses a JPEG without its last marker: the decoder fills in the rest of one that is cut short.
+///
+/// A file is segments of a marker, a length and as many bytes; that of a scan is followed by data in which FF stands
+/// before 00 or before a marker that restarts it (ITU T.81, B.1).
+fn check_end_of_jpeg(path: &Path) -> Result<(), String> {
+    const START: u8 = 0xd8;
+    const END: u8 = 0xd9;
+    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+    let mut at = 0;
+    while let [first, second, ..] = bytes[at.min(bytes.len())..] {
+        at += match (first, second) {
+            (0xff, END) => return Ok(()),
+            (0xff, START | 0x01 | 0xd0..=0xd7) => 2,
+            // Bytes FF fill up before a marker.
+            (0xff, 0xff) => 1,
+            (0xff, marker) if marker != 0 => match bytes.get(at + 2..at + 4) {
+                Some([high, low]) => 2 + usize::from(u16::from_be_bytes([*high, *low])),
+                _ => break,
+            },
+            // Data of the scan.
+            _ => 1,
+        };
+    }
+    Err("the file ends before its picture does".into())
+}
+
 fn other_pixels(path: &Path) -> Result<Pixels, String> {
     let reader =
         image::ImageReader::open(path).and_then(|r| r.with_guessed_format()).map_err(|e| e.to_string())?;
-    let pads = matches!(reader.format(), Some(image::ImageFormat::Jpeg | image::ImageFormat::Bmp));
+    let is_jpeg = reader.format() == Some(image::ImageFormat::Jpeg);
+    let pads = is_jpeg || reader.format() == Some(image::ImageFormat::Bmp);
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
     check_claim(path, decoder.dimensions(), if pads { PIXELS_A_BYTE } else { PIXELS_A_PACKED_BYTE })?;
+    if is_jpeg {
+        check_end_of_jpeg(path)?;
+    }
     let image = image::DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     let color = image.color();
@@ -110,6 +140,26 @@ mod tests {
         let vast = folder.path().join("vast.hdr");
         std::fs::write(&vast, b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000 +X 2000000\nabcd").unwrap();
         assert!(pixels(&vast).err().unwrap().contains("2000000 × 2000000 pixels"));
+    }
+
+    #[test]
+    fn a_jpeg_that_is_cut_short_is_refused() {
+        let whole =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/references/scenes/textures/smooth.jpg");
+        let bytes = std::fs::read(&whole).unwrap();
+        assert!(pixels(&whole).is_ok());
+        let folder = tempfile::tempdir().unwrap();
+        let cut = folder.path().join("cut.jpg");
+        for length in [bytes.len() - 2, bytes.len() * 3 / 4, bytes.len() / 2] {
+            std::fs::write(&cut, &bytes[..length]).unwrap();
+            assert!(pixels(&cut).is_err(), "{length}");
+        }
+        // A preview within an application's segment has an end of its own, and what follows the end is no matter.
+        let preview = [&[0xff, 0xe1, 0, 6, 0xff, 0xd8, 0xff, 0xd9], &bytes[2..bytes.len() - 2]].concat();
+        std::fs::write(&cut, [&bytes[..2], &preview].concat()).unwrap();
+        assert!(pixels(&cut).is_err_and(|e| e.contains("ends before")));
+        std::fs::write(&cut, [&bytes[..2], &preview, &[0xff, 0xd9, 0, 0]].concat()).unwrap();
+        assert!(pixels(&cut).is_ok());
     }
 
     #[test]

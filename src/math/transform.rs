@@ -1,5 +1,6 @@
 //! Affine maps with their inverses.
 
+use super::frame::unit;
 use super::function::{sincos, tan};
 use glam::{DMat4, DVec3, DVec4};
 
@@ -27,6 +28,16 @@ impl Transform {
         let inverse = matrix.inverse();
         let usable = matrix.is_finite() && inverse.is_finite() && matrix.determinant() != 0.0;
         usable.then_some(Self { matrix, inverse })
+    }
+
+    /// The rotation, or mirroring, that takes the axes to directions next to these: along the first, in the plane of it
+    /// and the second, and across both.
+    pub fn of_axes([x, y, z]: [DVec3; 3]) -> Option<Self> {
+        let x = unit(x);
+        let y = unit(y - x * x.dot(y));
+        let across = x.cross(y);
+        let z = if across.dot(z) < 0.0 { -across } else { across };
+        Self::from_matrix(DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), DVec4::W))
     }
 
     /// Moves points by a vector.
@@ -127,6 +138,19 @@ mod tests {
         let n = t.normal(DVec3::new(1.0, -2.0, 0.5));
         for tangent in [DVec3::new(2.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 4.0)] {
             assert!(n.dot(t.vector(tangent)).abs() < 1e-14, "{tangent}");
+        }
+    }
+
+    #[test]
+    fn axes_of_three_decimals_are_straightened() {
+        let turned = [DVec3::new(0.707, 0.0, -0.707), DVec3::Y, DVec3::new(0.707, 0.001, 0.707)];
+        for axes in [turned, [turned[0] * 3.0, turned[1] * 3.0, turned[2] * -3.0]] {
+            let rotation = Transform::of_axes(axes).unwrap();
+            let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| rotation.vector(axis));
+            assert!([x.dot(y), y.dot(z), z.dot(x)].iter().all(|cos| cos.abs() < 1e-15));
+            assert!([x, y, z].iter().all(|axis| (length(*axis) - 1.0).abs() < 1e-15));
+            let [near_x, near_y, near_z] = axes.map(unit);
+            assert!(length(x - near_x) + length(y - near_y) + length(z - near_z) < 2e-3);
         }
     }
 

@@ -294,8 +294,8 @@ pub fn require_orthogonal(
     axes: [DVec3; 3],
     equal: &[(usize, usize)],
 ) -> Result<(), SceneError> {
-    /// Rotations written with a few decimals are meant as rotations; Mitsuba accepts the same.
-    const TOLERANCE: f64 = 1e-4;
+    /// Rotations written with three decimals are meant as rotations.
+    const TOLERANCE: f64 = 2e-3;
     let lengths = axes.map(length);
     let sheared = (0..3).any(|i| {
         let j = (i + 1) % 3;
@@ -303,11 +303,14 @@ pub fn require_orthogonal(
     });
     let uneven = equal.iter().any(|&(i, j)| (lengths[i] - lengths[j]).abs() > TOLERANCE * lengths[i]);
     if sheared || uneven {
-        return Err(params.error(
-            "to_world",
-            "this cannot be sheared or scaled unevenly",
-            "expected rotation, translation and even scaling",
-        ));
+        let [a, b, c] = lengths;
+        let message = if sheared {
+            "this cannot be sheared, and its axes are not across one another".to_owned()
+        } else {
+            format!("this cannot be scaled unevenly, and its axes become {a}, {b} and {c} long")
+        };
+        let expected = "expected rotation, translation and even scaling, up to two thousandths";
+        return Err(params.error("to_world", message, expected));
     }
     Ok(())
 }

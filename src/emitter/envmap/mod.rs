@@ -68,6 +68,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     // A density per solid angle of the image would be another one in the world.
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
     require_orthogonal(params, axes, &[(0, 1), (1, 2)])?;
+    let to_world = Transform::of_axes(axes).unwrap_or(to_world);
     let pixels = params.loader.bitmap(&path, place)?;
     if pixels.width < 2 || pixels.height < 3 {
         return Err(params.error("filename", "the image is too small", "expected at least 2 × 3 texels"));
