@@ -31,6 +31,17 @@ impl Arguments {
         if let (Some(path), Some(picture)) = (&self.png, &picture) {
             image::write_png(path, picture)?;
         }
+        if merged.crop.pixels() < merged.full.0 as usize * merged.full.1 as usize {
+            let (crop, (width, height)) = (&merged.crop, merged.full);
+            eprintln!(
+                "note: {} has {}x{} pixels at {},{} of a film of {width}x{height}",
+                self.output.display(),
+                crop.width,
+                crop.height,
+                crop.x,
+                crop.y
+            );
+        }
         let not_finite = merged.not_finite();
         if not_finite > 0 {
             eprintln!("warning: {not_finite} pixels are not finite; the renders of the parts listed samples");

@@ -190,8 +190,22 @@ impl SceneArguments {
             shared_light_paths: self.shared_light_paths,
             links: self.links.clone(),
         };
+        if let Some(twice) = self.repeated_definition() {
+            return Err(format!("-D {twice} is given twice").into());
+        }
         let load = || etalon::load(&self.scene, &self.define, self.color, &overrides);
         Ok(etalon::render::with_threads(threads, load)??)
+    }
+
+    /// A parameter of the scene that has two values.
+    fn repeated_definition(&self) -> Option<&str> {
+        let mut names = self.define.iter().map(|(name, _)| name.as_str());
+        while let Some(name) = names.next() {
+            if names.clone().any(|other| other == name) {
+                return Some(name);
+            }
+        }
+        None
     }
 
     /// Arguments of a command line that give the same scene.

@@ -130,7 +130,7 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
     if too_many || reuse == 1 && shared_light_paths > 0 {
         let message = format!("{shared_light_paths} light paths for {reuse} pixels that share them");
         let help = match reuse {
-            1 => "expected `reuse` as well: as many pixels or more, or 0 for a pilot to decide".to_owned(),
+            1 => "expected `reuse` as well: as many pixels or more, or a pilot that decides (0 in a scene, `auto` on the command line)".to_owned(),
             _ => format!("expected at most {reuse}, or a larger `reuse`"),
         };
         return Err(params.error("shared_light_paths", message, help));

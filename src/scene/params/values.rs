@@ -289,7 +289,16 @@ pub fn number(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|v| v.is_finite())
 }
 
+/// A value as an error message can quote it, even if it is a megabyte.
+fn shortened(value: &str) -> String {
+    const MOST: usize = 60;
+    match value.char_indices().nth(MOST) {
+        None => value.to_owned(),
+        Some((end, _)) => format!("{}…", &value[..end]),
+    }
+}
+
 fn bad_value(name: &str, value: &Attribute, expected: &str) -> SceneError {
-    let message = format!("`{}` is no value for `{name}`", value.value);
+    let message = format!("`{}` is no value for `{name}`", shortened(&value.value));
     SceneError::at(&value.value_span, message, format!("expected {expected}"))
 }

@@ -128,6 +128,15 @@ mod tests {
     fn malformed_documents_are_refused_with_a_place() {
         assert_eq!(error("<scene version=\"3.0.0\">\n  <bsdf></scene>").line_column().unwrap().0, 2);
         assert!(error("<scene/>").message.contains("version"));
+        for cut in [
+            "<scene version=\"3.0.0\">\n  <bsdf",
+            "<scene version=\"3.0.0\">\n  <bsdf/>\n",
+            "<scene\n version",
+        ] {
+            let error = error(cut);
+            assert!(error.message.contains("ends too early"), "{error}");
+            assert_eq!(error.line_column().unwrap().0, 2, "{error}");
+        }
         assert!(error("<scene version=\"x\"/>").message.contains("no version"));
         assert!(
             error("<!DOCTYPE a [<!ENTITY b \"c\">]><scene version=\"3.0.0\">&b;</scene>")

@@ -57,7 +57,7 @@ impl Parameters {
                 let names: Vec<&str> = self.known.keys().map(String::as_str).collect();
                 let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
                 let others = if names.is_empty() { String::new() } else { known(&word, &names) + "; " };
-                let help = format!("{others}define it with <default> or -D");
+                let help = format!("{others}define it with a <default> before this, or with -D");
                 return Err(SceneError::at(span, format!("undefined parameter `${word}`"), help));
             };
             parameter.used = true;

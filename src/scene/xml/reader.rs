@@ -272,6 +272,16 @@ fn malformed(source: &Arc<Source>, error: &roxmltree::Error) -> SceneError {
         (roxmltree::Error::DtdDetected, Some(begin)) => {
             at(begin..begin + DTD.len(), "a DTD is not read".into(), "expected none: leave it out")
         }
+        // They have no place, but are noticed where the text ends.
+        (roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode, _) => {
+            let end = source.text.trim_end().len();
+            let begin = source.text[..end].char_indices().last().map_or(0, |(at, _)| at);
+            at(
+                begin..end,
+                "not well-formed XML: the document ends too early".into(),
+                "expected the rest of it",
+            )
+        }
         _ => {
             let range = offset(&source.text, error.pos());
             at(range, format!("not well-formed XML: {error}"), "expected well-formed XML")

@@ -90,7 +90,8 @@ pub fn bsdf(arguments: BsdfArguments) -> Result<Verdict, Box<dyn Error>> {
         )?);
     }
     let trials = [materials::trials(name), limits::trials(name)].concat();
-    if trials.is_empty() {
+    // A name of nothing would be that of all limits.
+    if trials.is_empty() || name == Some("") {
         return Err("there is no such material; see `etalon plugins`".into());
     }
     let effort = effort(settings.samples, trials.len(), settings.thorough);

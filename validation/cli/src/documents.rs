@@ -31,8 +31,8 @@ impl Documents {
     pub fn finish(self, report: Report) -> Result<Verdict, Box<dyn Error>> {
         let Tally { hold, inconclusive, differ, .. } = Tally::of(report.outcomes.iter());
         say(format_args!("{}: {hold} hold, {inconclusive} inconclusive, {differ} differ", report.verdict));
-        write(self.json.as_deref(), || Ok(to_json(&Made::here(&report)?)?))?;
-        write(self.digest.as_deref(), || Ok(to_json(&Made::here(&Digest::of(&report))?)?))?;
+        write(self.json.as_deref(), || Ok(to_json(&Made::here(&report))?))?;
+        write(self.digest.as_deref(), || Ok(to_json(&Made::here(&Digest::of(&report)))?))?;
         Ok(report.verdict)
     }
 }

@@ -17,6 +17,9 @@ pub struct Provenance {
     pub commit: String,
 }
 
+/// The commit where there is no git or no checkout.
+pub const UNKNOWN: &str = "unknown";
+
 /// A document preceded by its provenance.
 #[derive(Serialize)]
 pub struct Made<'a, T> {
@@ -28,8 +31,8 @@ pub struct Made<'a, T> {
 
 impl<'a, T> Made<'a, T> {
     /// A document with the provenance of this process.
-    pub fn here(what: &'a T) -> Result<Self, String> {
-        Ok(Self { made: Provenance::here()?, what })
+    pub fn here(what: &'a T) -> Self {
+        Self { made: Provenance::here(), what }
     }
 }
 
@@ -41,22 +44,24 @@ impl fmt::Display for Provenance {
 
 impl Provenance {
     /// The provenance of this process, determined at the first call: sources may change during a long run of
-    /// what was built from them. Errors: no git, or no checkout.
-    pub fn here() -> Result<Self, String> {
-        static HERE: OnceLock<Result<Provenance, String>> = OnceLock::new();
+    /// what was built from them. The commit is `unknown` without git or a checkout.
+    pub fn here() -> Self {
+        static HERE: OnceLock<Provenance> = OnceLock::new();
         HERE.get_or_init(Self::now).clone()
     }
 
-    fn now() -> Result<Self, String> {
+    fn now() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let processor = processor().unwrap_or_else(|| "unknown processor".into());
-        let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", "*.rs", "Cargo.*"])?;
-        let commit = git(&["rev-parse", "--short", "HEAD"])?;
-        Ok(Self {
+        let commit = git(&["rev-parse", "--short", "HEAD"]).and_then(|commit| {
+            let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", "*.rs", "Cargo.*"])?;
+            Some(commit + if changed.is_empty() { "" } else { "+" })
+        });
+        Self {
             date: today(),
             machine: format!("{cores} cores, {processor}"),
-            commit: commit + if changed.is_empty() { "" } else { "+" },
-        })
+            commit: commit.unwrap_or_else(|| UNKNOWN.into()),
+        }
     }
 }
 
@@ -86,14 +91,10 @@ fn date(days: u64) -> String {
     format!("{:04}-{month:02}-{day:02}", 400 * era + year + turned)
 }
 
-fn git(arguments: &[&str]) -> Result<String, String> {
-    let output = Command::new("git").args(arguments).current_dir(crate::museum::root()).output();
-    let output = output.map_err(|e| format!("git: {e}"))?;
-    if !output.status.success() {
-        let words = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("git {} failed: {}", arguments.join(" "), words.trim()));
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+/// What git says in the checkout, if there are both.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).current_dir(crate::museum::root()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 #[cfg(test)]

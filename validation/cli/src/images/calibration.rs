@@ -71,7 +71,7 @@ pub struct Calibration {
 /// Calibrates on all reference scenes in RGB; `tell` gets the results of each.
 pub fn calibrate(effort: &Effort, mut tell: impl FnMut(&Row)) -> Result<Calibration, String> {
     // Recorded at the start, since sources may change while it renders.
-    let made = Provenance::here()?;
+    let made = Provenance::here();
     let mut scenes: Vec<Reference> = references(&folder())?;
     // Scenes without light cannot lose any.
     scenes.retain(|scene| scene.name.ends_with("::rgb") && !scene.name.starts_with("depth"));

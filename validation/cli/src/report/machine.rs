@@ -1,6 +1,6 @@
 //! Place and date of a report.
 
-use crate::provenance::{Provenance, processor, today};
+use crate::provenance::{Provenance, UNKNOWN, processor, today};
 
 /// Names and values of facts about the machine and the sources, for people.
 pub fn here() -> Vec<(&'static str, String)> {
@@ -12,8 +12,8 @@ pub fn here() -> Vec<(&'static str, String)> {
         ("cores", cores.to_string()),
         ("system", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)),
     ];
-    // There may be no checkout.
-    if let Ok(Provenance { commit, .. }) = Provenance::here() {
+    let commit = Provenance::here().commit;
+    if commit != UNKNOWN {
         facts.insert(2, ("commit", commit));
     }
     facts

@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn what_is_written_by_hand_survives() {
         let document = format!("old table\n{BY_HAND}\n\n## More\n");
-        let made = Provenance::here().unwrap();
+        let made = Provenance::here();
         let new = updated(&document, &made, &[]);
         assert!(new.starts_with("# Stiff") && new.ends_with("\n\n## More\n") && !new.contains("old table"));
         assert_eq!(updated(&new, &made, &[]), new);
