@@ -46,7 +46,7 @@ fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<MeshData, MeshError> {
     let mut face = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
-        let length = bytes[at..].iter().position(|&byte| byte == b'\n').unwrap_or(bytes.len() - at);
+        let length = line_length(&bytes[at..]);
         let mut words = Words(&bytes[at..at + length]);
         reader.at = at;
         reader
@@ -55,6 +55,20 @@ fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<MeshData, MeshError> {
         at += length + 1;
     }
     reader.finish(bytes)
+}
+
+/// Bytes up to the end of a line, which goes on behind a backslash if it is one of numbers.
+fn line_length(bytes: &[u8]) -> usize {
+    let end_from = |begin: usize| {
+        let rest = &bytes[begin..];
+        begin + rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len())
+    };
+    let mut end = end_from(0);
+    let of_numbers = matches!(bytes.trim_ascii_start().first(), Some(b'v' | b'f'));
+    while of_numbers && end < bytes.len() && bytes[..end].trim_ascii_end().ends_with(b"\\") {
+        end = end_from(end + 1);
+    }
+    end
 }
 
 impl Reader {
@@ -191,12 +205,18 @@ struct Words<'a>(&'a [u8]);
 
 impl<'a> Words<'a> {
     fn next(&mut self) -> Option<&'a [u8]> {
-        let begin = self.0.iter().position(|byte| !byte.is_ascii_whitespace())?;
-        let rest = &self.0[begin..];
-        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        let (word, rest) = rest.split_at(length);
-        self.0 = rest;
-        Some(word)
+        loop {
+            let begin = self.0.iter().position(|byte| !byte.is_ascii_whitespace())?;
+            let rest = &self.0[begin..];
+            let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+            let (word, rest) = rest.split_at(length);
+            self.0 = rest;
+            // At the end of a line that goes on.
+            let word = word.strip_suffix(b"\\").unwrap_or(word);
+            if !word.is_empty() {
+                return Some(word);
+            }
+        }
     }
 
     /// The first numbers of what is left, which may go on with others: a weight, a third texture coordinate,
@@ -248,6 +268,16 @@ mod tests {
         assert_valid(&mesh);
         let upright = parse(CORNER_OF_A_BOX.as_bytes(), false).unwrap();
         assert_eq!(upright.uvs.unwrap()[..2], [[0., 0.], [1., 0.25]]);
+    }
+
+    #[test]
+    fn lines_of_numbers_go_on_behind_a_backslash() {
+        let text = b"# a folder\\\nv 0 0 \\\n 0\nv 1 0 0\r\nv 1 1 0\nv 0 1 0\nf 1 2\\\r\n3 \\\n4\nf 1 2 9";
+        let error = parse(text, true).unwrap_err();
+        assert_eq!((error.place, error.message.contains("position 9")), (Place::Line(10), true), "{error}");
+        let mesh = parse(&text[..text.len() - 8], true).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!(parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1\\2 3", true).is_err());
     }
 
     #[test]

@@ -53,25 +53,26 @@ fn conclude(scatterer: &dyn Scatterer, wo: DVec3, seed: u64, effort: &Effort, in
     let draws = (0..effort.samples).filter_map(|_| draw(scatterer, wo, &mut stream));
     let drawn = draws.filter(|sample| !sample.delta).count();
     let share = drawn as f64 / effort.samples as f64;
-    // Of all values within the integral's error bound, the one most favourable to the model; never more than
-    // a probability.
-    let kindest =
-        share.clamp(integral.value - integral.error, integral.value + integral.error).clamp(0.0, 1.0);
-    let p_value = binomial_two_sided(drawn as u64, effort.samples as u64, kindest);
-    let spread = (kindest * (1.0 - kindest) / effort.samples as f64).sqrt();
     // Draws of this probability occur in the sample with 90 % probability.
     let unseen = LN_10 / effort.samples as f64;
-    let detectable = detectable_difference(spread, effort.level, f64::INFINITY).max(unseen) + integral.error;
+    // Quadrature tells its error from what its points meet: a hole or a lobe between them is not in it.
+    let error = integral.error.max(unseen);
+    // Of all values within the integral's error bound, the one most favourable to the model; never more than
+    // a probability.
+    let kindest = share.clamp(integral.value - error, integral.value + error).clamp(0.0, 1.0);
+    let p_value = binomial_two_sided(drawn as u64, effort.samples as u64, kindest);
+    let spread = (kindest * (1.0 - kindest) / effort.samples as f64).sqrt();
+    let detectable = detectable_difference(spread, effort.level, f64::INFINITY).max(unseen) + error;
     let excess = integral.value - integral.error > 1.0 + effort.tolerance;
     let verdict = if excess { Verdict::Different } else { judge(p_value, effort.level, detectable, MARGIN) };
     let message = format!(
         "the pdf integrates to {:.6} ± {:.1e}; {:.6} of the draws gave a direction",
-        integral.value, integral.error, share
+        integral.value, error, share
     );
     let outcome = Outcome::new("normalisation", verdict, message)
         .detectable(detectable)
         .figure("integral", integral.value)
-        .figure("integral_error", integral.error)
+        .figure("integral_error", error)
         .figure("drawn", share);
     let known = integral.value.clamp(0.0, 1.0);
     let noise = (known * (1.0 - known) * effort.samples as f64).sqrt();

@@ -3,7 +3,7 @@
 use super::{CHECKS, Effort, find, run_all};
 use crate::{
     report::Outcome,
-    scatterer::{DVec3, Scatterer, direction},
+    scatterer::{DVec3, Sample, Scatterer, direction},
     statistics::{Verdict, seed_for, sidak, uniformity},
     subjects::{
         Coloured, Conductor, DiffuseDielectric, Fault, Lambert, Mixture, Near, Sabotaged, SmoothDielectric,
@@ -97,6 +97,42 @@ fn saboteurs_are_rejected() {
             println!("{fault:?} {check}: {}", outcome.message);
             assert_eq!(outcome.verdict, Verdict::Different, "{fault:?}: {outcome:?}");
         }
+    }
+}
+
+/// A matte surface that neither reflects into nor draws from a small cap of directions.
+struct Holed(Lambert);
+
+impl Holed {
+    fn lacks(wi: DVec3) -> bool {
+        const SHARE_OF_HEMISPHERE: f64 = 1e-5;
+        wi.dot(direction(0.6, 1.2)) > 1.0 - SHARE_OF_HEMISPHERE
+    }
+}
+
+impl Scatterer for Holed {
+    fn value(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if Self::lacks(wi) { 0.0 } else { self.0.value(wo, wi) }
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if Self::lacks(wi) { 0.0 } else { self.0.pdf(wo, wi) }
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+        self.0.sample(wo, u).filter(|sample| !Self::lacks(sample.wi))
+    }
+}
+
+/// Quadrature does not see what lies between its points, and must not claim that there is nothing.
+#[test]
+fn a_hole_that_quadrature_misses_is_no_fault() {
+    let check = find("normalisation").unwrap();
+    let holed = Holed(Lambert { albedo: 0.8 });
+    for number in 0..8 {
+        let effort = Effort { samples: 1 << 18, ..effort() };
+        let outcome = check.run(&holed, direction(0.7, 0.4), seed_for("a hole", number), &effort);
+        assert_ne!(outcome.verdict, Verdict::Different, "{outcome:?}");
     }
 }
 
