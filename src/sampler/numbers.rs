@@ -14,7 +14,7 @@ pub const PAIRS: usize = 4;
 /// | 0, 1 | place on the film | place on the emitter | place on an emitter | place on the lens |
 /// | 2, 3 | 2: wavelengths | direction | direction | direction |
 /// | 4 | lens | wavelengths | further digits for the emitter | pixel |
-/// | 5 | lens | further digits for the emitter | lobe | lobe |
+/// | 5 | lens | further digits for the emitter | lobe; 2 where none has a density | lobe |
 /// | 6 | | which object the direction is aimed at | Russian roulette | Russian roulette |
 /// | 7 | | | link, or flight through a medium | pixel |
 #[derive(Clone, Copy, Debug, Default)]

@@ -35,8 +35,10 @@ impl Connections {
             let longest = MOST_EDGES.min(max_depth.saturating_sub(receiver.edges + 2));
             for lit in lit.iter().filter(|lit| lit.owner.light_path == of && lit.edges < longest) {
                 if let Some(rivals) = rivals(source, lit, light_sources.paths) {
-                    // Times r, because MIS weights are applied later by `Rivals::camera`, as to what a camera
-                    // path would have found.
+                    // With the scale s of one of M light paths, a connection brings ρ M s L p(v₀→v₁). It counts r
+                    // times as much as what a camera path finds, whose MIS weight is applied later by
+                    // `Rivals::camera`. In r = c / (M p(v₁→v₀)) c is that of the light path times p(v₁→v₀) /
+                    // p(v₀→v₁), so M and both densities cancel.
                     let scale = lit.scale * lit.rivals.by_light;
                     let light = source.albedo * lit.radiance * scale as f32;
                     self.rays.push(source.ray_to(&lit.source));
