@@ -117,7 +117,11 @@ impl Grower<'_> {
             split(node.get("value").unwrap_or_default()).filter_map(|v| v.parse().ok()).collect();
         let most = old.iter().copied().fold(0.0, f64::max);
         let reach = if most <= 1.0 { 0.9 } else { 1.4 * most };
-        let one = |draw: &mut Draw| format!("{:.3}", draw.between(0.05 * reach, reach));
+        // What is wholly black in a channel, or in all, is dark to some paths and not to their neighbours.
+        let one = |draw: &mut Draw| match draw.chance(0.12) {
+            true => "0".to_owned(),
+            false => format!("{:.3}", draw.between(0.05 * reach, reach)),
+        };
         let value = [one(self.draw), one(self.draw), one(self.draw)].join(", ");
         node.set("value", &value);
     }
