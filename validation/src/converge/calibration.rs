@@ -40,14 +40,14 @@ pub fn share_called_different(
             for (side, ladder) in ladders.iter_mut().enumerate() {
                 for (step, [error, seconds]) in sides[side ^ turned].iter().enumerate() {
                     if ladder.len() == step {
-                        ladder.push(Rung { samples: 0, errors: vec![], seconds: vec![] });
+                        ladder.push(Rung::default());
                     }
                     ladder[step].errors.push(*error);
                     ladder[step].seconds.push(if side == 1 { seconds * factor } else { *seconds });
                 }
             }
         }
-        called += u32::from(ratio(&ladders[0], &ladders[1])?.different);
+        called += u32::from(ratio(&ladders[0], &ladders[1], true)?.different);
     }
     Some(f64::from(called) / f64::from(trials))
 }

@@ -30,11 +30,13 @@ pub struct Interval {
 }
 
 /// One sample count, with the error and the seconds of each seed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Rung {
     pub samples: u32,
     pub errors: Vec<f64>,
     pub seconds: Vec<f64>,
+    /// For each picture of the reference the errors against the mean of its others; empty if they are not known.
+    pub without: Vec<Vec<f64>>,
 }
 
 /// The results of a ladder of sample counts.
@@ -204,7 +206,7 @@ mod tests {
     fn a_power_law_is_read_off() {
         let rung = |samples: u32| {
             let n = f64::from(samples);
-            Rung { samples, errors: vec![0.4 / n; 3], seconds: vec![0.01 * n; 3] }
+            Rung { samples, errors: vec![0.4 / n; 3], seconds: vec![0.01 * n; 3], ..Rung::default() }
         };
         let found = curve(&[rung(4), rung(16), rung(64)], 0).unwrap();
         assert!((found.slope.unwrap().value + 1.0).abs() < 1e-12);
@@ -217,7 +219,7 @@ mod tests {
     fn a_fixed_cost_bends_no_line() {
         let rung = |samples: u32| {
             let n = f64::from(samples);
-            Rung { samples, errors: vec![1.0 / n; 3], seconds: vec![2e-5 + 1e-6 * n; 3] }
+            Rung { samples, errors: vec![1.0 / n; 3], seconds: vec![2e-5 + 1e-6 * n; 3], ..Rung::default() }
         };
         let found = curve(&[rung(4), rung(16), rung(64)], 0).unwrap();
         assert!((found.slope.unwrap().value + 1.0).abs() < 1e-12);
@@ -225,8 +227,12 @@ mod tests {
         assert!((percent / 1.2e-4 - 1.0).abs() < 1e-9 && (tenth / 1.02e-3 - 1.0).abs() < 1e-9);
         // A fixed part below none is noise, and so is a sample that takes less than no time.
         let seconds = |seconds: [f64; 2]| {
-            let rung =
-                |(samples, seconds): (u32, f64)| Rung { samples, errors: vec![], seconds: vec![seconds] };
+            let rung = |(samples, seconds): (u32, f64)| Rung {
+                samples,
+                errors: vec![],
+                seconds: vec![seconds],
+                ..Rung::default()
+            };
             time(&[rung((1, seconds[0])), rung((4, seconds[1]))], &[0])
         };
         let (quick, slow) = (seconds([1.0, 8.0]), seconds([2.0, 1.0]));
@@ -242,7 +248,7 @@ mod tests {
             let mut holds = |trial: u64| {
                 let mut rung = |samples: u32| {
                     let errors = (0..seeds).map(|_| 1.0 + 0.1 * stream.normal()).collect();
-                    Rung { samples, errors, seconds: vec![f64::from(samples); seeds] }
+                    Rung { samples, errors, seconds: vec![f64::from(samples); seeds], ..Rung::default() }
                 };
                 let rungs = [rung(4), rung(16), rung(64)];
                 let Interval { low, high, .. } = curve(&rungs, trial).unwrap().slope.unwrap();
@@ -260,7 +266,7 @@ mod tests {
         for seeds in [3, 4, 8, 16] {
             let mut holds = |trial: u64| {
                 let errors = (0..seeds).map(|_| 1.0 + 0.1 * stream.normal()).collect();
-                let rung = Rung { samples: 1, errors, seconds: vec![1.0; seeds] };
+                let rung = Rung { samples: 1, errors, seconds: vec![1.0; seeds], ..Rung::default() };
                 let Interval { low, high, .. } = curve(&[rung], trial).unwrap().errors[0];
                 low < 1.0 && 1.0 < high
             };
@@ -272,7 +278,10 @@ mod tests {
 
     #[test]
     fn one_seed_has_no_interval() {
-        assert!(curve(&[Rung { samples: 1, errors: vec![1.0], seconds: vec![1.0] }], 0).is_none());
+        assert!(
+            curve(&[Rung { samples: 1, errors: vec![1.0], seconds: vec![1.0], ..Rung::default() }], 0)
+                .is_none()
+        );
         assert!(curve(&[], 0).is_none());
     }
 }

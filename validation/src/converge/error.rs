@@ -53,6 +53,15 @@ pub fn reference(pictures: &[Picture]) -> Option<Reference> {
     Some(Reference { variance: variance.collect(), mean })
 }
 
+/// For each picture the mean of the others, with its variance; none if they are fewer than three.
+pub fn without_each(pictures: &[Picture]) -> Vec<Reference> {
+    let others = |left: usize| {
+        let others = pictures.iter().enumerate().filter(|(k, _)| *k != left);
+        reference(&others.map(|(_, picture)| picture.clone()).collect::<Vec<_>>())
+    };
+    (0..pictures.len()).filter_map(others).collect()
+}
+
 /// The errors of a picture that is independent of the reference; `None` unless it is of the same size.
 pub fn errors(picture: &Picture, reference: &Reference) -> Option<Errors> {
     if picture.is_empty() || picture.len() != reference.mean.len() {
@@ -129,6 +138,14 @@ mod tests {
         let found = errors(&vec![1.5; 2000], &reference).unwrap();
         assert_eq!((found.brightness, found.mse), (0.75, 0.25));
         assert!(errors(&vec![1.5; 1999], &reference).is_none());
+    }
+
+    #[test]
+    fn each_picture_is_left_out_once() {
+        let pictures = [vec![1.0, 4.0], vec![2.0, 4.0], vec![6.0, 4.0]];
+        let means: Vec<Picture> = without_each(&pictures).into_iter().map(|of| of.mean).collect();
+        assert_eq!(means, [vec![4.0, 4.0], vec![3.5, 4.0], vec![1.5, 4.0]]);
+        assert!(without_each(&pictures[..2]).is_empty());
     }
 
     #[test]

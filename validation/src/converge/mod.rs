@@ -18,4 +18,4 @@ pub mod plot;
 
 pub use compare::{Ratio, mean, ratio, ratio_of_means};
 pub use curve::{Curve, Interval, Rung, curve};
-pub use error::{Errors, Picture, Reference, errors, reference, relative_squares};
+pub use error::{Errors, Picture, Reference, errors, reference, relative_squares, without_each};

@@ -130,7 +130,7 @@ mod tests {
     fn the_page_is_whole_and_escapes_names() {
         let rung = |samples: u32| {
             let n = f64::from(samples);
-            Rung { samples, errors: vec![1.0 / n, 1.1 / n], seconds: vec![n, n] }
+            Rung { samples, errors: vec![1.0 / n, 1.1 / n], seconds: vec![n, n], ..Rung::default() }
         };
         let c = curve(&[rung(1), rung(100)], 0).unwrap();
         let line = Line {

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use validation::converge::{Errors, Picture, Reference, errors, reference};
+use validation::converge::{Errors, Picture, Reference, errors, reference, without_each};
 
 use super::{Ladder, REFERENCES, Run, Settings, seed};
 use crate::console;
@@ -31,6 +31,25 @@ struct Origin {
     /// The scene file.
     scene: Option<String>,
     commands: BTreeMap<String, String>,
+}
+
+/// What a renderer's pictures are held against.
+struct Mean {
+    /// The pictures that it is the mean of.
+    of: Vec<Picture>,
+    reference: Reference,
+}
+
+impl Mean {
+    /// The errors of a picture against the mean, and against those of all its pictures but one. `None` if their sizes
+    /// differ.
+    fn errors(&self, picture: &Picture) -> Option<(Errors, Vec<Errors>)> {
+        let without = without_each(&self.of);
+        Some((
+            errors(picture, &self.reference)?,
+            without.iter().filter_map(|of| errors(picture, of)).collect(),
+        ))
+    }
 }
 
 /// The folder of a scene, with the study's renderers and settings.
@@ -88,7 +107,7 @@ impl Bench<'_> {
         &self,
         names: &[&str],
         schedule: &Schedule,
-        references: &BTreeMap<&str, Reference>,
+        references: &BTreeMap<&str, Mean>,
         progress: &dyn Fn(&str),
     ) -> Result<Vec<(String, String)>, String> {
         let mut failed: Vec<(String, String)> = vec![];
@@ -110,7 +129,7 @@ impl Bench<'_> {
                     progress(&format!("{name}: seed {k}, rung {rung}"));
                     let found = self.picture(name, (counts[rung], k), reference).and_then(|found| {
                         let same = |run: &Run| {
-                            (run.renderer.as_str(), run.seed, run.errors) == (name, k, found.1)
+                            (run.renderer.as_str(), run.seed, run.errors) == (name, k, found.1.0)
                                 && run.samples != counts[rung]
                         };
                         match done.iter().chain(&added).find(|run| same(run)) {
@@ -121,7 +140,7 @@ impl Bench<'_> {
                             None => Ok(found),
                         }
                     });
-                    let (took, errors) = match found {
+                    let (took, (errors, without)) = match found {
                         Ok(found) => found,
                         Err(why) => {
                             let why = format!("seed {k}, {} samples: {why}", counts[rung]);
@@ -141,6 +160,7 @@ impl Bench<'_> {
                         samples: counts[rung],
                         took,
                         errors,
+                        without,
                         with: machine::in_short(),
                     };
                     self.add(&run)?;
@@ -203,10 +223,10 @@ impl Bench<'_> {
         &self,
         name: &str,
         (samples, k): (u32, u32),
-        of: &Reference,
-    ) -> Result<(Took, Errors), String> {
+        of: &Mean,
+    ) -> Result<(Took, (Errors, Vec<Errors>)), String> {
         let found = self.render(name, samples, seed("picture", k))?;
-        let errors = errors(&found.picture, of).ok_or("its pictures differ in size")?;
+        let errors = of.errors(&found.picture).ok_or("its pictures differ in size")?;
         Ok((found.took, errors))
     }
 
@@ -281,7 +301,7 @@ impl Bench<'_> {
         Ok(ladder.iter().map(count).collect())
     }
 
-    fn reference(&self, name: &str, samples: u32) -> Result<Reference, String> {
+    fn reference(&self, name: &str, samples: u32) -> Result<Mean, String> {
         for k in 0..REFERENCES {
             let kept = self.reference_file(name, k);
             if !kept.is_file() {
@@ -297,7 +317,8 @@ impl Bench<'_> {
                     .into(),
             );
         }
-        reference(&pictures).ok_or_else(|| "its pictures differ in size".into())
+        let reference = reference(&pictures).ok_or("its pictures differ in size")?;
+        Ok(Mean { of: pictures, reference })
     }
 
     fn reference_file(&self, name: &str, k: u32) -> PathBuf {

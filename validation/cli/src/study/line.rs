@@ -53,7 +53,10 @@ fn run<'a>(runs: &'a [Run], name: &str, seed: u32, rung: usize) -> Option<&'a Ru
 fn rungs(runs: &[Run], name: &str, seeds: &BTreeSet<u32>, settings: &Settings, error: Measure) -> Vec<Rung> {
     let rung = |rung: usize| {
         let all: Vec<&Run> = seeds.iter().filter_map(|seed| run(runs, name, *seed, rung)).collect();
+        let fewer = all.iter().map(|r| r.without.len()).min().unwrap_or(0);
+        let without = |picture: usize| all.iter().map(|r| error(&r.without[picture])).collect();
         Some(Rung {
+            without: (0..fewer).map(without).collect(),
             samples: all.first()?.samples,
             errors: all.iter().map(|r| error(&r.errors)).collect(),
             seconds: all.iter().map(|r| r.took.counted(settings.processor_time)).collect(),
@@ -69,14 +72,14 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, S
     let (trimmed, whole): (Measure, Measure) = (|e| e.trimmed, |e| e.relative_mse);
     let seeds_of = |name: &str| whole_seeds(runs, name, settings);
     let firsts = names.first().map(|name| (*name, seeds_of(name)));
+    let reference_of = |name: &str| mean_of(bench.renderers, name).to_string();
     // By the seeds that both have.
     let over = |name: &str, error: Measure| {
         let (first, seeds) = firsts.as_ref().filter(|(first, _)| *first != name)?;
         let common = seeds & &seeds_of(name);
         let [a, b] = [*first, name].map(|name| rungs(runs, name, &common, settings, error));
-        ratio(&a, &b)
+        ratio(&a, &b, reference_of(first) == reference_of(name))
     };
-    let reference_of = |name: &str| mean_of(bench.renderers, name).to_string();
     let mut means = BTreeMap::new();
     // Several renderers may share one.
     for name in names.iter().map(|name| reference_of(name)).collect::<BTreeSet<_>>() {
@@ -164,6 +167,7 @@ mod tests {
             samples: 4,
             took: Took { seconds: 1.0, planning: 0.5, cpu_seconds: 7.0, startup: 0.0 },
             errors,
+            without: vec![Errors { trimmed: 0.75, ..errors }; 4],
             with: String::new(),
         };
         let ladder = Ladder::Seconds(vec![1.0, 2.0]);
@@ -174,6 +178,7 @@ mod tests {
         let found = rungs(&runs, "a", &BTreeSet::from([2]), &settings, |e| e.trimmed);
         assert_eq!(found.len(), 2);
         assert_eq!((found[1].errors.clone(), found[1].seconds.clone()), (vec![1.0], vec![7.0]));
+        assert_eq!(found[1].without, vec![vec![0.75]; 4]);
         assert!(rungs(&runs, "a", &BTreeSet::new(), &settings, |e| e.trimmed).is_empty());
     }
 }

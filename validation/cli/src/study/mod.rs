@@ -73,6 +73,9 @@ pub struct Run {
     #[serde(flatten)]
     pub took: Took,
     pub errors: Errors,
+    /// The errors against the means of all pictures of the reference but one.
+    #[serde(default)]
+    pub without: Vec<Errors>,
     /// The commit and the machine with which it was rendered.
     pub with: String,
 }

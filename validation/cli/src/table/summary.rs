@@ -216,9 +216,14 @@ mod tests {
     #[test]
     fn the_standing_follows_the_interval() {
         let three = |cost: f64| {
-            vec![Rung { samples: 1, errors: vec![cost, 1.1 * cost, 0.9 * cost], seconds: vec![1.0; 3] }]
+            vec![Rung {
+                samples: 1,
+                errors: vec![cost, 1.1 * cost, 0.9 * cost],
+                seconds: vec![1.0; 3],
+                ..Rung::default()
+            }]
         };
-        let found = ratio(&three(1.0), &three(5.0)).unwrap();
+        let found = ratio(&three(1.0), &three(5.0), false).unwrap();
         let of = |aim: f64, doubtful: bool| standing(Some(&found), aim, doubtful);
         assert_eq!([of(4.9, false), of(5.1, false)], [Standing::Reached, Standing::Missed]);
         assert_eq!([standing(None, 1.0, false), of(4.9, true)], [Standing::NoAnswer, Standing::Open]);
