@@ -104,7 +104,10 @@ impl Memory {
     ) -> Result<(), PeerError> {
         for (&[wo, wi], again) in pairs.iter().zip(peer.evaluate(configuration, pairs)?) {
             if self.evaluate(wo, wi).map(f64::to_bits) != again.map(f64::to_bits) {
-                return Err(changed("evaluate", &format!("wo = {wo:?} and wi = {wi:?}")));
+                return Err(changed(
+                    "evaluate",
+                    &format!("wo = {:?} and wi = {:?}", wo.to_array(), wi.to_array()),
+                ));
             }
         }
         let bits = |sample: Option<Sample>| {
@@ -112,7 +115,7 @@ impl Memory {
         };
         for (&(wo, u), again) in draws.iter().zip(peer.sample(configuration, draws)?) {
             if bits(self.sample(wo, u)) != bits(again) {
-                return Err(changed("sample", &format!("wo = {wo:?} and u = {u:?}")));
+                return Err(changed("sample", &format!("wo = {:?} and u = {u:?}", wo.to_array())));
             }
         }
         Ok(())

@@ -131,7 +131,10 @@ impl<L: Lines> Peer<L> {
         if hello.configurations.is_empty() {
             return Err(PeerError("the peer offers no configuration".into()));
         }
-        for c in &hello.configurations {
+        for (number, c) in hello.configurations.iter().enumerate() {
+            if hello.configurations[..number].iter().any(|other| other.name == c.name) {
+                return Err(PeerError(format!("two configurations are called {:?}", c.name)));
+            }
             let index = c.laws.eta.unwrap_or(1.0);
             let sound = c.tolerance > 0.0 && c.tolerance <= 0.01 && (0.0..=1e-6).contains(&c.smallest);
             if !sound || !index.is_finite() || index <= 0.0 {
@@ -211,7 +214,9 @@ fn ask<T: DeserializeOwned>(lines: &mut impl Lines, request: &Request) -> Result
     let text = serde_json::to_string(request).map_err(|e| PeerError(e.to_string()))?;
     let reply = lines.exchange(text)?;
     if let Ok(failed) = serde_json::from_str::<Failed>(&reply) {
-        return Err(PeerError(format!("the peer says: {}", failed.error)));
+        // It is another program's text, and goes to a terminal.
+        let said: String = failed.error.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        return Err(PeerError(format!("the peer says: {said}")));
     }
     serde_json::from_str(&reply).map_err(|error| {
         let bare = ["NaN", "Infinity"].iter().any(|word| reply.contains(word));

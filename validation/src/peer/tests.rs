@@ -124,6 +124,23 @@ fn an_answer_that_is_none_is_named() {
     assert!(parroted(r#"{"value": [1, 1]}"#).contains("missing field `pdf`"));
     assert!(parroted(r#"{"error": "no such configuration"}"#).contains("says: no such configuration"));
     assert!(parroted(r#"{"value": [1e999, 1], "pdf": [1, 1]}"#).contains("out of range"));
+    assert!(parroted(r#"{"error": "red \u001b[31m, and\nmore"}"#).contains("says: red  [31m, and more"));
+}
+
+/// A peer whose greeting is this.
+struct Greeter(&'static str);
+
+impl Lines for Greeter {
+    fn exchange(&mut self, _: String) -> Result<String, PeerError> {
+        Ok(self.0.into())
+    }
+}
+
+#[test]
+fn configurations_of_one_name_are_refused() {
+    let hello = r#"{"protocol": 1, "name": "twins", "configurations": [{"name": "a"}, {"name": "b"}, {"name": "a"}]}"#;
+    let error = Peer::meet(Greeter(hello)).err().unwrap().0;
+    assert_eq!(error, "two configurations are called \"a\"");
 }
 
 #[test]
