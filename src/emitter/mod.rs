@@ -3,7 +3,7 @@
 //! *How to add one*: write `emitter/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
 //! [`EMITTERS`] and a variant to [`AnyEmitter`].
 
-mod area;
+pub(crate) mod area;
 mod constant;
 mod directional;
 mod envmap;

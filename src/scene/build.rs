@@ -127,7 +127,8 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
             "sensor" => sensors.push(element),
             "integrator" => integrators.push(element),
             // Read where they are referred to, and here for the sake of their errors.
-            "bsdf" | "texture" if loader.needs_chart(element)? => {}
+            // What has attributes of a mesh is read where a mesh has it.
+            "bsdf" | "texture" | "spectrum" if loader.needs_chart(element)? => {}
             "bsdf" => {
                 objects.material(element)?;
             }

@@ -10,7 +10,7 @@ use crate::shape::Chart;
 use crate::spectrum::ColorMode;
 use crate::spectrum::upsample::Upsampler;
 use crate::texture::bitmap::Stored;
-use crate::texture::mesh_attribute;
+use crate::texture::{AnyTexture, mesh_attribute};
 use crate::volume::Voxels;
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashSet};
@@ -54,6 +54,8 @@ pub struct Loader<'d> {
     chart: RefCell<Option<Arc<Chart>>>,
     /// Every file that was read, for the scene's hash.
     files: RefCell<Vec<PathBuf>>,
+    /// The same, to look them up.
+    noted: RefCell<HashSet<PathBuf>>,
 }
 
 impl<'d> Loader<'d> {
@@ -90,6 +92,7 @@ impl<'d> Loader<'d> {
             any_attributes: any(&document.root, &is_attribute),
             chart: RefCell::default(),
             files: RefCell::default(),
+            noted: RefCell::default(),
         })
     }
 
@@ -167,18 +170,14 @@ impl<'d> Loader<'d> {
 
     /// Notes a file that the scene depends on.
     pub fn depends_on(&self, path: &Path) {
-        self.files.borrow_mut().push(path.to_owned());
+        if self.noted.borrow_mut().insert(path.to_owned()) {
+            self.files.borrow_mut().push(path.to_owned());
+        }
     }
 
     /// The files the scene depends on, in order of first use, without repetition.
     pub fn files(&self) -> Vec<PathBuf> {
-        let mut files: Vec<PathBuf> = vec![];
-        for file in self.files.borrow().iter() {
-            if !files.contains(file) {
-                files.push(file.clone());
-            }
-        }
-        files
+        self.files.borrow().clone()
     }
 
     /// A bitmap, decoded once; `place` is where its file is named.
@@ -223,8 +222,11 @@ impl<'d> Loader<'d> {
     /// Reads what is on a shape; with the chart of a mesh, textures may be its attributes.
     pub fn on_mesh<T>(&self, chart: Option<&Arc<Chart>>, read: impl FnOnce() -> T) -> T {
         let before = self.chart.replace(chart.cloned());
+        // What every mesh has for itself is read for each, and not repeated by that.
+        let known = chart.map(|_| self.read.take());
         let found = read();
         self.chart.replace(before);
+        self.read.borrow_mut().extend(known.into_iter().flatten());
         found
     }
 
@@ -269,8 +271,8 @@ pub(super) fn first_name<'a>(aliases: &'a BTreeMap<String, Attribute>, mut name:
 
 /// Whether a texture is an attribute of the mesh that it is on.
 fn is_attribute(element: &Element) -> bool {
-    element.tag == "texture"
-        && element.attribute("type").is_some_and(|kind| kind.value == mesh_attribute::NAME)
+    let is_named = |kind: &Attribute| kind.value == mesh_attribute::NAME;
+    AnyTexture::is_object(element) && element.attribute("type").is_some_and(is_named)
 }
 
 /// Whether something holds of an element or of one within it.

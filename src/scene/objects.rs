@@ -5,10 +5,10 @@ use super::instances::{Instances, ShapeGroup};
 use super::loader::Loader;
 use super::params::{Params, Usage};
 use super::registry::construct;
-use super::xml::Element;
+use super::xml::{Attribute, Element};
 use super::{Interface, Shape, Side};
 use crate::bsdf::{AnyMaterial, Material, Traits};
-use crate::emitter::{AnyEmitter, EMITTERS, select};
+use crate::emitter::{AnyEmitter, EMITTERS, area, select};
 use crate::math::bounds::half_extent;
 use crate::math::ray::NO_PRIMITIVE;
 use crate::math::{DVec3, Transform};
@@ -249,6 +249,10 @@ impl<'a, 'd> Objects<'a, 'd> {
 
     /// Reads an emitter that does not belong to a shape.
     pub fn emitter(&mut self, element: &'d Element) -> Result<(), SceneError> {
+        let is_of_shapes = |kind: &Attribute| kind.value == area::NAME && element.attribute("id").is_some();
+        if self.loader.needs_chart(element)? && element.attribute("type").is_some_and(is_of_shapes) {
+            return Ok(());
+        }
         let emitter = construct(EMITTERS, element, self.loader, Usage::Emission)?;
         if matches!(emitter, AnyEmitter::Area(_)) {
             // One with an `id` is used where shapes refer to it.

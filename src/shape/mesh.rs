@@ -155,7 +155,9 @@ impl Mesh {
     /// mesh's file holds no attributes.
     pub fn draw_chart(&mut self) -> Option<Arc<Chart>> {
         let attributes = self.attributes.clone()?;
-        self.chart = Some(Arc::new(Chart::new(self.triangles.clone(), self.uvs.clone(), attributes)));
+        let areas = (0..self.triangles.len() as u32).map(|i| self.triangle_area(i)).collect();
+        let chart = Chart::new(self.triangles.clone(), self.uvs.clone(), areas, attributes);
+        self.chart = Some(Arc::new(chart));
         self.chart.clone()
     }
 
@@ -226,6 +228,7 @@ impl Mesh {
             + size_of_val(&*self.triangles)
             + self.normals.as_deref().map_or(0, size_of_val)
             + self.uvs.as_deref().map_or(0, size_of_val)
+            + self.chart.as_ref().map_or(0, |chart| chart.bytes())
     }
 
     /// The least and the greatest coordinates (world).

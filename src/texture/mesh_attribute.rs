@@ -9,6 +9,7 @@ use crate::shape::mesh_data::{Answer, Attribute};
 use crate::shape::{Chart, Place};
 use crate::spectrum::upsample::{Sigmoid, Upsampler};
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 pub const NAME: &str = "mesh_attribute";
@@ -23,8 +24,8 @@ enum Values {
     Numbers,
     /// Linear sRGB, or three numbers.
     Rgb(Vec<[f32; 3]>),
-    /// A factor upon reflectance spectra: 1, or where colours are beyond 1 the largest of their components.
-    Reflectance(f32, Vec<Sigmoid>),
+    /// Factors upon reflectance spectra, and these.
+    Reflectance(Vec<(f32, Sigmoid)>),
 }
 
 /// An attribute of a mesh.
@@ -35,7 +36,6 @@ pub struct MeshAttribute {
     /// The numbers, or the luminances of colours.
     scalar: Arc<[f32]>,
     of_faces: bool,
-    scale: f32,
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
@@ -48,32 +48,38 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         let message = "there is no mesh here that has attributes";
         SceneError::at(&params.element.span, message, "expected it in a material or lamp of a `ply`")
     })?;
-    let attribute = read(&chart, name)?;
-    check_range(&attribute, scale, name, params.usage)?;
-    let Attribute { width, of_faces, values } = attribute;
+    let answer = ask(&chart, name)?;
+    let attribute = found(&chart, name, &answer)?;
+    check_range(attribute, scale, name, params.usage)?;
     let numbers = params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any);
-    let (values, scalar) = match values.as_chunks().0 {
-        triples if width == 3 => {
-            let luminance = |rgb: &[f32; 3]| observer::luminance(rgb.map(f64::from)) as f32;
+    let (values, scalar) = match attribute.values.as_chunks().0 {
+        triples if attribute.width == 3 => {
+            let luminance = |rgb: &[f32; 3]| observer::luminance(rgb.map(f64::from)) as f32 * scale;
             let scalar = triples.iter().map(luminance).collect();
             let values = if numbers {
-                Values::Rgb(triples.to_vec())
+                Values::Rgb(triples.iter().map(|rgb| rgb.map(|value| value * scale)).collect())
             } else {
-                Values::reflectances(triples, &params.loader.upsampler)
+                Values::reflectances(triples, scale, &params.loader.upsampler)
             };
             (values, scalar)
         }
-        _ => (Values::Numbers, values.into()),
+        _ => (Values::Numbers, attribute.values.iter().map(|value| value * scale).collect()),
     };
-    let values = Arc::new(values);
-    Ok(AnyTexture::MeshAttribute(Box::new(MeshAttribute { chart, values, scalar, of_faces, scale })))
+    let (values, of_faces) = (Arc::new(values), attribute.of_faces);
+    Ok(AnyTexture::MeshAttribute(Box::new(MeshAttribute { chart, values, scalar, of_faces })))
 }
 
-/// Finds the attribute in the mesh's file.
-fn read(chart: &Chart, name: &Text) -> Result<Attribute, SceneError> {
-    let path = chart.attributes.path.display();
-    let damaged = |e| SceneError::at(&name.value_span, format!("{path}: {e}"), "expected a whole mesh");
-    match chart.attributes.read(&name.value).map_err(damaged)? {
+fn ask(chart: &Chart, name: &Text) -> Result<Arc<Answer>, SceneError> {
+    chart.attribute(&name.value).map_err(|damage| {
+        let message = format!("{}: {damage}", chart.file.path.display());
+        SceneError::at(&name.value_span, message, "expected a whole mesh")
+    })
+}
+
+/// The attribute that a mesh's file was asked for.
+fn found<'a>(chart: &Chart, name: &Text, answer: &'a Answer) -> Result<&'a Attribute, SceneError> {
+    let path = chart.file.path.display();
+    match answer {
         Answer::Found(attribute) => {
             let (vertices, triangles) = chart.counts();
             let count = attribute.values.len() / attribute.width;
@@ -106,10 +112,15 @@ fn check_range(attribute: &Attribute, scale: f32, name: &Text, usage: Usage) -> 
 }
 
 impl Values {
-    fn reflectances(colours: &[[f32; 3]], upsampler: &Upsampler) -> Self {
-        let largest = colours.as_flattened().iter().fold(1.0f32, |most, value| most.max(*value));
-        let fit = |rgb: &[f32; 3]| upsampler.fit(rgb.map(|value| value / largest));
-        Self::Reflectance(largest, colours.iter().map(fit).collect())
+    /// The spectra of colours times a scale: as in Mitsuba, those of the colours, scaled; but where some of the colours
+    /// are beyond 1, which have none, those of the scaled ones, and beyond 1 in proportion.
+    fn reflectances(colours: &[[f32; 3]], scale: f32, upsampler: &Upsampler) -> Self {
+        let beyond = colours.as_flattened().iter().any(|value| *value > 1.0);
+        let fit = |rgb: &[f32; 3]| match beyond {
+            false => (scale, upsampler.fit(*rgb)),
+            true => upsampler.fit_in_proportion(rgb.map(|value| f64::from(value * scale))),
+        };
+        Self::Reflectance(colours.par_iter().map(fit).collect())
     }
 }
 
@@ -130,35 +141,38 @@ impl MeshAttribute {
         match &*self.values {
             Values::Numbers => Spectrum::splat(self.eval_scalar(uv) as f32),
             Values::Rgb(values) => {
-                let [r, g, b] = interpolated(&self.parts(uv), values).map(|v| v * self.scale);
+                let [r, g, b] = interpolated(&self.parts(uv), values);
                 Spectrum([r, g, b, 0.0, 0.0, 0.0, 0.0, 0.0])
             }
-            Values::Reflectance(factor, values) => {
+            Values::Reflectance(values) => {
                 let mut sum = Spectrum::ZERO;
                 for (i, weight) in self.parts(uv) {
-                    sum += Spectrum(values[i].eval_lanes(&λ.nm)) * weight;
+                    let (factor, colour) = &values[i];
+                    sum += Spectrum(colour.eval_lanes(&λ.nm)) * (factor * weight);
                 }
-                sum * (factor * self.scale)
+                sum
             }
         }
     }
 
     /// The value at a place where one number is asked for: the luminance of colours.
     pub fn eval_scalar(&self, uv: DVec2) -> f64 {
-        let sum: f32 = self.parts(uv).into_iter().map(|(i, weight)| self.scalar[i] * weight).sum();
-        f64::from(sum * self.scale)
+        self.parts(uv).into_iter().map(|(i, weight)| f64::from(self.scalar[i] * weight)).sum()
     }
 
     /// Three numbers; `None` of one, and of spectra.
     pub fn eval_vector(&self, uv: DVec2) -> Option<DVec3> {
         let Values::Rgb(values) = &*self.values else { return None };
-        Some(DVec3::from(interpolated(&self.parts(uv), values).map(|v| f64::from(v * self.scale))))
+        Some(DVec3::from(interpolated(&self.parts(uv), values).map(f64::from)))
     }
 
-    /// The mean over vertices or triangles of what [`eval_scalar`](Self::eval_scalar) is there.
+    /// The mean over the surface of what [`eval_scalar`](Self::eval_scalar) is there.
     pub fn mean(&self) -> f64 {
-        let sum: f64 = self.scalar.iter().map(|v| f64::from(*v)).sum();
-        sum / self.scalar.len() as f64 * f64::from(self.scale)
+        let scalar = |i: usize| f64::from(self.scalar[i]);
+        self.chart.mean(|triangle, corners| match self.of_faces {
+            true => scalar(triangle),
+            false => corners.map(|i| scalar(i as usize)).iter().sum::<f64>() / 3.0,
+        })
     }
 }
 
@@ -264,6 +278,28 @@ mod tests {
         assert_near(reflected(&scene, (0.75, 0.25), &λ), mean);
     }
 
+    /// Whatever other colours a mesh has, and whether they are written as fractions or as bytes.
+    #[test]
+    fn a_colour_has_one_spectrum() {
+        let upsampler = Upsampler::shared();
+        let first = |colours: &[[f32; 3]], scale: f32| match Values::reflectances(colours, scale, &upsampler)
+        {
+            Values::Reflectance(values) => values[0],
+            _ => panic!("no spectra"),
+        };
+        let lamp = [1.0, 0.5, 0.25];
+        for brightest in [2.0, 1e6, 1e37] {
+            assert_eq!(first(&[lamp, [brightest; 3]], 1.0), (1.0, upsampler.fit(lamp)));
+        }
+        assert_eq!(first(&[lamp, [0.5; 3]], 3.0), (3.0, upsampler.fit(lamp)));
+        for brightest in [60.0, 255.0] {
+            let (factor, spectrum) = first(&[[60.0, 12.0, 8.0], [brightest; 3]], 1.0 / 255.0);
+            let expected = upsampler.fit([60.0, 12.0, 8.0].map(|byte| byte / 255.0));
+            assert_eq!(factor, 1.0);
+            assert!((0..3).all(|i| (spectrum.0[i] / expected.0[i] - 1.0).abs() < 1e-4), "{spectrum:?}");
+        }
+    }
+
     /// A material that stands by itself is read where a mesh has it, and each mesh has its own.
     #[test]
     fn what_has_no_such_attribute_is_told() {
@@ -272,6 +308,11 @@ mod tests {
         };
         let named = matte("vertex_color").replace("<bsdf", r#"<bsdf id="m""#);
         assert!(load(MESH, r#"<ref id="m"/>"#, &named, ColorMode::Rgb).is_ok());
+        let spectrum = matte("vertex_color").replace("texture", "spectrum");
+        assert!(load(MESH, &spectrum, "", ColorMode::Rgb).is_ok());
+        let lamp = r#"<emitter type="area" id="lamp"><texture type="mesh_attribute" name="radiance">
+            <string name="name" value="vertex_color"/></texture></emitter>"#;
+        assert!(load(MESH, r#"<ref id="lamp"/>"#, lamp, ColorMode::Rgb).is_ok());
         for (error, parts) in [
             (refused(MESH, &matte("vertex_colour"), ""), ["no attribute `vertex_colour`", "vertex_color"]),
             (refused(MESH, &matte(""), ""), ["no attribute ``", "vertex_color, vertex_heat, face_age"]),

@@ -57,16 +57,20 @@ fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<MeshData, MeshError> {
     reader.finish(bytes)
 }
 
-/// Bytes up to the end of a line, which goes on behind a backslash if it is one of numbers.
+/// Bytes up to the end of a line, which goes on behind a backslash if it is one of numbers. In a comment that is a
+/// letter like any other.
 fn line_length(bytes: &[u8]) -> usize {
     let end_from = |begin: usize| {
         let rest = &bytes[begin..];
         begin + rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len())
     };
-    let mut end = end_from(0);
-    let of_numbers = matches!(bytes.trim_ascii_start().first(), Some(b'v' | b'f'));
-    while of_numbers && end < bytes.len() && bytes[..end].trim_ascii_end().ends_with(b"\\") {
-        end = end_from(end + 1);
+    let (mut begin, mut end) = (0, end_from(0));
+    if !matches!(bytes[..end].trim_ascii_start().first(), Some(b'v' | b'f')) {
+        return end;
+    }
+    let goes_on = |line: &[u8]| line.trim_ascii_end().ends_with(b"\\") && !line.contains(&b'#');
+    while end < bytes.len() && goes_on(&bytes[begin..end]) {
+        (begin, end) = (end + 1, end_from(end + 1));
     }
     end
 }
@@ -278,6 +282,8 @@ mod tests {
         let mesh = parse(&text[..text.len() - 8], true).unwrap();
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
         assert!(parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1\\2 3", true).is_err());
+        let commented = parse(b"v 0 0 0 # of a folder\\\nv 1 0 0\nv 0 1 0\nf 1 2 3", true).unwrap();
+        assert_eq!(commented.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     }
 
     #[test]

@@ -139,6 +139,22 @@ fn black_metal() -> Case {
     Case { pixels: 16, integrator: path(6), light_paths: 0.0, ..Case::new("black_metal", world) }
 }
 
+/// A room that a lamp above a black board lights by way of the ceiling, which it grazes: the cosines of both ends of a
+/// light path's vertex are far from alike there.
+fn grazed_ceiling() -> Case {
+    let lamp_steps = [scale([0.1, 1.5, 1.0]), rotate('y', 90.0), translate([-2.9, -1.5, 2.8])];
+    let board_steps = [scale([1.4, 3.0, 1.0]), translate([-1.6, -1.5, 2.65])];
+    let black = format!("<bsdf type=\"twosided\">{}</bsdf>", diffuse(0.0));
+    let things = shape("rectangle", &lamp_steps, &area(80.0)) + &shape("rectangle", &board_steps, &black);
+    Case {
+        pixels: 16,
+        integrator: path(8),
+        light_paths: 0.0,
+        shared_light_paths: 16,
+        ..Case::new("lit_by_a_grazed_ceiling", walls(&diffuse(0.7)) + &things)
+    }
+}
+
 /// The relation for an integrator in a closed room, with `light_paths` light paths per camera path.
 pub(super) fn shared(name: &'static str, integrator: &str, light_paths: f64, things: &str) -> Relation {
     let world = closed_room(&diffuse(0.7)) + things;
@@ -254,6 +270,7 @@ pub fn relations() -> Vec<Relation> {
     relations.push(lit_metal.relation().samples(3072).within(0.02));
     relations.push(lit_one_way.relation().longer(3));
     relations.push(lit_by_a_tray.relation().longer(9).within(0.04));
+    relations.push(grazed_ceiling().relation().samples(8192).within(0.03));
     relations.push(lit_under_the_sky.relation().samples(8192).at_length());
     relations.extend(lit_at_length.map(|case| case.relation().samples(4096).at_length()));
     relations.push(lit_by_one_of_two.relation().samples(32 * 1024).within(0.03).at_length());
