@@ -40,7 +40,7 @@ impl Material for BumpMap {
         let heights = AnyTexture::parse(element, params.loader, Usage::Vector)?;
         if heights.gradient(DVec2::ZERO).is_none() {
             let message = "this texture has no slope";
-            return Err(SceneError::at(&element.span, message, "expected a bitmap"));
+            return Err(SceneError::at(&element.span, message, "expected a bitmap, or one number"));
         }
         Ok(Self { heights, scale, adapter })
     }
