@@ -12,7 +12,7 @@ use validation::{Outcome, Scatterer};
 /// Angles of incidence in degrees; those above 90 are from below.
 const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
 
-/// The angles at which a model with these laws is asked: [`ANGLES`], and one at which smooth glass reflects all light,
+/// The angles at which a model with these laws is asked: the usual ones, and one at which smooth glass reflects all light,
 /// halfway from the critical angle to the surface, if the model refracts.
 pub fn angles(laws: &Laws) -> Vec<f64> {
     let index = laws.eta.unwrap_or(1.0);
