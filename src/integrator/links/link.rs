@@ -12,6 +12,7 @@ use super::lens::Starts;
 use super::surfaces::{End, Surface, Surfaces};
 use crate::integrator::Counters;
 use crate::math::frame::unit;
+use crate::math::ray::position_error;
 use crate::math::{DVec3, Frame, Origin, Ray, length};
 use crate::scene::Scene;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -58,6 +59,11 @@ pub struct Search<'a> {
     distance: f64,
 }
 
+/// Whether two points are farther apart than both are known.
+fn apart(a: DVec3, b: DVec3) -> bool {
+    length(a - b) > position_error(a) + position_error(b)
+}
+
 impl<'a> Search<'a> {
     /// For links from a point on a primitive to another point, by a mirror or a lens if one is given; `None`
     /// if there is nothing but air between them, or something else than refracting interfaces, or more
@@ -91,6 +97,11 @@ impl<'a> Search<'a> {
                 }
                 None => {
                     let seen = element.reflection(from.p, to)?;
+                    // What lies in a mirror's plane, as the tiles of a chessboard do, is before it or behind it by
+                    // rounding alone, and would be seen at its own place, in no direction.
+                    if !(apart(from.p, seen) && apart(to, seen)) {
+                        return None;
+                    }
                     surfaces.read(scene, from, seen, Some((element, End::Last)), counters)?;
                     surfaces.push(Surface::Mirror(element))?;
                     let mirrored = Origin { p: seen, primitive: element.primitives[0] };

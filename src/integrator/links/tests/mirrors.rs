@@ -76,6 +76,25 @@ fn a_mirror_shows_its_image() {
     }
 }
 
+/// Points of the mirror itself: on which side of it they are is rounding.
+#[test]
+fn what_lies_in_a_mirror_is_not_seen_in_it() {
+    for (name, scene) in mirrors() {
+        let mirror = metal(&scene);
+        let search = |x, y| {
+            let from = Origin { p: x, primitive: 0 };
+            Search::new(&scene, from, y, Some(mirror), 8, &mut Counters::default()).is_some()
+        };
+        let mut tried = 0;
+        for (x, y) in pairs() {
+            let Some(z) = mirror.reflection(x, y) else { continue };
+            tried += 1;
+            assert!(!search(z, y) && !search(x, z), "{name}: {x} {z} {y}");
+        }
+        assert!(tried > 100, "{name}: {tried}");
+    }
+}
+
 /// The corners of a sheet lie in one plane but for their rounding, and either half may lie before the other.
 #[test]
 fn both_halves_of_a_sheet_are_mirrors() {
