@@ -106,15 +106,18 @@ impl Sphere {
         AreaSample { p, n: ng, uv, pdf: 1.0 / self.area(), primitive: 0, error: self.error }
     }
 
-    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` from inside, and of a sphere whose
-    /// outside is its back: points of its own wall are inside, although rounding puts half of them outside.
+    /// 1 − cos of the cone that the sphere fills seen from `p`; `None` of a sphere whose outside is its back, from
+    /// inside, and from its own wall, half of whose points rounding puts outside: there the cone would be all
+    /// that the wall sees inwards.
     ///
     /// With s = r/d: 1 − √(1 − s²) = s²/(1 + √(1 − s²)).
     #[inline]
     pub fn cone(&self, p: DVec3) -> Option<f64> {
         let d2 = (p - self.centre).length_squared();
+        // The errors of the wall and of a point next to it.
+        let wall = self.radius + 2.0 * self.error;
         let s2 = self.radius * self.radius / d2;
-        (s2 < 1.0 && !self.inward).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
+        (d2 > wall * wall && !self.inward).then(|| s2 / (1.0 + (1.0 - s2).sqrt()))
     }
 
     /// What `p` outside sees in a direction chosen uniformly within [`Sphere::cone`]; `None` at the very rim.
@@ -228,12 +231,18 @@ mod tests {
     }
 
     #[test]
-    fn a_hollow_sphere_has_no_cone_even_where_its_wall_is_rounded_outwards() {
-        let hollow = Sphere::new(&Transform::IDENTITY, DVec3::ZERO, 1.0, true);
-        let wall =
-            (0..100).map(|i| hollow.point::<false>(warp::sphere(DVec2::new(0.37, i as f64 / 100.0))).p);
-        let outside = wall.clone().filter(|p| p.length_squared() > 1.0).count();
-        assert!(outside > 0, "nothing is rounded outwards");
-        assert!(wall.into_iter().all(|p| hollow.cone(p).is_none()));
+    fn from_its_own_wall_no_sphere_has_a_cone() {
+        for (centre, radius, inward) in
+            [(DVec3::ZERO, 1.0, true), (DVec3::ZERO, 1.0, false), (DVec3::new(-70.0, 3.0, 0.2), 1.3, false)]
+        {
+            let sphere = Sphere::new(&Transform::IDENTITY, centre, radius, inward);
+            let wall = (0..1000).map(|i| {
+                let way = warp::sphere(DVec2::new(0.37, f64::from(i) / 1000.0));
+                sphere.point::<false>(centre + way * radius).p
+            });
+            let outside = wall.clone().filter(|p| length(*p - centre) > radius).count();
+            assert!(outside > 0, "nothing is rounded outwards");
+            assert!(wall.into_iter().all(|p| sphere.cone(p).is_none()), "{centre} {inward}");
+        }
     }
 }

@@ -45,6 +45,22 @@ fn eight_emitter_samples_have_an_eighth_of_the_variance() {
     assert!((ratio - 0.125).abs() < 0.02, "{ratio}");
 }
 
+/// It is convex, so what it shines outwards never reaches its inner wall.
+#[test]
+fn a_ball_that_shines_does_not_light_its_inside() {
+    for integrator in ["path", "direct", "volpath"] {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="{integrator}"/>
+            <sensor type="perspective"><transform name="to_world"><lookat origin="20, 0.1, 0.5" target="20, 0, 0" up="0, 1, 0"/></transform>
+                <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film></sensor>
+            <shape type="sphere"><point name="center" x="20" y="0" z="0"/><float name="radius" value="1.1"/>
+                <bsdf type="twosided"><bsdf type="diffuse"/></bsdf><emitter type="area"/></shape></scene>"#
+        );
+        let (image, _) = rendered(&text, 64);
+        assert!(image.channels.iter().flat_map(|c| &c.mean).all(|v| *v == 0.0), "{integrator}");
+    }
+}
+
 /// Alpha of a picture through three surfaces that let all light pass, at every depth of paths.
 fn alpha(hide_emitters: bool, surroundings: &str) -> Vec<f32> {
     let pane = |z: f64| {
