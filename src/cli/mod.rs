@@ -19,6 +19,7 @@ use etalon::sampler::SAMPLERS;
 use etalon::scene::registry::Entry;
 use etalon::scene::{self, Scene};
 use etalon::spectrum::ColorMode;
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -199,13 +200,8 @@ impl SceneArguments {
 
     /// A parameter of the scene that has two values.
     fn repeated_definition(&self) -> Option<&str> {
-        let mut names = self.define.iter().map(|(name, _)| name.as_str());
-        while let Some(name) = names.next() {
-            if names.clone().any(|other| other == name) {
-                return Some(name);
-            }
-        }
-        None
+        let mut seen = BTreeSet::new();
+        self.define.iter().map(|(name, _)| name.as_str()).find(|name| !seen.insert(*name))
     }
 
     /// Arguments of a command line that give the same scene.

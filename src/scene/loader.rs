@@ -54,8 +54,6 @@ pub struct Loader<'d> {
     chart: RefCell<Option<Arc<Chart>>>,
     /// Every file that was read, for the scene's hash.
     files: RefCell<Vec<PathBuf>>,
-    /// The same, to look them up.
-    noted: RefCell<HashSet<PathBuf>>,
 }
 
 impl<'d> Loader<'d> {
@@ -89,10 +87,9 @@ impl<'d> Loader<'d> {
             texels: RefCell::default(),
             voxels: RefCell::default(),
             media: RefCell::default(),
-            any_attributes: any(&document.root, &is_attribute),
+            any_attributes: has_attributes(&document.root),
             chart: RefCell::default(),
             files: RefCell::default(),
-            noted: RefCell::default(),
         })
     }
 
@@ -170,14 +167,13 @@ impl<'d> Loader<'d> {
 
     /// Notes a file that the scene depends on.
     pub fn depends_on(&self, path: &Path) {
-        if self.noted.borrow_mut().insert(path.to_owned()) {
-            self.files.borrow_mut().push(path.to_owned());
-        }
+        self.files.borrow_mut().push(path.to_owned());
     }
 
     /// The files the scene depends on, in order of first use, without repetition.
     pub fn files(&self) -> Vec<PathBuf> {
-        self.files.borrow().clone()
+        let (files, mut seen) = (self.files.borrow(), HashSet::new());
+        files.iter().filter(|file| seen.insert(*file)).cloned().collect()
     }
 
     /// A bitmap, decoded once; `place` is where its file is named.
@@ -275,9 +271,8 @@ fn is_attribute(element: &Element) -> bool {
     AnyTexture::is_object(element) && element.attribute("type").is_some_and(is_named)
 }
 
-/// Whether something holds of an element or of one within it.
-fn any(element: &Element, holds: &impl Fn(&Element) -> bool) -> bool {
-    holds(element) || element.children.iter().any(|child| any(child, holds))
+fn has_attributes(element: &Element) -> bool {
+    is_attribute(element) || element.children.iter().any(has_attributes)
 }
 
 fn count(element: &Element) -> usize {

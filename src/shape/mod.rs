@@ -27,7 +27,7 @@ use crate::math::{Ball, Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::registry::Entry;
-pub use chart::{Chart, Place};
+pub use chart::Chart;
 pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use mesh::{Mesh, Normals};

@@ -5,8 +5,8 @@ use crate::math::{DVec2, DVec3};
 use crate::scene::error::{SceneError, known};
 use crate::scene::params::{Params, Usage};
 use crate::scene::xml::Attribute as Text;
+use crate::shape::Chart;
 use crate::shape::mesh_data::{Answer, Attribute};
-use crate::shape::{Chart, Place};
 use crate::spectrum::upsample::{Sigmoid, Upsampler};
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
@@ -132,7 +132,7 @@ impl MeshAttribute {
         if self.of_faces {
             return [(place.triangle as usize, 1.0), (0, 0.0), (0, 0.0)];
         }
-        let weights = Place::weights(&place);
+        let weights = place.weights();
         [0, 1, 2].map(|i| (place.corners[i] as usize, weights[i] as f32))
     }
 

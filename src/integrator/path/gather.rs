@@ -112,8 +112,8 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
         }
     }
 
-    /// Takes emitter samples that lead by specular surfaces of these kinds. What needs no test for visibility goes to `radiance`, which is
-    /// the pixel's, or to what is shared.
+    /// Takes emitter samples that lead by specular surfaces of these kinds. What needs no test for visibility goes
+    /// to `radiance`, which is the pixel's, or to what is shared.
     #[inline(always)]
     pub fn sample_by_chains(
         &self,

@@ -98,8 +98,7 @@ fn conclude(
         error: samples * integral.error,
     });
     let cells: Vec<Bin> = cells.collect();
-    let worst = worst(&cells, place);
-    let bins = pool(cells);
+    let bins = pool(cells.clone());
     let statistic: f64 = bins.iter().map(|bin| square(bin.observed - bin.expected) / bin.expected).sum();
     let noncentrality: f64 = bins.iter().map(|bin| square(bin.error) / bin.expected).sum();
     let degrees = bins.len().saturating_sub(1) as f64;
@@ -117,7 +116,7 @@ fn conclude(
     let verdict =
         if blurred { Verdict::Inconclusive } else { judge(p_value, effort.level, detectable, MARGIN) };
     let more = match verdict {
-        Verdict::Different => format!("; most of it {worst}"),
+        Verdict::Different => format!("; most of it {}", worst(&cells, place)),
         _ if blurred => "; the pdf could not be integrated well enough".into(),
         _ => String::new(),
     };
