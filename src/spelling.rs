@@ -1,12 +1,21 @@
 //! Hints for words that are not known.
 
-/// "expected one of a, b, c" for a word that is none of them, the likeliest first when one is close.
+/// "known: a, b, c" for a word that is none of them, after "did you mean `a`?" if one is close.
 pub fn known(word: &str, names: &[&str]) -> String {
     let near = names.iter().filter(|n| distance(word, n) <= 2).min_by_key(|n| distance(word, n));
     let list = if names.is_empty() { "none".into() } else { names.join(", ") };
     match near {
         Some(near) => format!("did you mean `{near}`? known: {list}"),
         None => format!("known: {list}"),
+    }
+}
+
+/// The beginning of a text, as an error message can quote it even if it is a megabyte.
+pub fn shortened(text: &str) -> String {
+    const MOST: usize = 60;
+    match text.char_indices().nth(MOST) {
+        None => text.to_owned(),
+        Some((end, _)) => format!("{}…", &text[..end]),
     }
 }
 

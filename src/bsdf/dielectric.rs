@@ -3,7 +3,7 @@
 //! Where the index depends on wavelength the lanes stay together in reflection, each with its own Fresnel
 //! factor, and separate in refraction: lane 0 continues alone and represents all.
 
-use super::fresnel::{self, Interface};
+use super::fresnel::{self, Refraction};
 use super::ior::{self, Index};
 use super::tints::Tints;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, mirror};
@@ -103,7 +103,7 @@ impl Material for Dielectric {
 impl DielectricBsdf {
     /// Reflection and transmission for light at `cos` on the near side, `eta` = η far / η near.
     #[inline]
-    fn interface(&self, cos: f64, eta: f64) -> Interface {
+    fn interface(&self, cos: f64, eta: f64) -> Refraction {
         if self.schlick { fresnel::schlick(cos, eta) } else { fresnel::dielectric(cos, eta) }
     }
 
@@ -131,7 +131,7 @@ impl DielectricBsdf {
     /// unbiased.
     fn sample_apart(&self, wo: DVec3, lobe: f64, lanes: &[f64; LANES]) -> Option<Sample> {
         let faces = lanes.map(|eta| self.interface(wo.z.abs(), seen(eta, wo)));
-        let mean = |f: fn(&Interface) -> f64| faces.iter().map(f).sum::<f64>() / LANES as f64;
+        let mean = |f: fn(&Refraction) -> f64| faces.iter().map(f).sum::<f64>() / LANES as f64;
         let reflected = mean(|face| face.reflectance);
         if lobe < reflected {
             let factor = Spectrum::from_fn(|i| (faces[i].reflectance / reflected) as f32);

@@ -8,7 +8,7 @@ use crate::math::DVec3;
 
 /// Reflection and transmission at an interface, for light from one side.
 #[derive(Clone, Copy, Debug)]
-pub struct Interface {
+pub struct Refraction {
     /// Fraction of the flux reflected (unpolarised).
     pub reflectance: f64,
     /// Fraction transmitted, 1 − reflectance to full relative precision.
@@ -19,11 +19,11 @@ pub struct Interface {
 
 /// The exact Fresnel equations; `cos` = |cos θ| on the near side, `eta` = η far / η near.
 #[inline]
-pub fn dielectric(cos: f64, eta: f64) -> Interface {
+pub fn dielectric(cos: f64, eta: f64) -> Refraction {
     let q = (eta - 1.0) * (eta + 1.0);
     let g2 = far_side(cos, eta, q);
     if g2 <= 0.0 {
-        return Interface { reflectance: 1.0, transmittance: 0.0, cos_transmitted: 0.0 };
+        return Refraction { reflectance: 1.0, transmittance: 0.0, cos_transmitted: 0.0 };
     }
     let g = g2.sqrt();
     let (sum, sin2) = (g + cos, (1.0 - cos) * (1.0 + cos));
@@ -35,7 +35,7 @@ pub fn dielectric(cos: f64, eta: f64) -> Interface {
     let eta2 = eta * eta;
     let p = eta2 * cos + g;
     let transmittance = 2.0 * cos * g * (1.0 / (sum * sum) + eta2 / (p * p));
-    Interface { reflectance, transmittance, cos_transmitted: g / eta }
+    Refraction { reflectance, transmittance, cos_transmitted: g / eta }
 }
 
 /// g² = cos² + q = η² − sin² = (η cos θ′)², of the two sums the one with the smaller terms; negative under
@@ -50,7 +50,7 @@ fn far_side(cos: f64, eta: f64, q: f64) -> f64 {
 /// internal reflection is met continuously. This is the approximation of the course path tracer that Etalon
 /// grew out of.
 #[inline]
-pub fn schlick(cos: f64, eta: f64) -> Interface {
+pub fn schlick(cos: f64, eta: f64) -> Refraction {
     let exact = dielectric(cos, eta);
     if exact.transmittance == 0.0 && exact.cos_transmitted == 0.0 {
         return exact;
@@ -60,7 +60,7 @@ pub fn schlick(cos: f64, eta: f64) -> Interface {
     let thin_cos = if eta >= 1.0 { cos } else { exact.cos_transmitted };
     let m = 1.0 - thin_cos;
     let reflectance = r0 + (1.0 - r0) * (m * m) * (m * m) * m;
-    Interface { reflectance, transmittance: 1.0 - reflectance, cos_transmitted: exact.cos_transmitted }
+    Refraction { reflectance, transmittance: 1.0 - reflectance, cos_transmitted: exact.cos_transmitted }
 }
 
 /// The direction refracted at a normal `m` on ω's side; `cos` = ω·m, `eta` = η far / η near.

@@ -337,7 +337,7 @@ impl AnyMaterial {
 
 /// A number of [low, high) stretched to [0, 1), so that a nested choice can use it again.
 #[inline]
-fn rescale(lobe: f64, low: f64, high: f64) -> f64 {
+pub fn rescale(lobe: f64, low: f64, high: f64) -> f64 {
     ((lobe - low) / (high - low)).min(BELOW_ONE)
 }
 

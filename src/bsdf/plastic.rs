@@ -2,7 +2,7 @@
 //! closed form.
 
 use super::coat::{Coat, Coated};
-use super::fresnel::Interface;
+use super::fresnel::Refraction;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, mirror};
 use crate::math::{DVec2, DVec3, warp};
 use crate::scene::error::SceneError;
@@ -69,7 +69,7 @@ fn fitted_diffuse_reflectance(eta: f64) -> f64 {
 
 impl PlasticBsdf {
     #[inline]
-    fn face(&self, w: DVec3) -> Interface {
+    fn face(&self, w: DVec3) -> Refraction {
         fresnel::dielectric(w.z, self.coat.eta)
     }
 }

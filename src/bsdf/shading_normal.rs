@@ -26,7 +26,7 @@ pub struct PerturbedBsdf<'a> {
     λ: &'a Wavelengths,
     /// The surface's own frame, in whose coordinates directions arrive.
     surface: Frame,
-    /// PerturbedBsdf normal, unit length, in the coordinates of `surface`.
+    /// The perturbed normal, unit length, in the coordinates of `surface`.
     normal: DVec3,
 }
 

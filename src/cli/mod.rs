@@ -239,7 +239,8 @@ fn shown(path: &Path) -> String {
 
 /// Words, quoted for a shell.
 fn quoted(words: &[String]) -> String {
-    let plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "-_./=,:".contains(c));
+    let plain =
+        |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./=,:".contains(c));
     let quote = |word: &String| {
         if plain(word) { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
     };

@@ -25,6 +25,8 @@
 //! 2⁻⁹⁶ M, which reaches a 32-bit float only if the sum lies as near as that to the border between two of
 //! them.
 
+use crate::math::function::scalbn;
+
 /// Number of bins kept.
 const LIMBS: usize = 4;
 
@@ -143,7 +145,7 @@ impl ExactSum {
         } else {
             (first << 64 | second << 32 | third | u128::from(fourth != 0), lowest_bin + 1)
         };
-        let value = libm::scalbn(magnitude as f64, BIN_BITS * bin - 1023);
+        let value = scalbn(magnitude as f64, BIN_BITS * bin - 1023);
         if negative { -value } else { value }
     }
 

@@ -9,6 +9,7 @@ use crate::bsdf::{Bsdf, Sample};
 use crate::emitter::{Choice, Gathers};
 use crate::math::Ray;
 use crate::sampler::PAIRS;
+use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::{Features, Scene};
@@ -31,9 +32,10 @@ pub struct Direct {
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
-    let both = params.count("shading_samples", 1, 1..=1024, "emitter and BSDF samples alike")?;
-    let emitter_samples = params.count("emitter_samples", both, 0..=1024, "samples of the emitters")?;
-    let bsdf_samples = params.count("bsdf_samples", both, 0..=1024, "samples of the BSDF")?;
+    const MOST: u32 = MOST_EMITTER_SAMPLES;
+    let both = params.count("shading_samples", 1, 1..=MOST, "emitter and BSDF samples alike")?;
+    let emitter_samples = params.count("emitter_samples", both, 0..=MOST, "samples of the emitters")?;
+    let bsdf_samples = params.count("bsdf_samples", both, 0..=MOST, "samples of the BSDF")?;
     let hide_emitters = params.boolean("hide_emitters", false, "emitters are not seen directly")?;
     if emitter_samples + bsdf_samples == 0 {
         return Err(params.error(

@@ -91,8 +91,9 @@ pub fn sample_emitter<B: Bsdf>(
         power_heuristic_of_three(samples.bsdf * scattered.pdf / own, light_paths(index, &light, own))
     };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
+    let on_surfaces = entry.shape.is_some() && vertex.primitive != Ray::FREE;
     let proposal = Proposal {
-        ray: if entry.shape.is_some() { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
+        ray: if on_surfaces { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
         radiance: radiance * (weight / (pdf * samples.emitter)) as f32,
         environment,
     };

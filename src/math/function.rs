@@ -5,7 +5,10 @@
 //! polynomials.
 
 use super::INV_PI;
-pub use libm::{asin, atan, atan2, cbrt, cos, cosh, expm1, log as ln, pow, sin, sincos, sinh, tan, tanh};
+pub use libm::{
+    asin, atan, atan2, cbrt, cos, cosh, expm1, hypot, ilogb, log as ln, pow, scalbn, sin, sincos, sinh, tan,
+    tanh,
+};
 
 /// The arc cosine, as twice the angle whose tangent is √((1 − x)/(1 + x)). `libm`'s own holds an SSE root, at
 /// which the processor waits for its AVX registers; see [`length`](super::length).

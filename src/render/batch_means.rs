@@ -31,6 +31,7 @@ struct Batch {
     /// Sample numbers of which it has all pixels.
     samples: u64,
     /// Sums over samples and pixels, of the first three channels.
+    #[serde(with = "super::bits")]
     sums: [f64; 3],
 }
 

@@ -11,8 +11,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LightPathNoise {
     /// Of T.
+    #[serde(with = "super::bits")]
     sum: [f64; 3],
     /// Of T² − Σₚ sₚ².
+    #[serde(with = "super::bits")]
     common: [f64; 3],
 }
 

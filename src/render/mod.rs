@@ -4,6 +4,7 @@
 //! ([`crate::film`]): nothing else here can change a pixel.
 
 pub mod batch_means;
+mod bits;
 pub mod checkpoint;
 mod error;
 pub mod light_path_noise;

@@ -58,16 +58,17 @@ impl Instances {
     /// Adds an instance of a group; returns its box and its number of primitives.
     pub fn place(&mut self, group: u32, to_world: Transform) -> ((DVec3, DVec3), u32) {
         self.placements.push((group, to_world));
-        let tree = Instance::new(self.groups[group as usize].tree.clone(), to_world);
+        let tree = self.tree(group, to_world);
         (tree.bounds(), tree.primitives())
+    }
+
+    fn tree(&self, group: u32, to_world: Transform) -> Instance {
+        Instance::new(self.groups[group as usize].tree.clone(), to_world)
     }
 
     /// The acceleration structure of each instance.
     pub fn trees(&self) -> Vec<Instance> {
-        let tree = |&(group, to_world): &(u32, Transform)| {
-            Instance::new(self.groups[group as usize].tree.clone(), to_world)
-        };
-        self.placements.iter().map(tree).collect()
+        self.placements.iter().map(|&(group, to_world)| self.tree(group, to_world)).collect()
     }
 
     /// Numbers all primitives, after `first` others.
@@ -97,9 +98,7 @@ impl Instances {
     pub fn bounds_of_groups_with(&self, wanted: impl Fn(&Shape) -> bool) -> Vec<(DVec3, DVec3)> {
         let has =
             |placement: &&(u32, Transform)| self.groups[placement.0 as usize].shapes.iter().any(&wanted);
-        let bounds = |&(group, to_world): &(u32, Transform)| {
-            Instance::new(self.groups[group as usize].tree.clone(), to_world).bounds()
-        };
+        let bounds = |&(group, to_world): &(u32, Transform)| self.tree(group, to_world).bounds();
         self.placements.iter().filter(has).map(bounds).collect()
     }
 

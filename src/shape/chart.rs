@@ -25,7 +25,7 @@ pub struct Chart {
 
 /// A point of a mesh: p₀ + u(p₁ − p₀) + v(p₂ − p₀) of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct OnTriangle {
     pub triangle: u32,
     pub corners: [u32; 3],
     pub u: f64,
@@ -77,15 +77,15 @@ impl Chart {
     }
 
     /// The point at coordinates in the chart.
-    pub fn place(&self, chart: DVec2) -> Place {
+    pub fn place(&self, chart: DVec2) -> OnTriangle {
         let triangle = (0.5 * chart.x) as u32;
         let corners = self.triangles[triangle as usize];
-        Place { triangle, corners, u: chart.x - 2.0 * f64::from(triangle), v: chart.y }
+        OnTriangle { triangle, corners, u: chart.x - 2.0 * f64::from(triangle), v: chart.y }
     }
 
     /// The texture coordinates of the file at coordinates in the chart.
     pub fn uv(&self, chart: DVec2) -> DVec2 {
-        let Place { corners, u, v, .. } = self.place(chart);
+        let OnTriangle { corners, u, v, .. } = self.place(chart);
         let Some(uvs) = &self.uvs else { return DVec2::new(u, v) };
         let [t0, t1, t2] = corners.map(|i| DVec2::from(uvs[i as usize].map(f64::from)));
         t0 + (t1 - t0) * u + (t2 - t0) * v
@@ -98,7 +98,7 @@ impl Chart {
     }
 }
 
-impl Place {
+impl OnTriangle {
     /// The weights of the corners.
     pub fn weights(&self) -> [f64; 3] {
         [(1.0 - self.u - self.v).max(0.0), self.u, self.v]

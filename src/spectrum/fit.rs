@@ -3,6 +3,7 @@
 //! The polynomial is fitted in s = (λ − 360)/470, where its three coefficients are of like size.
 
 use super::observer::{self, WAVELENGTH_MAX, WAVELENGTH_MIN};
+use crate::math::function::cbrt;
 use glam::{DMat3, DVec3};
 use std::sync::LazyLock;
 
@@ -78,7 +79,7 @@ fn lab(rgb: DVec3) -> (DVec3, DMat3) {
     let (mut f, mut slope) = (DVec3::ZERO, DVec3::ZERO);
     for (i, t) in (relative * rgb).to_array().into_iter().enumerate() {
         if t > DELTA * DELTA * DELTA {
-            f[i] = libm::cbrt(t);
+            f[i] = cbrt(t);
             slope[i] = 1.0 / (3.0 * f[i] * f[i]);
         } else {
             slope[i] = 1.0 / (3.0 * DELTA * DELTA);

@@ -4,9 +4,9 @@ use super::{AnyTexture, Lookup, Placement};
 use crate::image::Pixels;
 use crate::math::{DVec2, DVec3};
 use crate::scene::error::SceneError;
-use crate::scene::params::{Params, Usage};
+use crate::scene::params::Params;
 use crate::spectrum::upsample::{Sigmoid, Upsampler};
-use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
+use crate::spectrum::{Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Mul};
 use std::sync::Arc;
@@ -73,7 +73,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         let message = format!("texel ({x}, {y}) of {} is {values:?}", path.display());
         return Err(SceneError::at(&place.value_span, message, expected));
     }
-    let numbers = params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any);
+    let numbers = params.usage.is_numbers(params.loader.mode);
     let upsampler = (!numbers).then_some(&*params.loader.upsampler);
     let stored = params.loader.texels((path, raw, numbers), || Stored::new(&pixels, raw, upsampler));
     let (width, height) = (pixels.width, pixels.height);
@@ -234,6 +234,7 @@ mod tests {
     use super::*;
     use crate::load_text;
     use crate::math::Transform;
+    use crate::spectrum::ColorMode;
 
     /// Five by three texels of no pattern, under a map that turns and stretches.
     fn picture(nearest: bool) -> Bitmap {

@@ -3,7 +3,7 @@
 
 use crate::scene::error::{SceneError, Span};
 use crate::scene::loader::Loader;
-use crate::scene::params::{MOST, Usage, number};
+use crate::scene::params::{EXPECTED_AMOUNT, MOST, Usage, number};
 use crate::scene::spectrum::{self, Declared};
 use crate::scene::transform::numbers;
 use crate::scene::xml::{Attribute, Element};
@@ -86,9 +86,7 @@ fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
 pub fn check_range(values: &[f64], place: &Span, usage: Usage) -> Result<(), SceneError> {
     let (top, expected) = match usage {
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
-        Usage::Emission | Usage::Unbounded | Usage::Any => {
-            (MOST, "expected no negative number, and none above 1.7e38")
-        }
+        Usage::Emission | Usage::Unbounded | Usage::Any => (MOST, EXPECTED_AMOUNT),
     };
     match values.iter().find(|v| !(0.0..=top).contains(*v)) {
         None => Ok(()),
@@ -98,7 +96,7 @@ pub fn check_range(values: &[f64], place: &Span, usage: Usage) -> Result<(), Sce
 
 /// The spectrum of a linear sRGB colour, or three numbers where no colour is meant.
 pub fn from_rgb(rgb: [f64; 3], usage: Usage, loader: &Loader) -> SpectralFunction {
-    if loader.mode == ColorMode::Rgb || matches!(usage, Usage::Vector | Usage::Any) {
+    if usage.is_numbers(loader.mode) {
         return SpectralFunction::Rgb(rgb.map(|v| v as f32));
     }
     match usage {
@@ -163,7 +161,7 @@ pub fn from_table(
     let (low, high) = table.bounds();
     let (top, expected) = match usage {
         Usage::Reflectance => (1.0, "expected values from 0 to 1"),
-        _ => (MOST as f32, "expected no negative number, and none above 1.7e38"),
+        _ => (MOST as f32, EXPECTED_AMOUNT),
     };
     if low < 0.0 || high > top {
         let bad = if low < 0.0 { low } else { high };

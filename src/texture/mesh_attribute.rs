@@ -8,7 +8,7 @@ use crate::scene::xml::Attribute as Text;
 use crate::shape::Chart;
 use crate::shape::mesh_data::{Answer, Attribute};
 use crate::spectrum::upsample::{Sigmoid, Upsampler};
-use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
+use crate::spectrum::{Spectrum, Wavelengths, observer};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
     let answer = ask(&chart, name)?;
     let attribute = found(&chart, name, &answer)?;
     check_range(attribute, scale, name, params.usage)?;
-    let numbers = params.loader.mode == ColorMode::Rgb || matches!(params.usage, Usage::Vector | Usage::Any);
+    let numbers = params.usage.is_numbers(params.loader.mode);
     let (values, scalar) = match attribute.values.as_chunks().0 {
         triples if attribute.width == 3 => {
             let luminance = |rgb: &[f32; 3]| observer::luminance(rgb.map(f64::from)) as f32 * scale;
@@ -187,6 +187,7 @@ mod tests {
     use crate::load_text;
     use crate::math::Ray;
     use crate::scene::{Features, Scene};
+    use crate::spectrum::ColorMode;
     use std::fs;
 
     const MESH: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\

@@ -3,7 +3,7 @@
 use super::{AnyVolume, Voxels};
 use crate::math::{DVec3, Transform};
 use crate::scene::error::SceneError;
-use crate::scene::params::{MOST, Params, Usage};
+use crate::scene::params::{EXPECTED_AMOUNT, MOST, Params, Usage};
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths};
 use crate::texture::{Lookup, color_scale};
@@ -57,7 +57,7 @@ pub fn parse(params: &mut Params) -> Result<AnyVolume, SceneError> {
     }
     let (top, expected) = match params.usage {
         Usage::Reflectance => (1.0, "expected 0 to 1"),
-        _ => (MOST, "expected no negative number, and none above 1.7e38"),
+        _ => (MOST, EXPECTED_AMOUNT),
     };
     if let Some(i) = voxels.values.iter().position(|v| !(0.0..=top).contains(&f64::from(*v))) {
         let (cell, value) = (i / voxels.channels, voxels.values[i]);
@@ -106,6 +106,11 @@ impl Grid {
     /// Numbers of cells along x, y and z.
     pub fn resolution(&self) -> [usize; 3] {
         self.size
+    }
+
+    /// Whether the cells have one number each, for all wavelengths.
+    pub fn is_scalar(&self) -> bool {
+        matches!(self.cells, Cells::Grey(_))
     }
 
     /// The value at a point (world).

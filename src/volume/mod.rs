@@ -74,6 +74,20 @@ impl AnyVolume {
         }
     }
 
+    /// Whether the value is one number for all wavelengths.
+    pub fn is_scalar(&self) -> bool {
+        match self {
+            Self::Constant(constant) => matches!(constant.value, SpectralFunction::Uniform(_)),
+            Self::Grid(grid) => grid.is_scalar(),
+        }
+    }
+
+    /// The value at a point (world) of a volume that [is a number](Self::is_scalar).
+    #[inline]
+    pub fn eval_scalar(&self, p: DVec3) -> f64 {
+        f64::from(self.eval(p, &Wavelengths::rgb()).0[0])
+    }
+
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<&SpectralFunction> {
         match self {

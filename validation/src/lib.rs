@@ -21,6 +21,7 @@ pub mod image;
 pub mod microfacet;
 pub mod peer;
 pub mod quadrature;
+mod relative_error;
 pub mod report;
 pub mod scatterer;
 pub mod statistics;

@@ -8,6 +8,7 @@
 //! straight edge there cuts off a corner, so the corners are evaluated too, and their deviation from the
 //! extrapolation along the diagonal counts as an error of the strip beside them.
 
+use crate::statistics::worst_of;
 use std::{cmp::Ordering, collections::BinaryHeap};
 
 /// An axis-parallel rectangle.
@@ -188,7 +189,7 @@ impl<const N: usize> Part<N> {
             let doubt = area * ((seventh - fifth).abs() + strips);
             // The corners have no part in the value, which must not be finite if theirs is not.
             value[i] = if doubt.is_finite() { area * seventh } else { f64::NAN };
-            error = if doubt.is_nan() { doubt } else { error.max(doubt) };
+            error = worst_of(error, doubt);
             for (axis, fourth) in fourth.iter_mut().enumerate() {
                 let bend = near[axis][i] - 2.0 * middle[i] - (far[axis][i] - 2.0 * middle[i]) / 7.0;
                 *fourth = fourth.max(bend.abs());
@@ -238,6 +239,13 @@ mod tests {
             let exact = 1.0 / (f64::from(i + 1) * f64::from(j + 1));
             assert!((found.value - exact).abs() < 1e-14, "x^{i} y^{j}: {} is not {exact}", found.value);
         }
+    }
+
+    #[test]
+    fn what_cannot_be_integrated_beside_what_can_has_no_bound() {
+        let (_, error) =
+            integrate_all(&[UNIT], 1e-3, 1000, |[x, _]| Some([f64::INFINITY - f64::INFINITY, x]));
+        assert!(error.is_nan(), "{error}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::spectrum::Spectrum;
 
 /// All lobes at a point.
 pub struct PrincipledBsdf {
-    /// What neither this nor `clear` takes is metal, which has no sheen.
+    /// The diffuse base with its sheen. What neither it nor `clear` takes is metal.
     pub matte: Matte,
     /// Colour of the base over its luminance; 1 where nothing is tinted.
     pub hue: Spectrum,
@@ -38,7 +38,7 @@ struct Meeting {
     m: DVec3,
     /// η far / η near, from where the viewer is.
     eta: f64,
-    face: fresnel::Interface,
+    face: fresnel::Refraction,
 }
 
 impl Meeting {

@@ -15,7 +15,7 @@
 
 use super::normals::{ANYWHERE, NEAR, nearest, normal_of};
 use super::steps::{self, deal, pick};
-use crate::math::function::sin_cos_turn;
+use crate::math::function::{cos, hypot, sin, sin_cos_turn};
 use crate::math::simd::prefetch;
 use crate::math::{DVec2, DVec3, INV_PI, warp};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -117,12 +117,12 @@ impl Directions {
             importances.push(importance);
             let end = [columns.min(first.column + side[0]), rows.min(first.row + side[1])];
             let turn = (0.5 * (first.column + end[0]) as f64 + 0.5) / columns as f64;
-            let height = libm::cos(0.5 * PI * (first.row + end[1]) as f64 / rows as f64);
+            let height = cos(0.5 * PI * (first.row + end[1]) as f64 / rows as f64);
             middles.push(direction(turn, height));
         }
         let angle =
             [side[0] as f64 / columns as f64, 0.5 * side[1] as f64 / rows as f64].map(|part| PI * part);
-        let blur = 0.25 * libm::sin((NEAR + libm::hypot(angle[0], angle[1])).min(FRAC_PI_2));
+        let blur = 0.25 * sin((NEAR + hypot(angle[0], angle[1])).min(FRAC_PI_2));
         let mut directions = Self { columns, strips, shift, rows: vec![], blocks: vec![], insides, even };
         let normals = (0..ANYWHERE).map(|number| Some(normal_of(number)));
         normals.chain([None]).for_each(|n| {
@@ -301,7 +301,7 @@ fn lerp([a, b]: [f64; 2], t: f64) -> f64 {
 /// The height of a row of cells, which is 2 sin(mid) sin(half), free of cancellation, and its upper edge.
 pub fn strip(row: usize, rows: usize) -> (f64, f64) {
     let step = PI / rows as f64;
-    (2.0 * libm::sin((row as f64 + 0.5) * step) * libm::sin(0.5 * step), libm::cos(row as f64 * step))
+    (2.0 * sin((row as f64 + 0.5) * step) * sin(0.5 * step), cos(row as f64 * step))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::math::simd::prefetch;
 use crate::math::{DVec2, DVec3, INV_PI, Transform};
 use crate::pages::Pages;
 use crate::scene::error::SceneError;
-use crate::scene::params::{MOST, Params};
+use crate::scene::params::{EXPECTED_AMOUNT, MOST, Params};
 use crate::shape::require_orthogonal;
 use crate::spectrum::upsample::Sigmoid;
 use crate::spectrum::{ColorMode, Spectrum, Wavelengths, observer};
@@ -80,7 +80,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let rgb: Vec<[f32; 3]> = (0..pixels.width * pixels.height).map(|i| pixels.linear(i, false)).collect();
     if let Some(i) = rgb.iter().position(|c| c.iter().any(|v| !(0.0..=MOST).contains(&f64::from(*v)))) {
         let message = format!("the texel ({}, {}) is {:?}", i % pixels.width, i / pixels.width, rgb[i]);
-        return Err(params.error("filename", message, "expected no negative number, and none above 1.7e38"));
+        return Err(params.error("filename", message, EXPECTED_AMOUNT));
     }
     let texel = |rgb: &[f32; 3]| {
         let (scale, color) = color_scale(rgb.map(f64::from));

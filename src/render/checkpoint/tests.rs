@@ -57,6 +57,19 @@ fn a_render_goes_on_as_if_nothing_had_happened() {
     assert_eq!((report.rays, report.samples), (expected_report.rays, expected_report.samples));
 }
 
+/// Pixels hold what is not finite apart; sums over the whole image are of it as well.
+#[test]
+fn what_is_not_finite_is_no_damage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, scene) = (folder.path().join("c"), scene(1.0));
+    let settings = settings(&scene);
+    let mut partial = Partial::new(&scene, &settings);
+    partial.means.add(4, [f64::INFINITY, f64::NAN, 0.1]);
+    save(&path, &scene, &settings, &partial).expect("written");
+    let resumed = load(&path, &scene, &settings).expect("it loads");
+    assert_eq!(format!("{:?}", resumed.means), format!("{:?}", partial.means));
+}
+
 #[test]
 fn another_render_is_refused_by_what_differs() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -10,12 +10,16 @@ mod values;
 use super::error::{SceneError, Span, known};
 use super::loader::Loader;
 use super::xml::Element;
+use crate::spectrum::ColorMode;
 use std::ops::RangeInclusive;
 
 pub use values::number;
 
 /// Largest amount of light, or of anything else that becomes `f32`: `f32` holds twice as much.
 pub const MOST: f64 = 1.7e38;
+
+/// What an error says of a number that is not from 0 to [`MOST`].
+pub const EXPECTED_AMOUNT: &str = "expected no negative number, and none above 1.7e38";
 
 /// What a colour is for, which decides how Mitsuba turns it into a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,14 +38,17 @@ pub enum Usage {
 }
 
 impl Usage {
+    /// Whether three numbers are meant as they are, and no spectrum is made of them.
+    pub fn is_numbers(self, mode: ColorMode) -> bool {
+        mode == ColorMode::Rgb || matches!(self, Self::Vector | Self::Any)
+    }
+
     /// The numbers that a texture may have for this use, and how to say so.
     pub fn allowed(self) -> (RangeInclusive<f32>, &'static str) {
         const LARGEST: f32 = MOST as f32;
         match self {
             Self::Reflectance => (0.0..=1.0, "expected 0 to 1"),
-            Self::Emission | Self::Unbounded => {
-                (0.0..=LARGEST, "expected no negative number, and none above 1.7e38")
-            }
+            Self::Emission | Self::Unbounded => (0.0..=LARGEST, EXPECTED_AMOUNT),
             // A bump's height may be below zero.
             Self::Vector | Self::Any => (-LARGEST..=LARGEST, "expected finite numbers, none above 1.7e38"),
         }

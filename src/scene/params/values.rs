@@ -4,6 +4,7 @@ use super::{MOST, Params, Usage};
 use crate::math::{DVec3, Transform};
 use crate::scene::error::{SceneError, known};
 use crate::scene::xml::{Attribute, Element};
+use crate::spelling::shortened;
 use crate::texture::AnyTexture;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -287,15 +288,6 @@ impl<'d> Params<'_, 'd> {
 /// A finite number in Mitsuba's spelling.
 pub fn number(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|v| v.is_finite())
-}
-
-/// A value as an error message can quote it, even if it is a megabyte.
-fn shortened(value: &str) -> String {
-    const MOST: usize = 60;
-    match value.char_indices().nth(MOST) {
-        None => value.to_owned(),
-        Some((end, _)) => format!("{}…", &value[..end]),
-    }
 }
 
 fn bad_value(name: &str, value: &Attribute, expected: &str) -> SceneError {

@@ -81,10 +81,10 @@ impl Block for Cylinders {
         let root = discriminant.sqrt();
         let distance = dot(o_across, o_across).sqrt();
         let c = (distance - radius) * (distance + radius);
-        let receding = b.negative();
-        let q = receding.select(root - b, zero - b - root);
+        let approaching = b.negative();
+        let q = approaching.select(root - b, zero - b - root);
         let (first, second) = (q / a, c / q);
-        let (near, far) = (receding.select(second, first), receding.select(first, second));
+        let (near, far) = (approaching.select(second, first), approaching.select(first, second));
         let on_wall = |t: F64x4| {
             let z = along_o + along_d * t;
             start.below(t) & zero.at_most(z) & z.at_most(self.length)

@@ -53,7 +53,7 @@ use spheres::Spheres;
 use triangles::{Sheared, Triangles};
 use tried::Tried;
 use waiting::{Order, Waiting};
-use walk::{View, Walk};
+use walk::{Arrays, Walk};
 
 /// The leaf of a tree whose primitives are not all triangles.
 #[derive(Clone, Debug, Default)]
@@ -220,10 +220,10 @@ impl Accel {
         if self.nodes.is_empty() || O::ANY && search.found() {
             return;
         }
-        let view = View::new(self);
+        let arrays = Arrays::new(self);
         let Some(mut walk) = Walk::new(self, *search) else { return };
         let mut waiting = Waiting::<O>::new();
-        while walk.step(&view, &mut waiting) {}
+        while walk.step(&arrays, &mut waiting) {}
         *search = walk.search;
     }
 

@@ -1,7 +1,7 @@
 //! Nodes with eight children.
 
 use super::space::LocalRay;
-use super::walk::View;
+use super::walk::Arrays;
 use crate::math::simd::{F32x8, prefetch};
 use bytemuck::{Pod, Zeroable};
 
@@ -36,11 +36,11 @@ impl NodeRef {
 
     /// Prefetches what this leads to.
     #[inline(always)]
-    pub fn prefetch(self, view: &View) {
+    pub fn prefetch(self, arrays: &Arrays) {
         if let Some(index) = self.as_node() {
-            prefetch(view.nodes, index);
+            prefetch(arrays.nodes, index);
         } else if let Leaf::Triangles(index) = self.leaf() {
-            prefetch(view.triangles, index);
+            prefetch(arrays.triangles, index);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The coordinates of the boxes: what the tree holds, moved and scaled by a power of two into the unit cube.
 
 use crate::math::bounds::half_extent;
+use crate::math::function::{ilogb, scalbn};
 use crate::math::{Bounds, DVec3, Ray};
 
 /// Boxes are widened by this fraction of what the tree holds. It covers the error of a ray that is rounded to `f32` in
@@ -43,9 +44,9 @@ impl Space {
     pub fn new(bounds: Bounds, scene: f64) -> Self {
         let centre = 0.5 * bounds.0 + 0.5 * bounds.1;
         let extent = half_extent(bounds).max(scene / FAR);
-        let exponent = if extent > 0.0 { libm::ilogb(extent) + 1 } else { 0 };
+        let exponent = if extent > 0.0 { ilogb(extent) + 1 } else { 0 };
         // Scenes at the very ends of the exponent range keep a finite scale.
-        Self { centre, scale: libm::scalbn(1.0, -exponent.clamp(-1000, 1000)) }
+        Self { centre, scale: scalbn(1.0, -exponent.clamp(-1000, 1000)) }
     }
 
     /// Length of the world's unit in unit coordinates.

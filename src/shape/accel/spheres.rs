@@ -71,10 +71,10 @@ impl Block for Spheres {
         let root = discriminant.sqrt();
         let distance = dot(o, o).sqrt();
         let c = (distance - self.radius) * (distance + self.radius);
-        let receding = b.negative();
-        let q = receding.select(root - b, -b - root);
+        let approaching = b.negative();
+        let q = approaching.select(root - b, -b - root);
         let other = c / q;
-        let (near, far) = (receding.select(other, q), receding.select(q, other));
+        let (near, far) = (approaching.select(other, q), approaching.select(q, other));
         let t = start.below(near).select(near, far);
         let t = from.select(F64x4::splat(-2.0) * b, t);
         Some(Crossing::plain(t, self.primitives, met))

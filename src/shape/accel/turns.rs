@@ -8,7 +8,7 @@
 
 use super::node::Node;
 use super::waiting::{Order, Waiting};
-use super::walk::{View, Walk};
+use super::walk::{Arrays, Walk};
 use super::{Accel, Search};
 use crate::math::Ray;
 use crate::shape::Hit;
@@ -50,7 +50,7 @@ impl Accel {
         searches: &[Search],
         mut report: impl FnMut(usize, Option<Hit>),
     ) {
-        let view = View::new(self);
+        let arrays = Arrays::new(self);
         let mut coming = searches.iter().enumerate();
         let mut begin = |report: &mut dyn FnMut(usize, Option<Hit>)| {
             coming.by_ref().find_map(|(number, search)| {
@@ -68,8 +68,8 @@ impl Accel {
         while walking > 0 {
             for (slot, waiting) in walks.iter_mut().zip(&mut waiting) {
                 let Some((number, walk)) = slot else { continue };
-                if walk.step(&view, waiting) {
-                    walk.prefetch(&view);
+                if walk.step(&arrays, waiting) {
+                    walk.prefetch(&arrays);
                 } else {
                     report(*number, walk.search.hit());
                     waiting.clear();

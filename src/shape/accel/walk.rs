@@ -7,13 +7,13 @@ use super::waiting::{Order, Waiting};
 use super::{Accel, Search};
 
 /// The arrays that a walk visits.
-pub struct View<'a> {
+pub struct Arrays<'a> {
     pub nodes: &'a [Node],
     pub triangles: &'a [Triangles],
     accel: &'a Accel,
 }
 
-impl<'a> View<'a> {
+impl<'a> Arrays<'a> {
     #[inline(always)]
     pub fn new(accel: &'a Accel) -> Self {
         Self { nodes: &accel.nodes, triangles: &accel.triangles, accel }
@@ -43,28 +43,28 @@ impl<'a> Walk<'a> {
 
     /// Prefetches the next node or leaf.
     #[inline(always)]
-    pub fn prefetch(&self, view: &View) {
-        self.next.prefetch(view);
+    pub fn prefetch(&self, arrays: &Arrays) {
+        self.next.prefetch(arrays);
     }
 
     /// Visits one node or leaf; returns false when the traversal is over.
     #[inline(always)]
-    pub fn step<O: Order>(&mut self, view: &View, waiting: &mut Waiting<O>) -> bool {
+    pub fn step<O: Order>(&mut self, arrays: &Arrays, waiting: &mut Waiting<O>) -> bool {
         let best = self.search.best.t;
         if let Some(index) = self.next.as_node() {
-            let node = &view.nodes[index];
+            let node = &arrays.nodes[index];
             let (hits, entries) = node.intersect(&self.local);
             if hits != 0 {
-                let coming = |child: NodeRef| child.prefetch(view);
+                let coming = |child: NodeRef| child.prefetch(arrays);
                 self.next = O::enter(waiting, &mut self.waiting, hits, entries, &node.children, coming);
                 return true;
             }
         } else {
             match self.next.leaf() {
-                Leaf::Triangles(index) => view.triangles[index].intersect(&self.sheared, &mut self.search),
+                Leaf::Triangles(index) => arrays.triangles[index].intersect(&self.sheared, &mut self.search),
                 Leaf::Mixed(index) => {
-                    let mixed = &view.accel.mixed[index];
-                    view.accel.intersect_mixed::<O>(mixed, &self.sheared, &mut self.search);
+                    let mixed = &arrays.accel.mixed[index];
+                    arrays.accel.intersect_mixed::<O>(mixed, &self.sheared, &mut self.search);
                 }
             }
         }
@@ -72,7 +72,7 @@ impl<'a> Walk<'a> {
             return false;
         }
         if self.search.best.t < best {
-            self.local.shorten(&view.accel.space, self.search.best.t);
+            self.local.shorten(&arrays.accel.space, self.search.best.t);
         }
         match waiting.pop(&mut self.waiting, self.local.limit) {
             Some(node) => {

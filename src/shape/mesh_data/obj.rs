@@ -3,6 +3,7 @@
 //! Read are `v`, `vt`, `vn` and `f`; all else (groups, materials, lines, curves) is passed over.
 
 use super::{MeshData, MeshError, read_bytes, vertex_number};
+use crate::spelling::shortened;
 use std::{collections::HashMap, path::Path};
 
 /// Reads an OBJ mesh, with polygons cut into fans of triangles (right for convex ones).
@@ -249,7 +250,8 @@ fn integer(digits: &[u8]) -> Option<i64> {
 
 /// The beginning of a word, fit for an error message.
 fn quoted(word: &[u8]) -> String {
-    String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned()
+    const MOST: usize = 256;
+    shortened(&String::from_utf8_lossy(&word[..word.len().min(MOST)]))
 }
 
 #[cfg(test)]

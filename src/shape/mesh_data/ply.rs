@@ -77,17 +77,25 @@ const UV: [[&str; 2]; 3] = [["u", "v"], ["texture_u", "texture_v"], ["s", "t"]];
 /// Where a vertex's numbers are gathered: x y z, nx ny nz, u v.
 const SLOTS: usize = 8;
 
-fn read_vertices(element: &Element, values: &mut impl Values, mesh: &mut MeshData) -> Result<(), MeshError> {
+/// Where the properties of vertices go.
+struct Columns {
+    /// The slot of each property that is used.
+    slots: Vec<Option<usize>>,
+    normals: bool,
+    uvs: bool,
+}
+
+fn columns_of(element: &Element) -> Result<Columns, MeshError> {
     let has = |name: &&str| -> bool {
         element.properties.iter().any(|property| property.name == *name && property.length.is_none())
     };
     if !POSITION.iter().all(has) {
         return Err(MeshError::file("the element `vertex` has no `x`, `y` and `z`"));
     }
-    let has_normals = NORMAL.iter().all(has);
+    let normals = NORMAL.iter().all(has);
     let uv_names = UV.iter().find(|names| names.iter().all(has));
     let mut names: Vec<(&str, usize)> = POSITION.into_iter().zip(0..).collect();
-    names.extend(NORMAL.into_iter().zip(3..).filter(|_| has_normals));
+    names.extend(NORMAL.into_iter().zip(3..).filter(|_| normals));
     names.extend(uv_names.into_iter().flatten().copied().zip(6..));
 
     let mut slots = Vec::with_capacity(element.properties.len());
@@ -101,11 +109,15 @@ fn read_vertices(element: &Element, values: &mut impl Values, mesh: &mut MeshDat
         }
         slots.push(slot);
     }
+    Ok(Columns { slots, normals, uvs: uv_names.is_some() })
+}
 
+fn read_vertices(element: &Element, values: &mut impl Values, mesh: &mut MeshData) -> Result<(), MeshError> {
+    let Columns { slots, normals: has_normals, uvs: has_uvs } = columns_of(element)?;
     let count = element.count as usize;
     mesh.positions.reserve_exact(count);
     let mut normals = Vec::with_capacity(if has_normals { count } else { 0 });
-    let mut uvs = Vec::with_capacity(if uv_names.is_some() { count } else { 0 });
+    let mut uvs = Vec::with_capacity(if has_uvs { count } else { 0 });
     let plain =
         element.properties.iter().all(|property| property.kind == Scalar::F32 && property.length.is_none());
     let mut numbers = vec![0.0; if plain { slots.len() } else { 0 }];
@@ -131,12 +143,12 @@ fn read_vertices(element: &Element, values: &mut impl Values, mesh: &mut MeshDat
         if has_normals {
             normals.push([nx, ny, nz]);
         }
-        if uv_names.is_some() {
+        if has_uvs {
             uvs.push([u, v]);
         }
     }
     mesh.normals = has_normals.then_some(normals);
-    mesh.uvs = uv_names.is_some().then_some(uvs);
+    mesh.uvs = has_uvs.then_some(uvs);
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! A mesh made by code, for pictures and timings that need fine detail and no file.
 
 use super::MeshData;
+use crate::math::function::sincos;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -87,7 +88,7 @@ fn spiral(count: u32) -> Vec<[f64; 3]> {
     let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
     let point = |index: u32| {
         let y = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(count);
-        let (sine, cosine) = libm::sincos(golden_angle * f64::from(index));
+        let (sine, cosine) = sincos(golden_angle * f64::from(index));
         let radius = (1.0 - y * y).sqrt();
         [radius * cosine, y, radius * sine]
     };

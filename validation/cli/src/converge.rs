@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 use validation::Verdict;
 use validation::converge::page::show;
-use validation::converge::{Interval, Ratio, page};
+use validation::converge::{Measured, Ratio, page};
 use validation::html::escape;
 use validation::report::to_json;
 
@@ -210,8 +210,8 @@ fn about(line: &Line) -> Vec<String> {
     let Line { renderer, mean_of, .. } = line;
     let slope = line.trimmed.as_ref().and_then(|curve| curve.slope);
     let slope = slope.map(|s| format!("{renderer}: slope {:.3} [{:.3}, {:.3}]", s.value, s.low, s.high));
-    let times = |what: &str, than: &str, found: Option<Interval>| {
-        let Interval { value, low, high } = found?;
+    let times = |what: &str, than: &str, found: Option<Measured>| {
+        let Measured { value, low, high } = found?;
         Some(format!("{what}: {value:.4} [{low:.4}, {high:.4}] times as bright as {than}"))
     };
     let pictures = times(renderer, &format!("{mean_of}'s mean"), line.brightness);

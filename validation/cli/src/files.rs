@@ -1,6 +1,8 @@
-//! Files that are read; their errors begin with the path.
+//! Files that are read, and records that grow line by line; errors begin with the path.
 
 use serde::de::DeserializeOwned;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// The text of a file.
@@ -18,9 +20,35 @@ pub fn toml<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
     toml::from_str(&text(path)?).map_err(|e| format!("{}: {e}", path.display()))
 }
 
+/// Appends lines to a file, on a new line if an interruption has left an unfinished one.
+pub fn append(path: &Path, lines: &str) -> Result<(), String> {
+    let append = || -> io::Result<()> {
+        let mut file = File::options().create(true).read(true).append(true).open(path)?;
+        let mut last = [b'\n'];
+        if file.metadata()?.len() > 0 {
+            file.seek(SeekFrom::End(-1))?;
+            file.read_exact(&mut last)?;
+        }
+        let whole = if last == [b'\n'] { "" } else { "\n" };
+        file.write_all(format!("{whole}{lines}\n").as_bytes())
+    };
+    append().map_err(|e| format!("{}: {e}", path.display()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_torn_line_takes_no_other_with_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.jsonl");
+        append(&path, "one").unwrap();
+        std::fs::write(&path, "one\ntw").unwrap();
+        append(&path, "two").unwrap();
+        append(&path, "three").unwrap();
+        assert_eq!(text(&path).unwrap(), "one\ntw\ntwo\nthree\n");
+    }
 
     #[test]
     fn errors_name_the_file() {

@@ -3,9 +3,8 @@
 //! Three conditions: the mean sample weight outside delta lobes equals ∫ f |cos θ| dω by quadrature; the
 //! albedo, delta lobes included, is at most 1, by the samples and by the integral with the samples of delta
 //! lobes; and it is 1 if the model claims to be lossless, but below the surface of one that has no light
-//! there at all and does not refract. Weights count
-//! as flux (η² taken out), to which energy conservation applies. Blind to errors that value and sample share
-//! and that keep the albedo.
+//! there at all and does not refract. Weights count as flux (η² taken out), to which energy conservation
+//! applies. Blind to errors that value and sample share and that keep the albedo.
 
 use super::{BLURRED, Check, Effort, always, draw, partition::Partition, pilot};
 use crate::{

@@ -12,7 +12,7 @@
 
 use serde::Serialize;
 
-use super::curve::{Interval, Rung};
+use super::curve::{Measured, Rung};
 use crate::statistics::distributions::{student_quantile, student_two_sided};
 use crate::statistics::{Estimate, Welch};
 
@@ -20,7 +20,7 @@ use crate::statistics::{Estimate, Welch};
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Ratio {
     /// The ratio with its 95 % interval; above 1 if A is more efficient.
-    pub ratio: Interval,
+    pub ratio: Measured,
     /// p-value of the hypothesis that both are equally efficient.
     pub p_value: f64,
     /// Whether the hypothesis is rejected at the level of 0.5 %.
@@ -61,9 +61,9 @@ pub fn ratio(a: &[Rung], b: &[Rung], same_reference: bool) -> Option<Ratio> {
     } else {
         f64::from(estimate.mean == 0.0)
     };
-    let Interval { value, low, high } = student(&estimate);
+    let Measured { value, low, high } = student(&estimate);
     let [value, low, high] = [value, low, high].map(libm::exp);
-    Some(Ratio { ratio: Interval { value, low, high }, p_value, different: p_value <= LEVEL })
+    Some(Ratio { ratio: Measured { value, low, high }, p_value, different: p_value <= LEVEL })
 }
 
 /// The mean of log(error) over seeds and rungs against each reference that lacks a picture.
@@ -92,13 +92,13 @@ fn beside(estimate: Estimate, values: &[f64]) -> Estimate {
 }
 
 /// The mean of independent values with Student's interval; `None` for fewer than two.
-pub fn mean(values: &[f64]) -> Option<Interval> {
+pub fn mean(values: &[f64]) -> Option<Measured> {
     (values.len() > 1).then(|| student(&Estimate::of(values.iter().copied())))
 }
 
 /// The ratio of the means of two groups of independent positive values, with Welch's interval of their
 /// logarithms; `None` for fewer than two values of either, or one that is not positive.
-pub fn ratio_of_means(a: &[f64], b: &[f64]) -> Option<Interval> {
+pub fn ratio_of_means(a: &[f64], b: &[f64]) -> Option<Measured> {
     if a.len() < 2 || b.len() < 2 || !a.iter().chain(b).all(|v| *v > 0.0) {
         return None;
     }
@@ -106,12 +106,12 @@ pub fn ratio_of_means(a: &[f64], b: &[f64]) -> Option<Interval> {
     let welch = Welch::new(under, over);
     let half = welch.half_width(0.05);
     let [value, low, high] = [0.0, -half, half].map(|by| libm::exp(welch.difference + by));
-    Some(Interval { value, low, high })
+    Some(Measured { value, low, high })
 }
 
-fn student(estimate: &Estimate) -> Interval {
+fn student(estimate: &Estimate) -> Measured {
     let half = student_quantile(0.05, estimate.degrees) * estimate.variance.sqrt();
-    Interval { value: estimate.mean, low: estimate.mean - half, high: estimate.mean + half }
+    Measured { value: estimate.mean, low: estimate.mean - half, high: estimate.mean + half }
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ const ENOUGH: usize = 8;
 
 /// A value with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Interval {
+pub struct Measured {
     pub value: f64,
     pub low: f64,
     pub high: f64,
@@ -43,16 +43,16 @@ pub struct Rung {
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
     /// Mean error of each rung.
-    pub errors: Vec<Interval>,
+    pub errors: Vec<Measured>,
     /// Mean seconds of each rung.
-    pub seconds: Vec<Interval>,
+    pub seconds: Vec<Measured>,
     /// Geometric mean over rungs of 1 / (error · seconds): larger is better.
-    pub efficiency: Interval,
+    pub efficiency: Measured,
     /// d log error / d log n by least squares; −1 for independent samples. That is the slope against seconds, but
     /// for those that do not depend on n.
-    pub slope: Option<Interval>,
+    pub slope: Option<Measured>,
     /// Seconds to reach each error of [`TARGETS`], from the line fitted for the slope and from t(n).
-    pub seconds_to: Vec<Option<Interval>>,
+    pub seconds_to: Vec<Option<Measured>>,
 }
 
 /// The errors for which times are estimated.
@@ -101,7 +101,7 @@ enum Sign {
 }
 
 /// A statistic of all seeds, with the expanded percentile interval of its resamplings.
-fn interval(statistic: impl Fn(&[usize]) -> f64, sign: Sign, count: usize, draws: &[Vec<usize>]) -> Interval {
+fn interval(statistic: impl Fn(&[usize]) -> f64, sign: Sign, count: usize, draws: &[Vec<usize>]) -> Measured {
     let all: Vec<usize> = (0..count).collect();
     if count < ENOUGH {
         return jackknife(statistic, sign, &all);
@@ -115,13 +115,13 @@ fn interval(statistic: impl Fn(&[usize]) -> f64, sign: Sign, count: usize, draws
     let reach = student_quantile(0.05, number - 1.0) * (number / (number - 1.0)).sqrt();
     let tail = 0.5 * normal_two_sided(reach);
     let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
-    Interval { value: statistic(&all), low: at(tail), high: at(1.0 - tail) }
+    Measured { value: statistic(&all), low: at(tail), high: at(1.0 - tail) }
 }
 
 /// A statistic of all seeds with Student's interval. Its standard error is (n − 1)/√n times the standard
 /// deviation of the statistic with one seed left out. Positive statistics are transformed to logarithms, so
 /// that their intervals are positive.
-fn jackknife(statistic: impl Fn(&[usize]) -> f64, sign: Sign, all: &[usize]) -> Interval {
+fn jackknife(statistic: impl Fn(&[usize]) -> f64, sign: Sign, all: &[usize]) -> Measured {
     let others = |i: &usize| all.iter().copied().filter(|other| other != i).collect::<Vec<_>>();
     let mut without: Vec<f64> = all.iter().map(|i| statistic(&others(i))).collect();
     let value = statistic(all);
@@ -133,8 +133,8 @@ fn jackknife(statistic: impl Fn(&[usize]) -> f64, sign: Sign, all: &[usize]) -> 
     let degrees = all.len() as f64 - 1.0;
     let half = student_quantile(0.05, degrees) * degrees * Estimate::of(without).variance.sqrt();
     match positive {
-        true => Interval { value, low: value * libm::exp(-half), high: value * libm::exp(half) },
-        false => Interval { value, low: value - half, high: value + half },
+        true => Measured { value, low: value * libm::exp(-half), high: value * libm::exp(half) },
+        false => Measured { value, low: value - half, high: value + half },
     }
 }
 
@@ -251,7 +251,7 @@ mod tests {
                     Rung { samples, errors, seconds: vec![f64::from(samples); seeds], ..Rung::default() }
                 };
                 let rungs = [rung(4), rung(16), rung(64)];
-                let Interval { low, high, .. } = curve(&rungs, trial).unwrap().slope.unwrap();
+                let Measured { low, high, .. } = curve(&rungs, trial).unwrap().slope.unwrap();
                 low < 0.0 && 0.0 < high
             };
             let share = (0..TRIALS).filter(|trial| holds(*trial)).count() as f64 / TRIALS as f64;
@@ -267,7 +267,7 @@ mod tests {
             let mut holds = |trial: u64| {
                 let errors = (0..seeds).map(|_| 1.0 + 0.1 * stream.normal()).collect();
                 let rung = Rung { samples: 1, errors, seconds: vec![1.0; seeds], ..Rung::default() };
-                let Interval { low, high, .. } = curve(&[rung], trial).unwrap().errors[0];
+                let Measured { low, high, .. } = curve(&[rung], trial).unwrap().errors[0];
                 low < 1.0 && 1.0 < high
             };
             let share = (0..TRIALS).filter(|trial| holds(*trial)).count() as f64 / TRIALS as f64;

@@ -5,6 +5,7 @@
 //! value by value. relMSE divides by m̂² + ε² with ε one per cent of the picture's mean, the same for every
 //! picture of a renderer.
 
+use crate::relative_error::{SOFTENING, trimmed_mean};
 use serde::{Deserialize, Serialize};
 
 /// A picture: all channels of all pixels in a fixed order.
@@ -30,12 +31,6 @@ pub struct Errors {
     /// The mean of all values over the reference's mean.
     pub brightness: f64,
 }
-
-/// The share of values, those with the largest errors, that the trimmed mean leaves out.
-const TRIM: f64 = 1e-3;
-
-/// The share ε of the picture's mean that is added in quadrature to the reference in denominators.
-const DARK: f64 = 0.01;
 
 /// The mean of at least two pictures of one size, and its variance; `None` otherwise.
 pub fn reference(pictures: &[Picture]) -> Option<Reference> {
@@ -71,15 +66,13 @@ pub fn errors(picture: &Picture, reference: &Reference) -> Option<Errors> {
     let dark = reference.dark();
     let values = || picture.iter().zip(&reference.mean).zip(&reference.variance);
     let square = |x: &f64, m: &f64| (x - m) * (x - m);
-    let mut relative: Vec<f64> =
+    let relative: Vec<f64> =
         values().map(|((x, m), variance)| (square(x, m) - variance) / (m * m + dark)).collect();
-    relative.sort_by(f64::total_cmp);
     let mut plain = relative_squares(picture, reference);
     plain.sort_by(f64::total_cmp);
-    let kept = relative.len() - (TRIM * count).ceil() as usize;
     Some(Errors {
         relative_mse: relative.iter().sum::<f64>() / count,
-        trimmed: relative[..kept].iter().sum::<f64>() / kept.max(1) as f64,
+        trimmed: trimmed_mean(relative),
         median: plain[plain.len() / 2],
         mse: values().map(|((x, m), variance)| square(x, m) - variance).sum::<f64>() / count,
         brightness: picture.iter().sum::<f64>() / reference.mean.iter().sum::<f64>(),
@@ -96,7 +89,7 @@ pub fn relative_squares(picture: &Picture, reference: &Reference) -> Vec<f64> {
 impl Reference {
     /// ε², which is added to the squares of the reference's values in denominators.
     fn dark(&self) -> f64 {
-        let dark = DARK * self.mean.iter().sum::<f64>() / self.mean.len() as f64;
+        let dark = SOFTENING * self.mean.iter().sum::<f64>() / self.mean.len() as f64;
         dark * dark
     }
 }

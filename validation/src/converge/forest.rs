@@ -1,6 +1,6 @@
 //! A forest plot of one renderer's efficiency relative to others, a row for each scene, as a standalone SVG.
 
-use super::Interval;
+use super::Measured;
 use super::axis::{Axis, number};
 use super::page::figures;
 use super::plot::COLOURS;
@@ -16,7 +16,7 @@ pub struct Row<'a> {
 /// A ratio in a row.
 pub struct Mark {
     /// The other renderers' error over this one's, at equal time.
-    pub ratio: Option<Interval>,
+    pub ratio: Option<Measured>,
     /// The ratio that is aimed at.
     pub aim: f64,
 }
@@ -112,8 +112,8 @@ mod tests {
 
     #[test]
     fn every_row_has_its_marks_and_names_are_escaped() {
-        let at = |value: f64| Some(Interval { value, low: 0.0, high: 2.0 * value });
-        let mark = |ratio: Option<Interval>| Mark { ratio, aim: 3.0 };
+        let at = |value: f64| Some(Measured { value, low: 0.0, high: 2.0 * value });
+        let mark = |ratio: Option<Measured>| Mark { ratio, aim: 3.0 };
         let rows = [
             Row { name: "<pool>", marks: vec![mark(at(28.0)), mark(at(0.1))] },
             Row { name: "ring", marks: vec![mark(at(10.0)), mark(None)] },

@@ -17,5 +17,5 @@ pub mod page;
 pub mod plot;
 
 pub use compare::{Ratio, mean, ratio, ratio_of_means};
-pub use curve::{Curve, Interval, Rung, curve};
+pub use curve::{Curve, Measured, Rung, curve};
 pub use error::{Errors, Picture, Reference, errors, reference, relative_squares, without_each};

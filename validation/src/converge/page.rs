@@ -2,7 +2,7 @@
 //! from a network.
 
 use super::plot::{legend, plot};
-use super::{Curve, Interval, Ratio};
+use super::{Curve, Measured, Ratio};
 use crate::html::escape;
 
 /// A renderer's curves, and the ratios of the first renderer's efficiency to its own.
@@ -17,9 +17,9 @@ pub struct Line<'a> {
     /// The renderer whose converged mean is the reference.
     pub mean_of: &'a str,
     /// Mean of the pictures over that of the reference.
-    pub brightness: Option<Interval>,
+    pub brightness: Option<Measured>,
     /// The converged mean over that of the first renderer.
-    pub mean_over_first: Option<Interval>,
+    pub mean_over_first: Option<Measured>,
     /// Mean start-up in seconds.
     pub startup: Option<f64>,
 }
@@ -53,7 +53,7 @@ pub fn curves(lines: &[Line]) -> String {
     let names: Vec<&str> = lines.iter().map(|l| l.name).collect();
     let mut rows = String::new();
     for line in lines {
-        let optional = |i: Option<Interval>| i.map_or("–".into(), show);
+        let optional = |i: Option<Measured>| i.map_or("–".into(), show);
         let ratio = |r: Option<&Ratio>| {
             r.map_or("–".to_string(), |r| {
                 format!("{}{}", show(r.ratio), if r.different { "" } else { " (not told apart)" })
@@ -107,7 +107,7 @@ pub fn row(cells: &[String]) -> String {
 }
 
 /// A value with its interval.
-pub fn show(i: Interval) -> String {
+pub fn show(i: Measured) -> String {
     format!("{} [{}, {}]", figures(i.value), figures(i.low), figures(i.high))
 }
 

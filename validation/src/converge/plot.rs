@@ -1,7 +1,7 @@
 //! Error against seconds on logarithmic axes, as SVG with a legend of text beside it.
 
 use super::axis::{Axis, number};
-use super::{Curve, Interval};
+use super::{Curve, Measured};
 use crate::html::escape;
 
 /// Okabe and Ito's palette, which is distinguishable to colour-blind readers; black and yellow are left out
@@ -53,7 +53,7 @@ pub fn plot(curves: &[(&str, &Curve)], label: &str) -> String {
     }
     for (i, (_, curve)) in curves.iter().enumerate().rev() {
         let (colour, dash, width) = look(i);
-        let points = |which: fn(&Interval) -> f64| -> Vec<String> {
+        let points = |which: fn(&Measured) -> f64| -> Vec<String> {
             let pairs = curve.seconds.iter().zip(&curve.errors);
             pairs.map(|(s, e)| format!("{:.1},{:.1}", x(s.value), y(which(e)))).collect()
         };
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn an_error_below_zero_stays_on_the_plot() {
-        let at = |value: f64| Interval { value, low: -value, high: 2.0 * value };
+        let at = |value: f64| Measured { value, low: -value, high: 2.0 * value };
         let curve = Curve {
             errors: vec![at(0.1), at(0.01)],
             seconds: vec![at(1.0), at(10.0)],

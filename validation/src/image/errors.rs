@@ -4,14 +4,7 @@ use serde::Serialize;
 
 use super::pair::Pair;
 use super::similarity::similarity;
-
-/// Share of the largest squared errors that the trimmed mean leaves out, as is common to keep fireflies from
-/// dominating.
-const TRIM: f64 = 0.001;
-
-/// Part of the reference's mean that is added in denominators. Usual definitions add an absolute 0.01, which
-/// makes the metric depend on the unit of radiance; this one does not.
-const SOFTENING: f64 = 0.01;
+use crate::relative_error::{SOFTENING, trimmed_mean};
 
 /// Errors of b against a over pixels where both are finite. All are means over pixels.
 #[derive(Clone, Debug, Serialize)]
@@ -44,16 +37,13 @@ pub(super) fn errors(pair: &Pair) -> Errors {
     let square = |value: f64| value * value;
     let relative =
         |pixel: super::pair::Pixel| quotient(square(pixel.difference()), square(pixel.a) + square(soft));
-    let mut sorted: Vec<f64> = pixels().map(relative).collect();
-    sorted.sort_by(f64::total_cmp);
-    let kept = sorted.len() - (TRIM * count).ceil() as usize;
     let variance = mean(&|pixel| pixel.variance());
     Errors {
         bias: mean(&|pixel| pixel.difference()),
         mse: mean(&|pixel| square(pixel.difference())),
         expected_mse: if variance.is_finite() { variance } else { f64::NAN },
         relative_mse: mean(&relative),
-        relative_mse_trimmed: sorted[..kept].iter().sum::<f64>() / kept as f64,
+        relative_mse_trimmed: trimmed_mean(pixels().map(relative).collect()),
         mape: mean(&|pixel| quotient(pixel.difference().abs(), pixel.a.abs() + soft)),
         ssim: similarity(pair),
     }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{
     Settings,
+    correlation::Correlation,
     mean::{NoiseOf, Side, Sums},
     pair::Pair,
 };
@@ -164,6 +165,13 @@ pub(super) fn compare(
     summarise(tiles, pairs, size, each, settings)
 }
 
+/// The comparison of the means of a tile's pixels.
+fn welch(sums: &Sums, noise: NoiseOf) -> Welch {
+    let (a, b) = informed(sums.a, sums.b, noise.ratio);
+    let estimate = |side: Side| side.estimate(sums.count, noise.shared);
+    Welch::new(estimate(a), estimate(b))
+}
+
 fn test(
     raw: &Raw,
     channel: &str,
@@ -174,9 +182,7 @@ fn test(
     settings: &Settings,
 ) -> Tile {
     let Sums { count, a, b } = raw.sums;
-    let (a_informed, b_informed) = informed(a, b, noise.ratio);
-    let estimate = |side: Side| side.estimate(count, noise.shared);
-    let welch = Welch::new(estimate(a_informed), estimate(b_informed));
+    let welch = welch(&raw.sums, noise);
     let scale = image.max((a.mean + b.mean).abs() / (2.0 * count));
     let p_value = welch.p_value();
     let room = Interval::around(welch.difference, welch.half_width(settings.level));
@@ -236,11 +242,12 @@ fn summarise(
     }
 }
 
-/// Welch's z of each tile of `pair`, in row-major order, for drawing.
+/// Welch's z of each tile of `pair`, in row-major order, for drawing; NaN of one without any pixel to test.
 pub(super) fn scores(pair: &Pair, size: usize) -> Vec<f64> {
     let cut = cut(pair, size);
-    let noise = NoiseOf { ratio: noise_ratio(&cut, pair), shared: 1.0 };
-    cut.iter().map(|raw| test(raw, pair.name, size, 0.0, noise, 0.01, &Settings::default()).z).collect()
+    let ratio = noise_ratio(&cut, pair);
+    let noise = NoiseOf { ratio, shared: Correlation::of(pair, ratio).shared_noise() };
+    cut.iter().map(|raw| welch(&raw.sums, noise).statistic()).collect()
 }
 
 #[cfg(test)]

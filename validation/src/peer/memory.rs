@@ -57,7 +57,7 @@ struct Answers {
     draws: Known<Option<Sample>>,
     unknown_pairs: Vec<[DVec3; 2]>,
     unknown_draws: Vec<Draw>,
-    /// Number of placeholders so far.
+    /// Number of values and densities that placeholders have stood for so far.
     unanswered: usize,
 }
 

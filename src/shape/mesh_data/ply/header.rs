@@ -1,6 +1,7 @@
 //! The header of a PLY file: lines of text that name the elements, their counts and their properties.
 
 use super::super::MeshError;
+use crate::spelling::shortened;
 
 /// How the body stores its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,11 +149,6 @@ fn property(words: &[&str]) -> Result<Property, String> {
         [kind, name] => Ok(Property { name: (*name).into(), kind: scalar(kind)?, length: None }),
         _ => Err("a property reads `property TYPE NAME` or `property list TYPE TYPE NAME`".into()),
     }
-}
-
-/// A line as an error message can quote it, even if the file is one line of a gigabyte.
-fn shortened(line: &str) -> String {
-    line.trim_end().chars().take(60).collect()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::super::{MeshError, Place};
 use super::header::{Element, Scalar};
+use crate::spelling::shortened;
 
 /// A body that is read from its beginning to its end.
 pub(super) trait Values {
@@ -188,7 +189,7 @@ impl<'a> Ascii<'a> {
     }
 
     fn not_a_number(&self, word: &str, what: &str) -> MeshError {
-        self.error(format!("`{}` is not {what}", word.chars().take(40).collect::<String>()))
+        self.error(format!("`{}` is not {what}", shortened(word)))
     }
 }
 

@@ -5,12 +5,11 @@
 pub mod command;
 
 use crate::crew::ask_all;
+use crate::files;
 use crate::provenance::Provenance;
 use crate::trial::Trial;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 use validation::checks::Effort;
@@ -40,7 +39,7 @@ enum Line {
     /// A run of the suite.
     Run {
         run: u64,
-        /// None if the run was not of the whole suite.
+        /// How many there were; 0 if the run was not of the whole suite.
         trials: usize,
         samples: usize,
         /// The outcomes that were called different, with the reason.
@@ -111,18 +110,13 @@ fn p_value(outcome: &Outcome, number: u64) -> Option<Line> {
 }
 
 fn write(path: &Path, lines: impl Iterator<Item = Line>) -> Result<(), String> {
-    let told = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
-    let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(|e| told(&e))?;
-    let mut text = String::new();
-    for line in lines {
-        text += &serde_json::to_string(&line).map_err(|e| told(&e))?;
-        text.push('\n');
-    }
-    file.write_all(text.as_bytes()).map_err(|e| told(&e))
+    let lines: Result<Vec<String>, _> = lines.map(|line| serde_json::to_string(&line)).collect();
+    let lines = lines.map_err(|e| format!("{}: {e}", path.display()))?;
+    if lines.is_empty() { Ok(()) } else { files::append(path, &lines.join("\n")) }
 }
 
 fn read(path: &Path) -> Result<Vec<Line>, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let text = files::text(path)?;
     let wrong = |number: usize| format!("{}:{}: expected a p-value or a run", path.display(), number + 1);
     text.lines().enumerate().map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
 }

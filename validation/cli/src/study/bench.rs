@@ -8,9 +8,7 @@
 //! - `pictures/`: the pictures of the longest rung of the first seed.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -127,48 +125,47 @@ impl Bench<'_> {
                         continue;
                     }
                     progress(&format!("{name}: seed {k}, rung {rung}"));
-                    let found = self.picture(name, (counts[rung], k), reference).and_then(|found| {
-                        let same = |run: &Run| {
-                            (run.renderer.as_str(), run.seed, run.errors) == (name, k, found.1.0)
-                                && run.samples != counts[rung]
-                        };
-                        match done.iter().chain(&added).find(|run| same(run)) {
-                            Some(run) => Err(format!(
-                                "its picture is that of {} samples: their number has no effect",
-                                run.samples
-                            )),
-                            None => Ok(found),
+                    let known = done.iter().chain(&added);
+                    match self.run_once(name, k, (rung, counts[rung]), reference, known) {
+                        Ok(run) => {
+                            if k == 0 && rung == last {
+                                let kept = self.folder.join("pictures").join(format!("{name}.exr"));
+                                std::fs::rename(self.out(), kept).map_err(|e| e.to_string())?;
+                            }
+                            self.add(&run)?;
+                            added.push(run);
                         }
-                    });
-                    let (took, (errors, without)) = match found {
-                        Ok(found) => found,
                         Err(why) => {
                             let why = format!("seed {k}, {} samples: {why}", counts[rung]);
                             progress(&format!("{name}: {why}"));
                             failed.push((name.to_string(), why));
-                            continue;
                         }
-                    };
-                    if k == 0 && rung == last {
-                        let kept = self.folder.join("pictures").join(format!("{name}.exr"));
-                        std::fs::rename(self.out(), kept).map_err(|e| e.to_string())?;
                     }
-                    let run = Run {
-                        renderer: name.to_string(),
-                        seed: k,
-                        rung,
-                        samples: counts[rung],
-                        took,
-                        errors,
-                        without,
-                        with: machine::in_short(),
-                    };
-                    self.add(&run)?;
-                    added.push(run);
                 }
             }
         }
         Ok(failed)
+    }
+
+    /// Renders one picture of a rung, with so many samples. Error: the renderer's, or that the picture is that of
+    /// another number of samples among the `known` runs.
+    fn run_once<'r>(
+        &self,
+        name: &str,
+        seed: u32,
+        (rung, samples): (usize, u32),
+        reference: &Mean,
+        mut known: impl Iterator<Item = &'r Run>,
+    ) -> Result<Run, String> {
+        let (took, (errors, without)) = self.picture(name, (samples, seed), reference)?;
+        let same = |run: &&Run| {
+            (run.renderer.as_str(), run.seed, run.errors) == (name, seed, errors) && run.samples != samples
+        };
+        if let Some(Run { samples, .. }) = known.find(same) {
+            return Err(format!("its picture is that of {samples} samples: their number has no effect"));
+        }
+        let with = machine::in_short();
+        Ok(Run { renderer: name.to_string(), seed, rung, samples, took, errors, without, with })
     }
 
     /// Keeps what the folder's pictures are of. Error: it holds pictures of another scene, or of a renderer with
@@ -176,7 +173,7 @@ impl Bench<'_> {
     fn check_origin(&self, names: &[&str]) -> Result<(), String> {
         let file = self.folder.join("origin.json");
         let mut kept: Origin = if file.is_file() { files::json(&file)? } else { Origin::default() };
-        let text = std::fs::read(&self.scene).unwrap_or_default();
+        let text = std::fs::read(&self.scene).map_err(|e| format!("{}: {e}", self.scene.display()))?;
         let scene = String::from_utf8_lossy(&text).into_owned();
         let folder = self.folder.display();
         if kept.scene.as_ref().is_some_and(|kept| *kept != scene) {
@@ -185,9 +182,10 @@ impl Bench<'_> {
             ));
         }
         kept.scene = Some(scene);
-        for name in names {
-            let Some(renderer) = self.renderers.get(*name) else { continue };
-            let command = kept.commands.entry((*name).to_owned()).or_insert_with(|| renderer.command.clone());
+        // Those that only make references for others count as well.
+        for name in names.iter().flat_map(|name| [*name, mean_of(self.renderers, name)]) {
+            let Some(renderer) = self.renderers.get(name) else { continue };
+            let command = kept.commands.entry(name.to_owned()).or_insert_with(|| renderer.command.clone());
             if *command != renderer.command {
                 return Err(format!(
                     "{folder} holds pictures of {name} by another command, `{command}`; choose another folder, or remove it"
@@ -344,20 +342,8 @@ impl Bench<'_> {
     fn add(&self, run: &Run) -> Result<(), String> {
         let file = self.folder.join("runs.jsonl");
         let line = serde_json::to_string(run).map_err(|e| e.to_string())?;
-        append(&file, &line).map_err(|e| format!("{}: {e}", file.display()))
+        files::append(&file, &line)
     }
-}
-
-/// Appends a line to a file, on a new line if an interruption has left an unfinished one.
-fn append(file: &Path, line: &str) -> io::Result<()> {
-    let mut file = File::options().create(true).read(true).append(true).open(file)?;
-    let mut last = [b'\n'];
-    if file.metadata()?.len() > 0 {
-        file.seek(SeekFrom::End(-1))?;
-        file.read_exact(&mut last)?;
-    }
-    let whole = if last == [b'\n'] { "" } else { "\n" };
-    file.write_all(format!("{whole}{line}\n").as_bytes())
 }
 
 #[cfg(test)]

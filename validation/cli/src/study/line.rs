@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use validation::converge::{Curve, Errors, Interval, Ratio, Rung, curve, mean, page, ratio, ratio_of_means};
+use validation::converge::{Curve, Errors, Measured, Ratio, Rung, curve, mean, page, ratio, ratio_of_means};
 use validation::statistics::seed_for;
 
 use super::bench::Bench;
@@ -21,10 +21,10 @@ pub struct Line {
     /// The renderer whose converged mean is the reference.
     pub mean_of: String,
     /// The mean of its longest pictures over that of the reference.
-    pub brightness: Option<Interval>,
+    pub brightness: Option<Measured>,
     /// The reference's brightness over that of the first renderer's reference, where they are different
     /// pictures: far from 1 if the two do not render the same scene.
-    pub mean_over_first: Option<Interval>,
+    pub mean_over_first: Option<Measured>,
     /// Mean start-up time in seconds.
     pub startup: f64,
     pub trimmed: Option<Curve>,
@@ -129,7 +129,7 @@ pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, S
 const BRIGHTNESS: f64 = 0.01;
 
 /// Whether a brightness differs significantly by more than a hundredth.
-pub fn misses(brightness: Interval) -> bool {
+pub fn misses(brightness: Measured) -> bool {
     brightness.low > 1.0 + BRIGHTNESS || brightness.high < 1.0 - BRIGHTNESS
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 use validation::converge::forest::{Mark, Row, forest};
-use validation::converge::{Interval, Ratio};
+use validation::converge::{Measured, Ratio};
 
 use super::plan::{Entry, Plan};
 use crate::study::Settings;
@@ -131,7 +131,7 @@ impl Against {
 
     /// The ratios to the best renderer by trimmed and by untrimmed error, formatted by `show`; the second has
     /// the renderer's name if it is another one.
-    pub fn ratios(&self, show: impl Fn(&Interval) -> String) -> [String; 2] {
+    pub fn ratios(&self, show: impl Fn(&Measured) -> String) -> [String; 2] {
         let cell = |best: &Option<(String, Ratio)>| match best {
             None => "–".to_string(),
             Some((name, found)) if name == self.name() => show(&found.ratio),
@@ -227,7 +227,7 @@ mod tests {
         let of = |aim: f64, doubtful: bool| standing(Some(&found), aim, doubtful);
         assert_eq!([of(4.9, false), of(5.1, false)], [Standing::Reached, Standing::Missed]);
         assert_eq!([standing(None, 1.0, false), of(4.9, true)], [Standing::NoAnswer, Standing::Open]);
-        let brightness = |value: f64| Interval { value, low: value - 0.01, high: value + 0.01 };
+        let brightness = |value: f64| Measured { value, low: value - 0.01, high: value + 0.01 };
         assert_eq!(
             [0.97, 0.985, 1.0, 1.03].map(|value| misses(brightness(value))),
             [true, false, false, true]

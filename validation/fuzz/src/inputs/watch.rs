@@ -81,7 +81,8 @@ pub fn watch(
     Ok(record)
 }
 
-/// Follows one worker to its end; returns the last input it read and whether it ended normally.
+/// Follows one worker to its end, or until there are enough findings; returns the last input it read and whether
+/// it ended normally.
 fn follow(
     mut child: Child,
     format: &Format,
@@ -99,8 +100,10 @@ fn follow(
         }
     });
     let (mut last, mut since, mut done) = (first, Instant::now(), false);
+    // Whether the worker was ended, and did not end itself.
+    let mut stopped = false;
     let find = |input: u64, what: String, findings: &mut Vec<Finding>| findings.push(Finding { input, what });
-    loop {
+    while !stopped {
         match lines.recv_timeout(HANG) {
             Ok(line) => {
                 if let Ok(number) = line.parse::<u64>() {
@@ -117,21 +120,25 @@ fn follow(
                     if share > 1.0 {
                         find(last, format!("{bytes} bytes, and {allowed} are allowed"), &mut record.findings);
                     }
+                } else if let Some(words) = line.strip_prefix("broken ") {
+                    return Err(words.to_owned());
                 } else if line == "done" {
                     done = true;
                 }
+                stopped = record.findings.len() >= ENOUGH;
             }
             Err(RecvTimeoutError::Timeout) => {
                 find(last, format!("no end within {} s", HANG.as_secs()), &mut record.findings);
-                child.kill().map_err(|e| e.to_string())?;
-                break;
+                stopped = true;
             }
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
+    if stopped {
+        child.kill().map_err(|e| e.to_string())?;
+    }
     let status = child.wait().map_err(|e| e.to_string())?;
-    let hung = record.findings.last().is_some_and(|f| f.input == last && f.what.starts_with("no end"));
-    if !done && !hung {
+    if !done && !stopped {
         find(last, format!("the process died: {status}"), &mut record.findings);
     }
     Ok((last, done))

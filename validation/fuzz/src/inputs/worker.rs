@@ -19,7 +19,8 @@ pub struct Meter {
 
 /// Reads inputs from number `first` on until the time is over or `count` inputs are read.
 ///
-/// Output lines: `N` before input N; `panic MESSAGE` and `memory BYTES` about it; `done` at the end.
+/// Output lines: `N` before input N; `panic MESSAGE` and `memory BYTES` about it; `done` at the end, or
+/// `broken MESSAGE` if the worker cannot go on.
 pub fn work(
     format: &Format,
     seeds: &Seeds,
@@ -42,7 +43,7 @@ pub fn work(
         say(&number.to_string());
         let input = seeds.input(format, number);
         if std::fs::write(&file, &input).is_err() {
-            say("panic the input cannot be written");
+            say(&format!("broken {}: the input cannot be written", file.display()));
             return;
         }
         (meter.reset)();

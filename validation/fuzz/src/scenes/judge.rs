@@ -26,6 +26,8 @@ pub enum Answer {
     Equivalent,
     Inconclusive,
     Different,
+    /// Etalon's picture has samples that are not finite.
+    NotFinite,
     /// Neither renderer accepts the scene.
     RefusedByBoth,
     RefusedByEtalon,
@@ -136,23 +138,32 @@ fn once(
         message: String::new(),
         models: scene.models.clone(),
     };
-    let ours = match (ours, &reply.error) {
-        (Ok(ours), None) => ours,
-        (Err(our_words), error) => {
+    let theirs = match &reply.error {
+        Some(their_words) => Err(their_words.clone()),
+        None => {
+            let picture = image::load(&out).map_err(|e| Failure::Own(e.to_string()))?;
+            std::fs::remove_file(&out).map_err(|e| Failure::Own(format!("{}: {e}", out.display())))?;
+            Ok(picture)
+        }
+    };
+    let (ours, theirs) = match (ours, theirs) {
+        (Ok(ours), Ok(theirs)) => (ours, theirs),
+        (Err(NoPicture::NotFinite(words)), _) => {
+            (found.answer, found.message) = (Answer::NotFinite, words);
+            return Ok((found, None));
+        }
+        (Err(NoPicture::Refused(our_words)), theirs) => {
             found.message = our_words;
-            if error.is_none() {
+            if theirs.is_ok() {
                 found.answer = Answer::RefusedByEtalon;
             }
             return Ok((found, None));
         }
-        (Ok(_), Some(their_words)) => {
-            found.message.clone_from(their_words);
-            found.answer = Answer::RefusedByMitsuba;
+        (Ok(_), Err(their_words)) => {
+            (found.answer, found.message) = (Answer::RefusedByMitsuba, their_words);
             return Ok((found, None));
         }
     };
-    let theirs = image::load(&out).map_err(|e| Failure::Own(e.to_string()))?;
-    std::fs::remove_file(&out).map_err(|e| Failure::Own(format!("{}: {e}", out.display())))?;
     let theirs = if scene.boxed { theirs } else { with_shared_noise(theirs, &reply) };
     let (theirs, ours) = shifted(silenced(theirs), silenced(ours));
     // As for the stored references: Mitsuba accumulates samples in f32.
@@ -183,14 +194,23 @@ fn once(
     Ok((found, comparison.more_samples))
 }
 
+/// Why Etalon has no picture of a scene to compare.
+enum NoPicture {
+    Refused(String),
+    NotFinite(String),
+}
+
 /// Renders the scene with Etalon.
-fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image, String> {
+fn picture(scene: &Scene, file: &Path, seed: u32, samples: u32) -> Result<Image, NoPicture> {
     let mode = if scene.mode == "rgb" { ColorMode::Rgb } else { ColorMode::Spectral };
-    let loaded = etalon::load_text(&file.to_string_lossy(), &scene.text, mode).map_err(|e| e.to_string())?;
+    let loaded = etalon::load_text(&file.to_string_lossy(), &scene.text, mode);
+    let loaded = loaded.map_err(|e| NoPicture::Refused(e.to_string()))?;
     let settings = Settings { seed, ..Settings::of(&loaded, 0..u64::from(samples)) };
-    let (image, report) = render(&loaded, &settings, &Progress::default()).map_err(|e| e.to_string())?;
+    let rendered = render(&loaded, &settings, &Progress::default());
+    let (image, report) = rendered.map_err(|e| NoPicture::Refused(e.to_string()))?;
     if report.non_finite > 0 {
-        return Err(format!("{} samples are not finite: {:?}", report.non_finite, report.first_non_finite));
+        let words = format!("{} samples are not finite: {:?}", report.non_finite, report.first_non_finite);
+        return Err(NoPicture::NotFinite(words));
     }
     let double = |values: &Vec<f32>| values.iter().map(|&v| f64::from(v)).collect();
     let channel = |c: &etalon::image::Channel| Channel {
