@@ -29,18 +29,46 @@ fn mean(steps: usize, f: impl Fn(f64) -> f64) -> f64 {
     (0..steps).map(|i| f((i as f64 + 0.5) / steps as f64)).sum::<f64>() / steps as f64
 }
 
+/// Where the examples are asked: they are the same everywhere.
+const PLACE: DVec3 = DVec3::new(0.3, -2.0, 0.7);
+
 /// As u goes from 0 to 1 the cosine falls from 1 to −1, by du = −2π p(cos) dcos: density and samples are one
 /// distribution, of which nothing is left out.
 #[test]
 fn cosines_follow_the_density() {
+    let unmixed = |phase: &AnyPhase| !matches!(phase, AnyPhase::Blend(_));
     each(|name, phase| {
-        assert!((phase.sample_cosine(0.0) - 1.0).abs() < 1e-12, "{name}");
-        assert!((phase.sample_cosine(1.0 - f64::EPSILON) + 1.0).abs() < 1e-6, "{name}");
-        for i in 1..STEPS {
+        let cosine = |u: f64| phase.sample_cosine(PLACE, 0.5, u);
+        assert!((cosine(0.0) - 1.0).abs() < 1e-12, "{name}");
+        assert!((cosine(1.0 - f64::EPSILON) + 1.0).abs() < 1e-6, "{name}");
+        for i in (1..STEPS).filter(|_| unmixed(phase)) {
             let (u, h) = (i as f64 / STEPS as f64, 1e-3 / STEPS as f64);
-            let slope = (phase.sample_cosine(u - h) - phase.sample_cosine(u + h)) / (2.0 * h);
-            let jacobian = TAU * phase.density(phase.sample_cosine(u)) * slope;
+            let slope = (cosine(u - h) - cosine(u + h)) / (2.0 * h);
+            let jacobian = TAU * phase.density(PLACE, cosine(u)) * slope;
             assert!((jacobian - 1.0).abs() < 1e-5, "{name} at {u}: {jacobian}");
+        }
+    });
+}
+
+/// The same of mixtures, whose cosines depend on two numbers: each of 64 ranges of cosines has its share.
+#[test]
+fn ranges_of_cosines_have_their_shares() {
+    const RANGES: usize = 64;
+    const PARTS: usize = 1000;
+    each(|name, phase| {
+        let mut shares = [0.0; RANGES];
+        for (i, j) in (0..PARTS).flat_map(|i| (0..RANGES * 8).map(move |j| (i, j))) {
+            let [part, u] = [(i, PARTS), (j, RANGES * 8)].map(|(i, of)| (i as f64 + 0.5) / of as f64);
+            let cos = phase.sample_cosine(PLACE, part, u);
+            let range = (0.5 * (1.0 + cos) * RANGES as f64) as usize;
+            shares[range.min(RANGES - 1)] += 1.0 / (PARTS * RANGES * 8) as f64;
+        }
+        for (range, share) in shares.into_iter().enumerate() {
+            let cos = |u: f64| 2.0 * (range as f64 + u) / RANGES as f64 - 1.0;
+            let expected = mean(STEPS, |u| phase.density(PLACE, cos(u))) * 2.0 * TAU / RANGES as f64;
+            // Each of the parts puts at most two of its cosines into a range that are of its neighbours.
+            let close = 2.0 / (RANGES * 8) as f64;
+            assert!((share - expected).abs() < close, "{name}, range {range}: {share}, not {expected}");
         }
     });
 }
@@ -48,10 +76,10 @@ fn cosines_follow_the_density() {
 #[test]
 fn samples_say_what_evaluation_says() {
     each(|name, phase| {
-        let wo = DVec3::Z;
+        let (phase, wo) = (phase.at(PLACE), DVec3::Z);
         for (i, j) in (0..64).flat_map(|i| (0..16).map(move |j| (i, j))) {
             let u = DVec2::new((f64::from(i) + 0.5) / 64.0, (f64::from(j) + 0.5) / 16.0);
-            let sample = phase.sample(wo, 0.0, u).unwrap();
+            let sample = phase.sample(wo, f64::from(i % 7) / 7.0, u).unwrap();
             let evaluation = phase.evaluate(wo, sample.wi);
             assert!((length(sample.wi) - 1.0).abs() < 1e-12, "{name}");
             assert!(
@@ -72,12 +100,16 @@ fn samples_say_what_evaluation_says() {
 fn mean_cosines_are_known() {
     let mut found = vec![];
     each(|name, phase| {
-        let cosine = mean(16 * STEPS, |u| phase.sample_cosine(u));
+        let cosine = mean(20, |part| mean(4 * STEPS, |u| phase.sample_cosine(PLACE, part, u)));
         let value = name.split("value=\"").nth(1).and_then(|rest| rest.split('"').next());
         let expected = match (phase, value) {
             (AnyPhase::HenyeyGreenstein(_), None) => 0.8,
             (AnyPhase::HenyeyGreenstein(_), Some(g)) => g.parse().unwrap(),
             (AnyPhase::Tabulated(_), Some(values)) => mean_cosine_of_a_table(values),
+            (AnyPhase::Blend(_), Some("0.3")) => 0.3 * 0.6,
+            (AnyPhase::Blend(_), Some("0.25")) => {
+                0.75 * (0.25 * -0.5 + 0.75 * mean_cosine_of_a_table("1, 0, 2"))
+            }
             _ => 0.0,
         };
         assert!((cosine - expected).abs() < 1e-6, "{name}: {cosine}, not {expected}");

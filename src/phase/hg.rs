@@ -3,7 +3,7 @@
 //! p(cos θ) = (1 − g²) / (4π (1 + g² − 2g cos θ)^(3/2)), with mean cosine g.
 
 use super::Phase;
-use crate::math::INV_PI;
+use crate::math::{DVec3, INV_PI};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 
@@ -31,7 +31,7 @@ impl Phase for HenyeyGreenstein {
     }
 
     #[inline]
-    fn density(&self, cos: f64) -> f64 {
+    fn density(&self, _p: DVec3, cos: f64) -> f64 {
         // 1 + g² − 2g cos θ without cancellation where both are near one.
         let forward = if self.g > 0.0 { 1.0 - cos } else { 1.0 + cos };
         let towards = self.g.abs();
@@ -45,7 +45,7 @@ impl Phase for HenyeyGreenstein {
     ///
     /// which is v where g is zero and loses nothing where it is small.
     #[inline]
-    fn sample_cosine(&self, u: f64) -> f64 {
+    fn sample_cosine(&self, _p: DVec3, _part: f64, u: f64) -> f64 {
         let (g, v) = (self.g, 1.0 - 2.0 * u);
         let (g2, v2) = (g * g, v * v);
         let denominator = 1.0 + g * v;

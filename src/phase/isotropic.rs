@@ -1,7 +1,7 @@
 //! Light is scattered alike in all directions.
 
 use super::Phase;
-use crate::math::INV_PI;
+use crate::math::{DVec3, INV_PI};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 
@@ -19,12 +19,12 @@ impl Phase for Isotropic {
     }
 
     #[inline]
-    fn density(&self, _cos: f64) -> f64 {
+    fn density(&self, _p: DVec3, _cos: f64) -> f64 {
         0.25 * INV_PI
     }
 
     #[inline]
-    fn sample_cosine(&self, u: f64) -> f64 {
+    fn sample_cosine(&self, _p: DVec3, _part: f64, u: f64) -> f64 {
         1.0 - 2.0 * u
     }
 }

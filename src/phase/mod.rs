@@ -15,7 +15,7 @@ use crate::scene::registry::Entry;
 use crate::spectrum::Spectrum;
 pub use isotropic::Isotropic;
 
-/// A phase function that depends on the angle alone by which light is turned.
+/// A phase function that depends on nothing but the place and the angle by which light is turned.
 pub trait Phase: Sized {
     const NAME: &'static str;
     /// One sentence for `etalon plugins`.
@@ -29,12 +29,12 @@ pub trait Phase: Sized {
     /// If one has no such value, with its place.
     fn parse(params: &mut Params) -> Result<Self, SceneError>;
 
-    /// The density in sr⁻¹ of turning light by an angle of this cosine.
-    fn density(&self, cos: f64) -> f64;
+    /// The density in sr⁻¹ of turning light at `p` (world) by an angle of this cosine.
+    fn density(&self, p: DVec3, cos: f64) -> f64;
 
-    /// The cosine that a number in [0, 1) stands for, which falls from 1 to −1: the inverse of ∫ 2πp dcos from
-    /// the cosine to 1.
-    fn sample_cosine(&self, u: f64) -> f64;
+    /// The cosine that two numbers in [0, 1) stand for at `p` (world): `part` chooses one of what is mixed, and
+    /// as `u` rises the cosine falls from 1 to −1, the inverse of ∫ 2πp dcos from the cosine to 1.
+    fn sample_cosine(&self, p: DVec3, part: f64, u: f64) -> f64;
 }
 
 macro_rules! phases {
@@ -42,24 +42,20 @@ macro_rules! phases {
         $(mod $module;)*
 
         /// Any phase function.
-        ///
-        /// As a [`Bsdf`] it works in any frame whose third axis is ωo, the direction to where the light goes, and
-        /// has no cosine: `value` is p(cos θ) in sr⁻¹, θ being the angle by which light is turned, so that 0 is
-        /// straight on.
         #[derive(Clone, Debug)]
         pub enum AnyPhase { $($Model($module::$Model)),* }
 
         impl AnyPhase {
             /// See [`Phase::density`].
             #[inline]
-            pub fn density(&self, cos: f64) -> f64 {
-                match self { $(Self::$Model(phase) => phase.density(cos)),* }
+            pub fn density(&self, p: DVec3, cos: f64) -> f64 {
+                match self { $(Self::$Model(phase) => phase.density(p, cos)),* }
             }
 
             /// See [`Phase::sample_cosine`].
             #[inline]
-            fn sample_cosine(&self, u: f64) -> f64 {
-                match self { $(Self::$Model(phase) => phase.sample_cosine(u)),* }.clamp(-1.0, 1.0)
+            fn sample_cosine(&self, p: DVec3, part: f64, u: f64) -> f64 {
+                match self { $(Self::$Model(phase) => phase.sample_cosine(p, part, u)),* }.clamp(-1.0, 1.0)
             }
 
             pub fn name(&self) -> &'static str {
@@ -82,22 +78,41 @@ phases! {
     hg::HenyeyGreenstein,
     rayleigh::Rayleigh,
     tabphase::Tabulated,
+    blendphase::Blend,
 }
 
-impl Bsdf for AnyPhase {
+impl AnyPhase {
+    /// The phase function at a place in the world.
+    #[inline]
+    pub fn at(&self, p: DVec3) -> PhaseAt<'_> {
+        PhaseAt { phase: self, p }
+    }
+}
+
+/// A phase function at a place in the world.
+///
+/// As a [`Bsdf`] it works in any frame whose third axis is ωo, the direction to where the light goes, and has no
+/// cosine: `value` is p(cos θ) in sr⁻¹, θ being the angle by which light is turned, so that 0 is straight on.
+#[derive(Clone, Copy, Debug)]
+pub struct PhaseAt<'a> {
+    phase: &'a AnyPhase,
+    p: DVec3,
+}
+
+impl Bsdf for PhaseAt<'_> {
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
-        let pdf = self.density(-wo.dot(wi));
+        let pdf = self.phase.density(self.p, -wo.dot(wi));
         Evaluation { value: Spectrum::splat(pdf as f32), pdf }
     }
 
     #[inline]
-    fn sample(&self, _wo: DVec3, _lobe: f64, u: DVec2) -> Option<Sample> {
-        let cos = self.sample_cosine(u.x);
+    fn sample(&self, _wo: DVec3, lobe: f64, u: DVec2) -> Option<Sample> {
+        let cos = self.phase.sample_cosine(self.p, lobe, u.x);
         let r = ((1.0 - cos) * (1.0 + cos)).sqrt();
         let (sin_around, cos_around) = sin_cos_turn(u.y);
         // ωo is the third axis, and light that is not turned comes from the other side.
         let wi = DVec3::new(r * cos_around, r * sin_around, -cos);
-        Some(Sample::with_density(wi, Spectrum::ONE, self.density(cos)))
+        Some(Sample::with_density(wi, Spectrum::ONE, self.phase.density(self.p, cos)))
     }
 }

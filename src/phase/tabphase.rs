@@ -2,7 +2,7 @@
 //! `tabphase` has it.
 
 use super::Phase;
-use crate::math::INV_PI;
+use crate::math::{DVec3, INV_PI};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::scene::transform::numbers;
@@ -53,7 +53,7 @@ impl Phase for Tabulated {
     }
 
     #[inline]
-    fn density(&self, cos: f64) -> f64 {
+    fn density(&self, _p: DVec3, cos: f64) -> f64 {
         let last = self.knots.len() - 1;
         let place = (1.0 - cos) * (0.5 * last as f64);
         let before = (place as usize).min(last - 1);
@@ -64,7 +64,7 @@ impl Phase for Tabulated {
     /// Between knots of densities a and b a share t of the way has at + ½(b − a)t² of what the knots would have
     /// with density 1. Solved for t by the root that does not cancel.
     #[inline]
-    fn sample_cosine(&self, u: f64) -> f64 {
+    fn sample_cosine(&self, _p: DVec3, _part: f64, u: f64) -> f64 {
         let last = self.knots.len() - 1;
         let step = 2.0 / last as f64;
         // The last knot before which there is no more: never a stretch without light.
@@ -108,7 +108,7 @@ mod tests {
         for (cos, expected) in
             [(1.0, 0.159155), (0.5, 0.111408), (0.0, 0.063662), (-0.5, 0.0477465), (-1.0, 0.031831)]
         {
-            let density = phase.density(cos);
+            let density = phase.density(DVec3::ZERO, cos);
             assert!((density - expected).abs() < 1e-6, "{cos}: {density}, not {expected}");
         }
     }
@@ -118,7 +118,7 @@ mod tests {
         let phase = Tabulated::new(vec![0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
         for i in 0..=4096 {
             let u = (f64::from(i) / 4096.0).min(1.0 - f64::EPSILON);
-            let cos = phase.sample_cosine(u);
+            let cos = phase.sample_cosine(DVec3::ZERO, 0.5, u);
             assert!((-0.75..=0.75).contains(&cos) && !(-0.249_999..-0.000_001).contains(&cos), "{u}: {cos}");
         }
     }

@@ -76,6 +76,21 @@ fn media_that_cannot_be_meant_are_refused() {
         ),
         ("<phase", r#"<phase type="tabphase"/>"#, &["there are no `values`", "at least two"]),
         (
+            "<phase",
+            r#"<phase type="blendphase"><float name="weight" value="0.5"/><phase type="hg"/></phase>"#,
+            &["other than two phase functions", "expected two"],
+        ),
+        (
+            "1.5",
+            r#"<phase type="blendphase"><float name="weight" value="1.5"/><phase type="hg"/><phase type="hg"/></phase>"#,
+            &["1.5 is out of range", "0 to 1"],
+        ),
+        (
+            "<rgb",
+            r#"<phase type="blendphase"><rgb name="weight" value="0, 1, 0"/><phase type="hg"/><phase type="hg"/></phase>"#,
+            &["is no colour", "a number or a volume of one channel"],
+        ),
+        (
             "\"1\"",
             r#"<phase type="tabphase"><string name="values" value="1"/></phase>"#,
             &["too few values", "at least two"],

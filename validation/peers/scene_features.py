@@ -64,7 +64,8 @@ REQUIRED = {
         homogeneous.albedo:gridvolume homogeneous.albedo=0 homogeneous.sigma_t:float homogeneous.sigma_t:rgb
         homogeneous.scale homogeneous.sample_emitters=false heterogeneous.sigma_t:gridvolume
         heterogeneous.sigma_t:constvolume heterogeneous.albedo:constvolume heterogeneous.scale phase:isotropic
-        phase:hg hg.g phase:rayleigh gridvolume.use_grid_bbox=true gridvolume.filter_type=nearest
+        phase:hg hg.g phase:rayleigh tabphase.values blendphase.weight:float
+        blendphase.weight:gridvolume gridvolume.use_grid_bbox=true gridvolume.filter_type=nearest
         gridvolume.filter_type=trilinear gridvolume.wrap_mode=repeat gridvolume.wrap_mode=mirror
         gridvolume.to_world constvolume.to_world perspective.medium sphere.exterior sphere.interior
         cube.interior""".split(),

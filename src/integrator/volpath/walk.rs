@@ -126,13 +126,14 @@ impl<'a> Walk<'a> {
         let (point, frame) = (SurfacePoint::plain(p, wo, wo), Frame::about(wo));
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
         let side = Side { material: 0, turned: false, traits };
-        let vertex = Vertex::new(&point, Ray::FREE, &frame, &medium.phase, &side, wo);
+        let phase = medium.phase.at(p);
+        let vertex = Vertex::new(&point, Ray::FREE, &frame, &phase, &side, wo);
         let gathers = Gathers::EVERYWHERE;
         if medium.samples_emitters {
             self.gather::<F, _>(&vertex, &gathers, None, u, edge);
         }
         let (lobe, direction) = u.scattering();
-        let sample = medium.phase.sample(vertex.wo, lobe, direction)?;
+        let sample = phase.sample(vertex.wo, lobe, direction)?;
         let arrival = Arrival { pdf: sample.pdf, delta: !medium.samples_emitters, emitter_samples: 1 };
         let onward = Ray::free(p, vertex.to_world(sample.wi));
         self.scatter::<F>(&sample, arrival, gathers, onward, u)

@@ -18,7 +18,13 @@ pub fn cases() -> Vec<ClosedForm> {
     // A slab of thickness 1 and far larger than what is seen of it.
     let slab = |medium: &str| shape("cube", &[scale([50.0, 50.0, 0.5])], &filled(medium));
     let absorbing = float("albedo", 0.0) + &float("sigma_t", SIGMA);
-    let scattering = grey("albedo", 0.8) + &float("sigma_t", SIGMA) + &henyey_greenstein();
+    let by = |phase: &str| grey("albedo", 0.8) + &float("sigma_t", SIGMA) + phase;
+    let scattering = by(&henyey_greenstein());
+    // Straight on and straight back, from a table: ∫ 2πp dc from −1 to 1 is 3π before it is normalised.
+    let table = "<phase type=\"tabphase\"><string name=\"values\" value=\"1, 0, 2\"/></phase>";
+    let tabulated = |cos: f64| if cos < 0.0 { -cos } else { 2.0 * cos } / (3.0 * PI);
+    let blend = float("weight", 0.3) + &henyey_greenstein() + table;
+    let mixed = by(&format!("<phase type=\"blendphase\">{blend}</phase>"));
     let white_medium = float("albedo", 1.0) + &float("sigma_t", 0.5) + &henyey_greenstein();
     let sky = constant(1.0);
     let beer = "exp(−σd) of what is behind it comes through (Beer and Lambert)";
@@ -29,13 +35,14 @@ pub fn cases() -> Vec<ClosedForm> {
         let towards = format!("<vector name=\"direction\" x=\"{sin}\" y=\"0\" z=\"{}\"/>", -cos);
         emitter("directional", &(towards + &grey("irradiance", 1.0)))
     };
-    let lit = |degrees: f64| seen(2, &[&slab(&medium("homogeneous", &scattering)), &sun(degrees)]);
-    let scattered = |degrees: f64| {
+    let lit = |inside: &str, degrees: f64| seen(2, &[&slab(&medium("homogeneous", inside)), &sun(degrees)]);
+    let scattered = |density: &dyn Fn(f64) -> f64, degrees: f64| {
         let cos = libm::cos(degrees.to_radians());
         let ways = 1.0 + 1.0 / cos;
         // Light goes down at θ and leaves straight up: it is turned by an angle whose cosine is −cos θ.
         0.8 * density(-cos) * (1.0 - libm::exp(-SIGMA * ways)) / ways
     };
+    let of_both = |cos: f64| 0.7 * density(cos) + 0.3 * tabulated(cos);
     // The density's own unit cube, in a larger one that is empty beyond.
     let boxed = shape("cube", &[scale([3.0; 3])], &filled(&medium("heterogeneous", &absorbing)));
     let white_ball = |kind: &str| {
@@ -56,8 +63,10 @@ pub fn cases() -> Vec<ClosedForm> {
         })
         .spectral(),
         form("box_of_density", beer, seen(-1, &[&boxed, &sky]), libm::exp(-SIGMA)).samples(1 << 14),
-        form("lit_from_above", back, lit(0.0), scattered(0.0)).samples(1 << 14),
-        form("lit_from_aside", back, lit(60.0), scattered(60.0)).samples(1 << 14),
+        form("lit_from_above", back, lit(&scattering, 0.0), scattered(&density, 0.0)).samples(1 << 14),
+        form("lit_from_aside", back, lit(&scattering, 60.0), scattered(&density, 60.0)).samples(1 << 14),
+        form("lit_by_a_table", back, lit(&by(table), 60.0), scattered(&tabulated, 60.0)).samples(1 << 14),
+        form("lit_by_a_mixture", back, lit(&mixed, 60.0), scattered(&of_both, 60.0)).samples(1 << 14),
         form("white_ball", furnace, white_ball("homogeneous"), 1.0).margin(0.0025).samples(1 << 14),
         form("white_ball_spectral", furnace, white_ball("homogeneous"), white())
             .spectral()
