@@ -21,7 +21,7 @@ use crate::phase::PHASES;
 use crate::sampler::SAMPLERS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
-use crate::shape::accel::{Accel, Instance};
+use crate::shape::accel::Accel;
 use crate::spectrum::ColorMode;
 use crate::texture::AnyTexture;
 use crate::volume::VOLUMES;
@@ -182,7 +182,7 @@ fn assemble(mut objects: Objects, sensor: Sensor, integrator: AnyIntegrator, mod
     let choosing = |traits: Traits| traits.has_density && !traits.one_lobe;
     let several_lobes = objects.sides().any(choosing);
     let trees = objects.instances.trees();
-    lamps::raise(&mut objects.shapes, trees.iter().map(Instance::bounds));
+    lamps::raise(&mut objects.shapes, &objects.instances);
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
     let accel = Accel::with_instances(&geometries, trees);
     let Objects { shapes, instances, materials, emitters, .. } = &mut objects;

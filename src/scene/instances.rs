@@ -71,6 +71,11 @@ impl Instances {
         self.placements.iter().map(|&(group, to_world)| self.tree(group, to_world)).collect()
     }
 
+    /// The shapes of each instance, in the coordinates of their group, and the transform to the world's.
+    pub fn placed(&self) -> impl Iterator<Item = (&[Shape], &Transform)> {
+        self.placements.iter().map(|(group, to_world)| (&self.groups[*group as usize].shapes[..], to_world))
+    }
+
     /// Numbers all primitives, after `first` others.
     pub fn after(mut self, first: u32) -> Self {
         self.owners = Owners::new(

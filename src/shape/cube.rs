@@ -3,7 +3,7 @@
 use super::patch::{Outline, Patch};
 use super::{AreaSample, Geometry, SurfacePoint, placement};
 use crate::math::ray::position_error;
-use crate::math::{Bounds, Chosen, DVec2, DVec3, Discrete, Transform};
+use crate::math::{Bounds, Chosen, DVec2, DVec3, Discrete, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use glam::DMat4;
@@ -64,6 +64,19 @@ impl Cube {
             areas: Discrete::new(faces.iter().map(Patch::area)),
             faces: Box::new(faces),
         }
+    }
+
+    /// Moves every face outward by this distance (world).
+    pub fn grow(&mut self, by: f64) {
+        // A dual vector is as long as the way from the centre to a face is short.
+        let longer = |axis: DVec3, dual: DVec3| axis * (1.0 + by * length(dual));
+        self.axes = std::array::from_fn(|i| longer(self.axes[i], self.dual[i]));
+        self.dual = dual_basis(self.axes);
+        let along = |way: DVec3| self.axes[0] * way.x + self.axes[1] * way.y + self.axes[2] * way.z;
+        for (face, [n, u, v]) in self.faces.iter_mut().zip(FACES) {
+            *face = face.moved(self.centre + along(n), along(u), along(v));
+        }
+        self.areas = Discrete::new(self.faces.iter().map(Patch::area));
     }
 
     pub fn faces(&self) -> &[Patch; 6] {

@@ -49,6 +49,13 @@ impl Patch {
         }
     }
 
+    /// The same surface elsewhere: by its centre and the vectors from there to the middles of two sides.
+    pub fn moved(&self, centre: DVec3, e1: DVec3, e2: DVec3) -> Self {
+        let area = self.area * (length(e1.cross(e2)) / length(self.e1.cross(self.e2)));
+        let error = position_error(centre.abs() + e1.abs() + e2.abs());
+        Self { centre, e1, e2, area, error, ..*self }
+    }
+
     /// The vectors whose products with p − centre are x and y: the dual basis of (e₁, e₂) in the plane.
     pub fn dual(&self) -> (DVec3, DVec3) {
         let normal = self.e1.cross(self.e2);

@@ -102,8 +102,11 @@ impl Sphere {
 
     /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
-        let SurfacePoint { p, ng, uv, .. } = self.point::<UV>(self.centre + warp::sphere(u) * self.radius);
-        AreaSample { p, n: ng, uv, pdf: 1.0 / self.area(), primitive: 0, error: self.error }
+        let way = warp::sphere(u);
+        let SurfacePoint { p, uv, .. } = self.point::<UV>(self.centre + way * self.radius);
+        // Not that of the point, which is known to fewer digits the smaller the sphere is.
+        let n = if self.inward { -way } else { way };
+        AreaSample { p, n, uv, pdf: 1.0 / self.area(), primitive: 0, error: self.error }
     }
 
     /// 1 − cos of the cone that the sphere fills seen from `p`; `None` of a sphere whose outside is its back, from
