@@ -88,7 +88,8 @@ impl SpectralFunction {
         }
     }
 
-    fn visible_mean(&self) -> f64 {
+    /// The mean over the visible range, or over the channels.
+    pub fn visible_mean(&self) -> f64 {
         match self {
             Self::Rgb(rgb) => rgb.iter().map(|&v| v as f64).sum::<f64>() / 3.0,
             Self::Table(table) => table.mean(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX),
@@ -101,9 +102,9 @@ impl SpectralFunction {
         match self {
             Self::Uniform(value) => *value,
             Self::Rgb(rgb) => rgb.iter().fold(0.0, |most, v| v.max(most)),
-            Self::Sigmoid(_) => 1.0,
-            Self::Scaled { scale, .. } => *scale,
-            Self::Illuminant { scale, .. } => scale * observer::d65_bound(),
+            Self::Sigmoid(color) => color.bound(),
+            Self::Scaled { scale, color } => scale * color.bound(),
+            Self::Illuminant { scale, color } => scale * color.bound() * observer::d65_bound(),
             Self::Table(table) => table.bounds().1,
             Self::Blackbody(body) => body.bound(),
         }

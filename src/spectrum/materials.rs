@@ -73,8 +73,8 @@ impl Dispersion {
         Ok(Self::Sellmeier(numbers.chunks_exact(2).map(|c| (c[0], c[1])).collect()))
     }
 
-    /// A wavelength in nm, of those from 360 to 830, at which the index is not within `range`, and the index.
-    /// Between whole wavelengths only a pole or a table's value can be far from what is found at them.
+    /// A wavelength in nm, of those from 360 to 830 and of a table, at which the index is not within `range`, and
+    /// the index. Between whole wavelengths only a pole or a table's value can be far from what is found at them.
     pub fn outside(&self, range: &RangeInclusive<f64>) -> Option<(f64, f64)> {
         let visible = f64::from(observer::WAVELENGTH_MIN)..=f64::from(observer::WAVELENGTH_MAX);
         let between: Vec<(f64, f64)> = match self {
@@ -87,7 +87,9 @@ impl Dispersion {
         };
         let whole = (observer::WAVELENGTH_MIN as u32..=observer::WAVELENGTH_MAX as u32).map(f64::from);
         let all = between.into_iter().chain(whole.map(|λ| (λ, self.eta(λ as f32))));
-        all.filter(|(λ, _)| visible.contains(λ)).find(|(_, eta)| !range.contains(eta))
+        // The bands of a film may ask for what a table has beyond the visible; formulas are constant there.
+        let tabulated = matches!(self, Self::Table(_));
+        all.filter(|(λ, _)| tabulated || visible.contains(λ)).find(|(_, eta)| !range.contains(eta))
     }
 
     /// The index at λ in nm; not finite or below zero where the formula has a pole.

@@ -121,6 +121,19 @@ pub fn reflectance_to_rgb(table: &Tabulated) -> [f64; 3] {
     table_to_rgb(table, |λ| d65(λ).into())
 }
 
+/// The colour of a smooth spectrum that is zero outside of a range of wavelengths in nm, by the midpoint rule.
+pub fn integral_to_rgb((first, last): (f32, f32), value: impl Fn(f32) -> f64) -> [f64; 3] {
+    const STEPS: usize = 1000;
+    let (first, last) = (first.max(WAVELENGTH_MIN), last.min(WAVELENGTH_MAX));
+    let step = (last - first).max(0.0) / STEPS as f32;
+    let mut sum = [0.0; 3];
+    for λ in (0..STEPS).map(|i| first + step * (i as f32 + 0.5)) {
+        let value = value(λ);
+        sum.iter_mut().zip(xyz(λ)).for_each(|(sum, matching)| *sum += f64::from(matching) * value);
+    }
+    xyz_to_rgb(sum.map(|v| v * f64::from(step) / Y_INTEGRAL))
+}
+
 fn table_to_rgb(table: &Tabulated, illuminant: impl Fn(f32) -> f64) -> [f64; 3] {
     const STEPS: usize = 1000;
     let mut sum = [0.0; 3];

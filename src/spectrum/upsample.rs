@@ -34,6 +34,11 @@ impl Sigmoid {
         if x < 0.0 { tail } else { 1.0 - tail }
     }
 
+    /// No reflectance is above this.
+    pub fn bound(&self) -> f32 {
+        if self.0[..2] == [0.0; 2] { self.eval(0.0) } else { 1.0 }
+    }
+
     /// Reflectance at eight wavelengths.
     #[inline(always)]
     pub fn eval_lanes(&self, nm: &[f32; LANES]) -> [f32; LANES] {

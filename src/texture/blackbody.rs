@@ -4,10 +4,9 @@ use super::AnyTexture;
 use super::regular::wavelength_range;
 use crate::scene::error::SceneError;
 use crate::scene::loader::Loader;
-use crate::scene::params::{Params, number};
+use crate::scene::params::{Params, Usage, number};
 use crate::scene::xml::Element;
 use crate::spectrum::blackbody::Blackbody;
-use crate::spectrum::table::Tabulated;
 use crate::spectrum::{ColorMode, SpectralFunction, observer};
 use std::sync::Arc;
 
@@ -23,11 +22,15 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         params.float_where("temperature", 5000.0, "temperature in K", TEMPERATURE, is_temperature)?;
     let scale = params.float_where("scale", 1.0, "factor (an extension)", FACTOR, is_factor)?;
     let range = wavelength_range(params)?;
-    Ok(AnyTexture::Constant(resolve(Blackbody { kelvin, scale, range }, params.loader.mode)))
+    Ok(AnyTexture::Constant(resolve(Blackbody { kelvin, scale, range }, params.usage, params.loader.mode)))
 }
 
 /// `<blackbody name= temperature= scale=>`, the element of Mitsuba 0.6.
-pub fn parse_legacy<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<SpectralFunction, SceneError> {
+pub fn parse_legacy<'d>(
+    element: &'d Element,
+    loader: &Loader<'d>,
+    usage: Usage,
+) -> Result<SpectralFunction, SceneError> {
     element.only(&["name", "temperature", "scale"])?;
     let temperature = element.require("temperature")?;
     let kelvin = number(temperature.value.trim_end_matches(['k', 'K']))
@@ -46,7 +49,7 @@ pub fn parse_legacy<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<Spe
         })?,
     };
     let range = (observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX);
-    Ok(resolve(Blackbody { kelvin, scale, range }, loader.mode))
+    Ok(resolve(Blackbody { kelvin, scale, range }, usage, loader.mode))
 }
 
 /// Beyond, hc/λkT is lost beside 1.
@@ -63,15 +66,13 @@ fn is_temperature(kelvin: f64) -> bool {
     kelvin > 0.0 && kelvin <= 1e12
 }
 
-fn resolve(body: Blackbody, mode: ColorMode) -> SpectralFunction {
+/// What is no light itself, but a factor of it, has the colour that it has under D65, as a table has.
+fn resolve(body: Blackbody, usage: Usage, mode: ColorMode) -> SpectralFunction {
     if mode == ColorMode::Spectral {
         return SpectralFunction::Blackbody(Arc::new(body));
     }
-    let step = (observer::WAVELENGTH_MAX - observer::WAVELENGTH_MIN) / 188.0;
-    let values = (0..=188).map(|i| body.eval(observer::WAVELENGTH_MIN + step * i as f32)).collect();
-    let table = Tabulated::regular(observer::WAVELENGTH_MIN, observer::WAVELENGTH_MAX, values);
-    // Planck's law is finite and positive everywhere, and the range is not empty.
-    let rgb = table.map_or([0.0; 3], |t| observer::emission_to_rgb(&t));
+    let light = |λ| if usage == Usage::Emission { 1.0 } else { observer::d65(λ) };
+    let rgb = observer::integral_to_rgb(body.range, |λ| f64::from(body.eval(λ) * light(λ)));
     SpectralFunction::Rgb(rgb.map(|v| v.max(0.0) as f32))
 }
 
@@ -79,7 +80,6 @@ fn resolve(body: Blackbody, mode: ColorMode) -> SpectralFunction {
 mod tests {
     use super::*;
     use crate::math::DVec2;
-    use crate::scene::params::Usage;
     use crate::scene::xml;
     use crate::spectrum::Wavelengths;
     use crate::spectrum::blackbody::radiance;

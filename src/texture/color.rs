@@ -31,7 +31,7 @@ pub fn parse<'d>(
             Ok(from_rgb(rgb, usage, loader))
         }
         "spectrum" => parse_spectrum(element, loader, usage),
-        "blackbody" => super::blackbody::parse_legacy(element, loader),
+        "blackbody" => super::blackbody::parse_legacy(element, loader, usage),
         _ => {
             let message = match element.name() {
                 Some(name) => format!("`{name}` cannot be a <{}>", element.tag),

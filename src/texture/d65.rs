@@ -18,6 +18,7 @@ pub const EXAMPLES: &[&str] = &[
 pub struct UnderD65 {
     texture: AnyTexture,
     scale: f32,
+    mode: ColorMode,
 }
 
 pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
@@ -34,7 +35,11 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         let light = params.usage != Usage::Reflectance;
         let usage = if light { Usage::Unbounded } else { Usage::Reflectance };
         let texture = AnyTexture::parse(element, params.loader, usage)?;
-        return Ok(AnyTexture::UnderD65(Box::new(UnderD65 { texture, scale: scale as f32 })));
+        return Ok(AnyTexture::UnderD65(Box::new(UnderD65 {
+            texture,
+            scale: scale as f32,
+            mode: params.loader.mode,
+        })));
     }
     Ok(AnyTexture::default_value(scale, Usage::Emission, params.loader.mode))
 }
@@ -64,9 +69,13 @@ impl UnderD65 {
         self.texture.mean() * self.scale as f64 * SpectralFunction::mean(&color::white_illuminant(1.0))
     }
 
-    /// Largest value, if the texture of reflectances reaches 1.
+    /// See [`AnyTexture::bound`].
     pub fn bound(&self) -> f32 {
-        color::white_illuminant(1.0).bound() * self.scale
+        let light = match self.mode {
+            ColorMode::Rgb => 1.0,
+            ColorMode::Spectral => color::white_illuminant(1.0).bound(),
+        };
+        self.texture.bound() * light * self.scale
     }
 
     pub fn varies(&self) -> bool {

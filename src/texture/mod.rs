@@ -76,13 +76,10 @@ impl AnyTexture {
         } else {
             Self::Constant(color::parse(element, loader, usage)?)
         };
-        let most = match &texture {
-            Self::Constant(function) => function.bound(),
-            Self::UnderD65(product) => product.bound(),
-            // Looked at texel by texel, side by side, and vertex by vertex.
-            Self::Bitmap(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => 0.0,
-        };
-        if usage == Usage::Reflectance && most > 1.0 {
+        // Others are looked at texel by texel, side by side, and vertex by vertex.
+        let looked_at = matches!(texture, Self::Constant(_) | Self::UnderD65(_));
+        let most = texture.bound();
+        if usage == Usage::Reflectance && looked_at && most > 1.0 {
             let message = format!("values up to {most} are no reflectance");
             return Err(SceneError::at(&element.span, message, "expected 0 to 1"));
         }
@@ -137,7 +134,9 @@ impl AnyTexture {
     #[inline]
     pub fn eval_scalar(&self, uv: DVec2) -> f64 {
         match self {
-            Self::Constant(function) => function.constant().map_or_else(|| function.mean(), |v| v as f64),
+            Self::Constant(function) => {
+                function.constant().map_or_else(|| function.visible_mean(), f64::from)
+            }
             Self::Bitmap(bitmap) => bitmap.eval_scalar(uv),
             Self::Checkerboard(board) => board.scalar_side(uv).eval_scalar(uv),
             Self::UnderD65(product) => product.eval_scalar(uv),
@@ -150,7 +149,7 @@ impl AnyTexture {
     pub fn scalar(self) -> Self {
         match self {
             Self::Constant(function) if function.constant().is_none() => {
-                Self::Constant(SpectralFunction::Uniform(function.mean() as f32))
+                Self::Constant(SpectralFunction::Uniform(function.visible_mean() as f32))
             }
             other => other,
         }
@@ -186,6 +185,15 @@ impl AnyTexture {
             Self::Checkerboard(board) => board.mean(),
             Self::UnderD65(product) => product.mean(),
             Self::MeshAttribute(attribute) => attribute.mean(),
+        }
+    }
+
+    /// No value is above this, at any wavelength or in any channel; of textures that are read as reflectances 1.
+    pub fn bound(&self) -> f32 {
+        match self {
+            Self::Constant(function) => function.bound(),
+            Self::UnderD65(product) => product.bound(),
+            Self::Bitmap(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => 1.0,
         }
     }
 
