@@ -92,18 +92,22 @@ fn far_clips_end_the_first_ray() {
     }
 }
 
-/// As in Mitsuba, a medium covers what it scatters.
+/// As in Mitsuba, a medium covers what it scatters or absorbs.
 #[test]
-fn media_cover_what_they_scatter_and_invisible_surfaces_nothing() {
+fn media_cover_what_they_take_and_invisible_surfaces_nothing() {
     let volpath = r#"<integrator type="volpath"/>"#;
     let pane = r#"<shape type="rectangle"><bsdf type="null"/></shape>"#;
     assert_eq!((alpha(volpath, pane), alpha(volpath, BALL) > 0.7), (0.0, true));
     let hidden = r#"<integrator type="volpath"><boolean name="hide_emitters" value="true"/></integrator>"#;
     assert_eq!((alpha(hidden, &format!("{pane}{LAMP}")), alpha(volpath, LAMP) > 0.7), (0.0, true));
     // The cube is as wide as the film, and two deep.
-    let cube = r#"<shape type="cube"><bsdf type="null"/><medium type="homogeneous" name="interior">
-        <float name="sigma_t" value="0.4"/></medium></shape>"#;
-    let (found, expected) = (alpha(volpath, cube), 1.0 - (-0.8f64).exp());
-    let error = 5.0 * (expected * (1.0 - expected) / 4096.0).sqrt();
-    assert!((found - expected).abs() < error, "{found}, not {expected}");
+    for albedo in ["0.75", "0"] {
+        let cube = format!(
+            r#"<shape type="cube"><bsdf type="null"/><medium type="homogeneous" name="interior">
+            <float name="sigma_t" value="0.4"/><float name="albedo" value="{albedo}"/></medium></shape>"#
+        );
+        let (found, expected) = (alpha(volpath, &cube), 1.0 - (-0.8f64).exp());
+        let error = 5.0 * (expected * (1.0 - expected) / 4096.0).sqrt();
+        assert!((found - expected).abs() < error, "{albedo}: {found}, not {expected}");
+    }
 }

@@ -127,6 +127,31 @@ fn killed_after_its_pilot_a_render_goes_on_to_as_many_samples() {
     }
 }
 
+/// Two renders may have been given one name: what another has written is neither replaced nor removed.
+#[test]
+fn a_checkpoint_that_has_become_anothers_is_left_alone() {
+    let folder = Folder::new();
+    let arguments = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.05", "--quiet"];
+    let child = folder.start(&[&LONG[..], &arguments].concat());
+    while !folder.path("c").exists() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Renamed into its place, as another render's would be.
+    fs::write(folder.path("other"), "the work of another").unwrap();
+    fs::rename(folder.path("other"), folder.path("c")).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert!(text(&output.stderr).contains("another process has written it"), "{}", text(&output.stderr));
+    assert_eq!(folder.bytes("c"), b"the work of another");
+    // One that never saves any, and begins before there is one.
+    fs::remove_file(folder.path("c")).unwrap();
+    let child = folder.start(&["--spp", "400", "-o", "out.exr", "--checkpoint", "c", "--quiet"]);
+    std::thread::sleep(Duration::from_millis(100));
+    fs::write(folder.path("c"), "the work of another").unwrap();
+    child.wait_with_output().unwrap();
+    assert_eq!(folder.bytes("c"), b"the work of another");
+}
+
 /// What a pilot chooses begins with sample 0, so another part of a render is none of its.
 #[test]
 fn a_pilot_goes_on_with_nothing_that_none_has_chosen() {

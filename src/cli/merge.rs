@@ -44,7 +44,7 @@ impl Arguments {
         }
         let not_finite = merged.not_finite();
         if not_finite > 0 {
-            eprintln!("warning: {not_finite} pixels are not finite; the renders of the parts listed samples");
+            eprintln!("warning: {not_finite} pixels are not finite, as the renders of the parts said");
             return Ok(ExitCode::from(NOT_FINITE));
         }
         Ok(ExitCode::SUCCESS)

@@ -56,7 +56,7 @@ pub struct Arguments {
     pub checkpoint_every: Option<f64>,
     /// Go on from the checkpoint, if there is one yet, to the number of samples that it was begun with
     #[arg(long, requires = "checkpoint")]
-    resume: bool,
+    pub resume: bool,
     /// Show the render in the image viewer tev, which listens at port 14158
     #[arg(long, value_name = "HOST:PORT", value_parser = super::address)]
     pub preview: Option<String>,
@@ -165,7 +165,7 @@ impl Arguments {
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        if summary.report.non_finite > 0 {
+        if summary.image.not_finite() > 0 {
             return Ok(ExitCode::from(NOT_FINITE));
         }
         Ok(ExitCode::from(if summary.attained() == Some(false) { UNATTAINED } else { 0 }))
@@ -263,6 +263,12 @@ impl Arguments {
         if self.target_error.is_some() && pilot.quality.heavy_tailed() {
             eprintln!("warning: {}", summary::heavy(&pilot.quality, "the pilot's"));
         }
+        if self.target_error.is_some() && pilot.quality.relative_standard_error_of_mean == 0.0 {
+            eprintln!(
+                "warning: the pilot's {} samples of a pixel are all alike; of light that none of them has met nothing is known",
+                pilot.samples
+            );
+        }
         Ok(())
     }
 
@@ -287,6 +293,10 @@ impl Arguments {
             );
         }
         if report.non_finite == 0 {
+            let beyond = summary.image.not_finite();
+            if beyond > 0 {
+                eprintln!("warning: {beyond} pixels are beyond what a file of single precision holds");
+            }
             return;
         }
         eprintln!("warning: {} samples are not finite; the first:", report.non_finite);

@@ -2,6 +2,7 @@
 //! terminal.
 
 use super::render::Arguments;
+use etalon::files::FileError;
 use etalon::image::{Image, ImageError};
 use etalon::render::passes::{Partial, render_passes};
 use etalon::render::preview::Preview;
@@ -10,10 +11,10 @@ use etalon::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::error::Error;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -47,6 +48,7 @@ pub struct Watch<'a> {
     progress: &'a Progress,
     /// Ctrl-C was pressed, or the system asked for an end.
     interrupted: Arc<AtomicBool>,
+    checkpoint: Option<OwnCheckpoint<'a>>,
     /// The complete sums, kept until the image is safely written.
     complete: RefCell<Option<Partial>>,
 }
@@ -72,7 +74,9 @@ impl<'a> Watch<'a> {
                 }
             }
         });
-        Ok(Self { arguments, silent, progress, interrupted, complete: RefCell::new(None) })
+        let own = |path| OwnCheckpoint::begin(path, arguments.resume);
+        let checkpoint = arguments.checkpoint.as_deref().map(own).transpose()?;
+        Ok(Self { arguments, silent, progress, interrupted, checkpoint, complete: RefCell::new(None) })
     }
 
     /// Does some work that has no passes and that Ctrl-C stops at once.
@@ -106,7 +110,8 @@ impl<'a> Watch<'a> {
                 .inspect_err(|error| eprintln!("warning: no preview at {address}: {error}"))
                 .ok()
         });
-        let mut saver = Saver::new(self.arguments, settings, begun.channels.len());
+        let saver = |own| Saver::new(own, self.arguments, settings, begun.channels.len());
+        let mut saver = self.checkpoint.as_ref().map(saver);
         let interrupted = &self.interrupted;
         let partial = self.beside(bar, false, || {
             render_passes(scene, settings, begun, self.progress, |partial| {
@@ -133,13 +138,14 @@ impl<'a> Watch<'a> {
 
     /// After the image could not be written: saves the sums, so that the work is not lost, and says so.
     pub fn keep(&self, scene: &Scene, settings: &Settings, error: ImageError) -> String {
-        let (Some(path), Some(partial)) = (&self.arguments.checkpoint, &*self.complete.borrow()) else {
+        let (Some(own), Some(partial)) = (&self.checkpoint, &*self.complete.borrow()) else {
             return error.to_string();
         };
-        match checkpoint::save(path, scene, settings, partial) {
+        match own.save(scene, settings, partial) {
             Ok(()) => {
                 let command = self.arguments.go_on(&settings.samples);
-                format!("{error}\nthe render is kept in {}; this writes the image: {command}", path.display())
+                let path = own.path.display();
+                format!("{error}\nthe render is kept in {path}; this writes the image: {command}")
             }
             Err(also) => format!("{error}\nthe checkpoint neither: {also}"),
         }
@@ -147,9 +153,8 @@ impl<'a> Watch<'a> {
 
     /// After the image has been written: removes the checkpoint, which is not needed any more.
     pub fn finish(&self) {
-        if let Some(path) = &self.arguments.checkpoint {
-            // It need not exist.
-            let _ = std::fs::remove_file(path);
+        if let Some(Err(error)) = self.checkpoint.as_ref().map(OwnCheckpoint::remove) {
+            eprintln!("warning: {error}");
         }
     }
 
@@ -192,9 +197,47 @@ impl Drop for Finished<'_> {
     }
 }
 
+/// The checkpoint of this render: the file is replaced and removed as long as it is what this process has written or
+/// begun from, for several may have been given one name.
+struct OwnCheckpoint<'a> {
+    path: &'a Path,
+    /// What it is known by; `None` as long as there is none.
+    seal: Cell<Option<u64>>,
+}
+
+impl<'a> OwnCheckpoint<'a> {
+    fn begin(path: &'a Path, resumed: bool) -> Result<Self, FileError> {
+        let seal = if resumed { checkpoint::seal(path)? } else { None };
+        Ok(Self { path, seal: Cell::new(seal) })
+    }
+
+    /// Whether there is a file. Error: it is another's.
+    fn exists(&self) -> Result<bool, FileError> {
+        let there = checkpoint::seal(self.path)?;
+        if there.is_some() && there != self.seal.get() {
+            return Err(FileError::new(self.path, "another process has written it since this render began"));
+        }
+        Ok(there.is_some())
+    }
+
+    fn save(&self, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), FileError> {
+        self.exists()?;
+        self.seal.set(Some(checkpoint::save(self.path, scene, settings, partial)?));
+        Ok(())
+    }
+
+    fn remove(&self) -> Result<(), FileError> {
+        // A render that was too short to save one does not know what is there, and leaves it.
+        if self.seal.get().is_some() && self.exists()? {
+            std::fs::remove_file(self.path).map_err(|error| FileError::new(self.path, error))?;
+        }
+        Ok(())
+    }
+}
+
 /// Saves checkpoints, not too often.
 struct Saver<'a> {
-    path: &'a Path,
+    own: &'a OwnCheckpoint<'a>,
     /// Pause between two savings that was asked for.
     every: Option<Duration>,
     last: Instant,
@@ -204,13 +247,12 @@ struct Saver<'a> {
 }
 
 impl<'a> Saver<'a> {
-    fn new(arguments: &'a Arguments, settings: &Settings, channels: usize) -> Option<Self> {
-        let path: &PathBuf = arguments.checkpoint.as_ref()?;
+    fn new(own: &'a OwnCheckpoint, arguments: &Arguments, settings: &Settings, channels: usize) -> Self {
         let cost = Duration::from_secs_f64(checkpoint::size(settings, channels) as f64 / SPEED);
         // What no duration can hold means never.
         let duration = |seconds| Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let every = arguments.checkpoint_every.map(duration);
-        Some(Self { path, every, last: Instant::now(), cost, warned: false })
+        Self { own, every, last: Instant::now(), cost, warned: false }
     }
 
     fn is_due(&self) -> bool {
@@ -220,7 +262,7 @@ impl<'a> Saver<'a> {
     /// A checkpoint that cannot be written does not end the render.
     fn save(&mut self, scene: &Scene, settings: &Settings, partial: &Partial) {
         let begin = Instant::now();
-        if let Err(error) = checkpoint::save(self.path, scene, settings, partial)
+        if let Err(error) = self.own.save(scene, settings, partial)
             && !self.warned
         {
             eprintln!("warning: {error}");

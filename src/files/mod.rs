@@ -23,7 +23,8 @@ pub struct FileError {
 }
 
 impl FileError {
-    pub(crate) fn new(path: &Path, cause: impl fmt::Display) -> FileError {
+    /// That this is wrong with a file.
+    pub fn new(path: &Path, cause: impl fmt::Display) -> FileError {
         FileError { path: path.to_owned(), cause: cause.to_string() }
     }
 

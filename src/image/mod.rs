@@ -41,7 +41,8 @@ pub struct Channel {
     /// The mean of the pixel's samples. Linear sRGB in `R G B`, radiance in a spectral bin.
     pub mean: Vec<f32>,
     /// The variance of that mean, if it is known. Infinite where it could not be estimated, or where it
-    /// exceeds the range of f32 (a standard error beyond 1.8e19); zero where it is beneath it (4e-23).
+    /// exceeds the range of f32 (a standard error beyond 1.8e19); where it is beneath it (4e-23), the least number
+    /// of that range, for zero says that there is no noise.
     pub variance: Option<Vec<f32>>,
 }
 
@@ -52,11 +53,20 @@ impl Channel {
             name: name.clone(),
             mean: accumulators.channel(index).map(|channel| channel.mean(samples) as f32).collect(),
             variance: Some(
-                accumulators.channel(index).map(|channel| channel.variance(samples) as f32).collect(),
+                accumulators
+                    .channel(index)
+                    .map(|channel| single_variance(channel.variance(samples)))
+                    .collect(),
             ),
         };
         names.iter().enumerate().map(channel).collect()
     }
+}
+
+/// A variance in the precision of files; positive remains positive.
+fn single_variance(variance: f64) -> f32 {
+    const LEAST: f32 = f32::from_bits(1);
+    if variance > 0.0 { (variance as f32).max(LEAST) } else { variance as f32 }
 }
 
 /// A rendered image, whole or a part.

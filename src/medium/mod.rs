@@ -33,7 +33,7 @@ pub struct Medium {
     /// The share of the light that a collision scatters.
     albedo: AnyVolume,
     /// Whether any is.
-    scatters: bool,
+    pub scatters: bool,
     extinction: AnyExtinction,
 }
 

@@ -14,7 +14,7 @@ use crate::sampler::SampleId;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
@@ -122,8 +122,37 @@ pub fn refuse_to_replace(path: &Path) -> Result<(), FileError> {
     error(cause.into())
 }
 
-/// Saves a render in progress. An error leaves an older checkpoint as it was.
-pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), FileError> {
+/// What tells a file from every other: the checksum at its end. `None` if there is no file.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn seal(path: &Path) -> Result<Option<u64>, FileError> {
+    let mut word = [0; 8];
+    let read = |mut file: File| {
+        let length = file.metadata()?.len();
+        file.seek(SeekFrom::Start(length.saturating_sub(word.len() as u64)))?;
+        file.read_exact(&mut word)
+    };
+    match open(path).and_then(read) {
+        Ok(()) => Ok(Some(u64::from_le_bytes(word))),
+        Err(why) if why.kind() == io::ErrorKind::NotFound => Ok(None),
+        // Shorter than any checkpoint.
+        Err(why) if why.kind() == io::ErrorKind::UnexpectedEof => Ok(Some(0)),
+        Err(why) => Err(FileError::new(path, why)),
+    }
+}
+
+/// Opens a regular file; to open a pipe would wait for who writes it.
+fn open(path: &Path) -> io::Result<File> {
+    match std::fs::metadata(path)?.is_file() {
+        true => File::open(path),
+        false => Err(io::Error::other("it is no regular file")),
+    }
+}
+
+/// Saves a render in progress; returns the file's [`seal`]. An error leaves an older checkpoint as it was.
+pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<u64, FileError> {
+    let mut seal = 0;
     let report = &partial.report;
     let head = Head {
         identity: Identity::new(scene, settings, &partial.channels),
@@ -155,9 +184,10 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
             }
             put(&row)?;
         }
-        let digest = hash.digest();
-        file.write_all(&digest.to_le_bytes())
-    })
+        seal = hash.digest();
+        file.write_all(&seal.to_le_bytes())
+    })?;
+    Ok(seal)
 }
 
 /// Reads the checkpoint of a render.
@@ -225,7 +255,7 @@ impl<R: Read> Hashed<R> {
 
 /// Reads all that is before the sums.
 fn begin(path: &Path) -> Result<(Hashed<BufReader<File>>, Head), Refused> {
-    let mut file = Hashed { reader: BufReader::with_capacity(1 << 20, File::open(path)?), hash: Xxh3::new() };
+    let mut file = Hashed { reader: BufReader::with_capacity(1 << 20, open(path)?), hash: Xxh3::new() };
     let mut word = [0; 8];
     file.fill(&mut word)?;
     if &word != MAGIC {

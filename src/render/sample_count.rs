@@ -101,8 +101,10 @@ pub fn for_error(
     if needed.is_nan() || needed > MOST as f64 {
         return Err(NoCount::TooMany);
     }
-    // Two blocks are the fewest that have a variance at all.
-    let count = (needed.ceil() as u64).next_multiple_of(BLOCK).max(2 * BLOCK);
+    // Two blocks are the fewest that have a variance at all. A pilot without noise says nothing of what it has not
+    // met, so the image has as many samples as that.
+    let least = if needed == 0.0 { pilot.samples.end } else { 2 * BLOCK };
+    let count = (needed.ceil() as u64).next_multiple_of(BLOCK).max(least);
     Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality })
 }
 

@@ -82,7 +82,13 @@ impl<'a> Walk<'a> {
                     self.throughput *= weight;
                     return self.within::<F>(medium, t, &u, edge);
                 }
-                Flight::Through(weight) => self.throughput *= weight,
+                Flight::Through(weight) => {
+                    // What only absorbs covers as much as it takes. The number ends no path on this edge: roulette
+                    // is for paths that have been scattered, by what covers.
+                    let comes_through = self.path.λ.mean(weight * self.path.λ.ones());
+                    self.path.covered |= !medium.scatters && u.roulette() >= f64::from(comes_through);
+                    self.throughput *= weight;
+                }
             }
             if hit.is_none() && self.ray.end.is_finite() {
                 // Beyond the camera's `far_clip` nothing is seen, but the medium goes on.
