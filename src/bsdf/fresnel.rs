@@ -89,10 +89,11 @@ pub fn conductor(cos: f64, eta: f64, k: f64) -> f64 {
     let sum = (a0 * a0 + 4.0 * eta * eta * k * k).sqrt();
     let a = (0.5 * (sum + a0)).max(0.0).sqrt();
     let (t1, t2) = (sum + cos2, 2.0 * a * cos);
-    let rs = (t1 - t2) / (t1 + t2);
+    // Where nothing is reflected, rounding must not reflect less.
+    let rs = (t1 - t2).max(0.0) / (t1 + t2);
     let (t3, t4) = (cos2 * sum + sin2 * sin2, t2 * sin2);
     // t₃ vanishes only at normal incidence on η = k = 0, where the two polarisations are the same.
-    let rp = if t3 > 0.0 { rs * (t3 - t4) / (t3 + t4) } else { rs };
+    let rp = if t3 > 0.0 { rs * (t3 - t4).max(0.0) / (t3 + t4) } else { rs };
     0.5 * (rs + rp)
 }
 

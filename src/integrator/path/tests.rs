@@ -152,3 +152,40 @@ fn roulette_ends_paths_as_early_in_colours_as_in_spectra() {
     });
     assert!((0.8..1.25).contains(&(colours / spectra)), "{colours} {spectra}");
 }
+
+/// Metals of index 1 in some channels, which reflect nothing there but what rounding leaves: a path may go on with that,
+/// and those that share with it have densities beyond what a lane holds.
+#[test]
+fn metals_of_index_one_share_finite_light() {
+    let wall = |number: usize, placed: &str| {
+        let (eta, k) = [("0.2, 1, 1", "3, 0, 0"), ("1, 0.2, 1", "0, 3, 0")][number % 2];
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world">{placed}</transform><bsdf type="roughconductor">
+                <float name="alpha" value="0.15"/><rgb name="eta" value="{eta}"/><rgb name="k" value="{k}"/></bsdf></shape>"#
+        )
+    };
+    let walls: String = [
+        r#"<rotate y="1" angle="90"/><translate x="-1"/>"#,
+        r#"<rotate y="1" angle="-90"/><translate x="1"/>"#,
+        r#"<translate z="-1"/>"#,
+        r#"<rotate x="1" angle="180"/><translate z="1"/>"#,
+        r#"<rotate x="1" angle="90"/><translate y="1"/>"#,
+    ]
+    .iter()
+    .enumerate()
+    .map(|(number, placed)| wall(number, placed))
+    .collect();
+    let (_, report) = rendered(
+        &format!(
+            r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="8"/>
+                <integer name="reuse" value="16"/><string name="links" value="never"/><float name="light_paths" value="0"/></integrator>
+            <sensor type="perspective"><transform name="to_world"><lookat origin="0, -3.9, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
+                <float name="fov" value="38"/><film type="hdrfilm"><integer name="width" value="24"/>
+                <integer name="height" value="18"/><rfilter type="box"/></film><sampler type="independent"/></sensor>{walls}
+            <shape type="rectangle"><transform name="to_world"><scale value="0.6"/><rotate x="1" angle="180"/>
+                <translate z="0.98"/></transform><emitter type="area"><rgb name="radiance" value="4"/></emitter></shape></scene>"#
+        ),
+        2048,
+    );
+    assert_eq!(report.non_finite, 0, "{:?}", report.first_non_finite);
+}

@@ -59,6 +59,8 @@ pub fn distribute(
     let (light, scale) =
         light.shared(contributions.clone().map(|(_, contribution)| contribution.density).sum(), contested);
     for (receiver, contribution) in contributions {
-        paths[receiver].radiance += contribution.weight * light * (contribution.geometry * scale) as f32;
+        // Beyond the range the weight is beneath it, and infinity times zero would be no number.
+        let factor = ((contribution.geometry * scale) as f32).min(f32::MAX);
+        paths[receiver].radiance += contribution.weight * light * factor;
     }
 }

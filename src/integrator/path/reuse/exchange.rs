@@ -164,13 +164,19 @@ fn rough_parts(
         if let Some(onward) = &onward {
             onward.sends(receiver, source, &mut contribution);
         }
-        // Where nothing of its throughput is left, the receiver's own path would have ended before it found
-        // anything: it is none of the techniques.
-        let finds = contribution.density > 0.0 && !contribution.weight.is_zero();
-        (finds && contribution.density.is_finite()).then_some((i, contribution))
+        Some((i, contribution))
     };
     contributions.clear();
     contributions.extend(bits::numbers(facing).filter_map(contribution));
+    // A path may have gone on with a throughput that was not zero by rounding alone. It found nothing then, and the
+    // densities of others, however small, are not those of its light.
+    if contributions.iter().any(|(i, of)| Some(*i) == *own && of.weight.is_zero()) {
+        contributions.clear();
+        return;
+    }
+    // Where nothing of its throughput is left, a receiver's own path would have ended before it found anything: it
+    // is none of the techniques.
+    contributions.retain(|(_, of)| of.density > 0.0 && of.density.is_finite() && !of.weight.is_zero());
     if let Some(j) = own.filter(|j| contributions.iter().all(|(i, _)| i != j)) {
         contributions.push((j, Contribution::matte(shared[j].own, f64::MIN_POSITIVE)));
     }
