@@ -2,6 +2,7 @@
 //! renderer.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use serde::Serialize;
@@ -12,7 +13,7 @@ use validation::report::to_json;
 use validation::statistics::Stream;
 use validation::statistics::distributions::normal_quantile;
 
-use crate::console::{check_writable, say, write};
+use crate::console::{check_writable, positive_seconds, say, write};
 use crate::renderers::{self, Job};
 use crate::report::machine;
 use crate::study::{REFERENCES, seed};
@@ -23,6 +24,9 @@ pub struct Arguments {
     scene: PathBuf,
     #[arg(long, default_value = "etalon")]
     renderer: String,
+    /// Another file of renderers
+    #[arg(long, value_name = "FILE")]
+    file: Option<PathBuf>,
     /// Sample counts
     #[arg(long, value_delimiter = ',', value_name = "N,N,…", default_value = "4,16,64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
@@ -32,9 +36,15 @@ pub struct Arguments {
     /// Draws from the pool
     #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
     trials: u32,
+    /// Number of threads; all unless given
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
     /// Count the processor's seconds, on a machine that does other things meanwhile
     #[arg(long)]
     processor_time: bool,
+    /// Seconds that one picture may take
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    timeout: Option<Duration>,
     /// Write a JSON document
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -89,11 +99,13 @@ fn seeds_needed(scatter: f64) -> u32 {
 /// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs is inconclusive.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
     check_writable(&[&arguments.scene], &[&arguments.json])?;
-    let known = renderers::load(&renderers::file())?;
+    let known = renderers::load(&arguments.file.clone().unwrap_or_else(renderers::file))?;
     let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("picture.exr");
-    let render = |samples: u32, seed: u32| renderer.render(&Job::new(&arguments.scene, samples, seed), &out);
+    let (scene, threads, limit) = (&arguments.scene, arguments.threads, arguments.timeout);
+    let render =
+        |samples: u32, seed: u32| renderer.render(&Job { scene, samples, seed, threads, limit }, &out);
     let longest = arguments.spp.iter().max().copied().unwrap_or(1);
     let pictures: Result<Vec<_>, String> = (0..REFERENCES)
         .map(|k| Ok(render(longest.saturating_mul(8), seed("reference", k))?.picture))
@@ -131,10 +143,10 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
     let asked_nothing = found.is_empty();
     let scatter = [scatter(&pool, |[e, _]| e), scatter(&pool, |[_, s]| s), scatter(&pool, |[e, s]| e * s)];
     let seeds_needed = seeds_needed(scatter[2]);
+    let [by_error, by_seconds] = [0, 1].map(|i| 100.0 * scatter[i]);
+    let wanted = if asked_nothing { String::new() } else { format!(": 5 % wants {seeds_needed} seeds") };
     say(format_args!(
-        "within a pair errors scatter by {:.1} %, seconds by {:.1} %: 5 % wants {seeds_needed} seeds",
-        100.0 * scatter[0],
-        100.0 * scatter[1]
+        "within a pair errors scatter by {by_error:.1} %, seconds by {by_seconds:.1} %{wanted}"
     ));
     let calibration = Calibration {
         scene: arguments.scene.display().to_string(),

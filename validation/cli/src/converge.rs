@@ -169,8 +169,23 @@ impl Study {
                 l.renderer
             )
         });
+        let biased =
+            self.lines.iter().filter(|l| l.mean_of != l.renderer && l.brightness.is_some_and(misses));
+        let biased = biased.map(|l| {
+            format!(
+                "warning: {} is not as bright as the mean of {} that it is held against: its errors are bias, and not \
+                 noise alone",
+                l.renderer, l.mean_of
+            )
+        });
         let missing = self.missing.iter().map(|(name, why)| format!("{name}: missing: {why}"));
-        told.chain(ratios).chain(strangers).chain(alone).chain(missing).map(|line| line + "\n").collect()
+        told.chain(ratios)
+            .chain(strangers)
+            .chain(biased)
+            .chain(alone)
+            .chain(missing)
+            .map(|line| line + "\n")
+            .collect()
     }
 
     /// The page with plots, tables and pictures.

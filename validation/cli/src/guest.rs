@@ -129,7 +129,16 @@ impl Guest<'_> {
             // Size and channels of the pictures must agree before anything else.
             let mut ours = Image::from_replicates(&pictures).map_err(|e| e.to_string())?;
             let shared = Image::shared_noise(&pictures);
+            let names =
+                |of: &Image| of.channels.iter().map(|c| c.name.clone()).collect::<Vec<_>>().join(", ");
+            let found = names(&ours);
             ours.channels.retain(|own| theirs.channels.iter().any(|other| other.name == own.name));
+            if ours.channels.is_empty() {
+                return Err(format!(
+                    "the picture has channels {found}, and {} are asked for",
+                    names(&theirs)
+                ));
+            }
             let ours = ours.with_variances_times(&shared);
             let settings = Settings { level: self.level, ..references::settings(margin) };
             let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;

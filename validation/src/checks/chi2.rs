@@ -122,7 +122,7 @@ fn conclude(
     };
     let message = format!(
         "χ² = {statistic:.1} with {degrees} degrees of freedom, p = {p_value:.3e}; \
-         would find an RMS error of the pdf of {:.2} %{more}",
+         would find an RMS error of the bins of {:.2} %{more}",
         100.0 * detectable
     );
     let outcome = Outcome::new("chi2", verdict, message)

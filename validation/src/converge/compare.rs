@@ -91,9 +91,13 @@ fn beside(estimate: Estimate, values: &[f64]) -> Estimate {
     Estimate { variance, degrees, ..estimate }
 }
 
-/// The mean of independent values with Student's interval; `None` for fewer than two.
-pub fn mean(values: &[f64]) -> Option<Measured> {
-    (values.len() > 1).then(|| student(&Estimate::of(values.iter().copied())))
+/// The mean of a rung's errors, or of what else was measured against the reference, with Student's interval, in
+/// which the reference's noise is counted; `None` for fewer than two.
+pub fn mean(rung: &Rung) -> Option<Measured> {
+    let average = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+    let against_fewer: Vec<f64> = rung.without.iter().map(average).collect();
+    let estimate = Estimate::of(rung.errors.iter().copied());
+    (rung.errors.len() > 1).then(|| student(&beside(estimate, &against_fewer)))
 }
 
 /// The ratio of the means of two groups of independent positive values, with Welch's interval of their

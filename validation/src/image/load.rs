@@ -84,8 +84,9 @@ fn parse(bytes: &[u8]) -> Result<Loaded, ImageError> {
         if *size.get_or_insert(layer_size) != layer_size {
             return Err(ImageError("its parts have different sizes".into()));
         }
-        let part =
-            layer.attributes.layer_name.as_ref().map(ToString::to_string).filter(|name| !name.is_empty());
+        // Of a single part the name tells nothing apart.
+        let named = layer.attributes.layer_name.as_ref().filter(|_| file.layer_data.len() > 1);
+        let part = named.map(ToString::to_string).filter(|name| !name.is_empty());
         let part = match part.as_deref() {
             Some(SUMS) if mergeable => continue,
             Some(PICTURE) if mergeable => None,
@@ -194,7 +195,7 @@ mod tests {
             let attributes = LayerAttributes::named(exr::meta::attribute::Text::from(name));
             Layer::new(Vec2(2, 1), attributes, Encoding::UNCOMPRESSED, list)
         };
-        let names = |parts: [(&str, &str); 2]| {
+        let names = |parts: &[(&str, &str)]| {
             let layers: Vec<_> = parts.iter().map(|(name, channel)| part(name, channel)).collect();
             let image = ExrImage::from_layers(exr::prelude::ImageAttributes::with_size(Vec2(2, 1)), layers);
             let mut buffer = Cursor::new(Vec::new());
@@ -202,8 +203,9 @@ mod tests {
             let image = from_exr(&buffer.into_inner()).unwrap();
             image.channels.into_iter().map(|channel| channel.name).collect::<Vec<_>>()
         };
-        assert_eq!(names([("image", "R"), ("accumulators", "R.00")]), ["R"]);
-        assert_eq!(names([("image", "R"), ("mask", "A")]), ["image.R", "mask.A"]);
+        assert_eq!(names(&[("image", "R"), ("accumulators", "R.00")]), ["R"]);
+        assert_eq!(names(&[("image", "R"), ("mask", "A")]), ["image.R", "mask.A"]);
+        assert_eq!(names(&[("rgba", "R")]), ["R"]);
     }
 
     #[test]

@@ -117,6 +117,12 @@ impl Renderer {
             let said = seconds + planning;
             return Err(format!("{program:?} says that it rendered for {said} s, but ran for {wall:.3} s"));
         }
+        let all = wall * std::thread::available_parallelism().map_or(1.0, |cores| usize::from(cores) as f64);
+        if let Some(said) = said.cpu_seconds.filter(|said| *said > LOOSE * all + TICK) {
+            return Err(format!(
+                "{program:?} says that it took {said} s of processors, which had {all:.3} s"
+            ));
+        }
         let cpu_seconds = said.cpu_seconds.unwrap_or(cpu.max(1e-3));
         Ok(Took { seconds, planning, cpu_seconds, startup: (wall - planning - seconds).max(0.0) })
     }
@@ -124,6 +130,9 @@ impl Renderer {
 
 /// How much longer than it ran a program may say that it rendered: clocks differ.
 const LOOSE: f64 = 1.01;
+
+/// What clocks of processors are off by, in seconds: they count in hundredths.
+const TICK: f64 = 0.05;
 
 /// How long a pipe is read after the program has ended: what that has left running may hold it open.
 const GRACE: Duration = Duration::from_secs(1);
@@ -263,13 +272,15 @@ mod tests {
     #[test]
     fn nobody_renders_for_longer_than_it_runs() {
         let out = std::env::temp_dir().join(format!("etalon-never-{}.exr", std::process::id()));
-        let says = |seconds: &str| {
-            let command = format!("sh -c 'echo picture > {{out}}; echo {{\\\"seconds\\\": {seconds}}}'");
+        let says = |what: &str| {
+            let command = format!("sh -c 'echo picture > {{out}}; echo {{\\\"seconds\\\": {what}}}'");
             Renderer { command, mean_of: None, color: None }.run(&Job::new(Path::new("any.xml"), 1, 0), &out)
         };
         assert!(says("0.0001").is_ok());
         let error = says("5000").unwrap_err();
         assert!(error.contains("says that it rendered for 5000 s, but ran for"), "{error}");
+        let error = says("0.0001, \\\"cpu_seconds\\\": 5000").unwrap_err();
+        assert!(error.contains("says that it took 5000 s of processors, which had"), "{error}");
         assert!(says("1e-300").unwrap_err().contains("which is no time"));
         std::fs::remove_file(&out).unwrap();
     }

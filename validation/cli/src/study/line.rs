@@ -105,7 +105,7 @@ pub fn lines(bench: &Bench, names: &[&str], runs: &[Run]) -> Result<Vec<Line>, S
             seeds: first.errors.len(),
             mean_over_first: over_first(&reference_of(name)),
             mean_of: reference_of(name),
-            brightness: of(|e| e.brightness).last().and_then(|rung| mean(&rung.errors)),
+            brightness: of(|e| e.brightness).last().and_then(mean),
             startup: startups.iter().sum::<f64>() / startups.len() as f64,
             ratio_trimmed: over(name, trimmed),
             ratio_whole: over(name, whole),

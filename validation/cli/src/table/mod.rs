@@ -104,17 +104,12 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
         let bench = Bench { scene, folder, renderers: &known, settings: &settings, limit };
         let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
         let failed = if arguments.report_only {
-            None
+            vec![]
         } else {
             let progress = |step: &str| eprintln!("{}: {step}", entry.name);
             let prepared = prepare(entry, arguments.shared.as_deref(), &bench);
-            match prepared.and_then(|()| bench.measure(&names, &progress)) {
-                Ok(failed) => {
-                    let words: Vec<_> = failed.iter().map(|(name, why)| format!("{name}: {why}")).collect();
-                    (!words.is_empty()).then(|| words.join("; "))
-                }
-                Err(why) => Some(why),
-            }
+            let measured = prepared.and_then(|()| bench.measure(&names, &progress));
+            measured.unwrap_or_else(|why| vec![("all".to_owned(), why)])
         };
         let scene = summary::scene(entry, &plan, &bench, failed)?;
         pages.push(sheet::section(&scene, &bench)?);

@@ -78,8 +78,13 @@ impl std::fmt::Display for Standing {
     }
 }
 
-/// The results of a scene so far; `failed` is the reason why it was not measured at all.
-pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) -> Result<Scene, String> {
+/// The results of a scene so far; `failed` says which renderers were not measured to the end, and why.
+pub fn scene(
+    entry: &Entry,
+    plan: &Plan,
+    bench: &Bench,
+    failed: Vec<(String, String)>,
+) -> Result<Scene, String> {
     let names: Vec<&str> = plan.renderers().map(String::as_str).collect();
     let runs = bench.runs()?;
     let lines = lines(bench, &names, &runs)?;
@@ -107,8 +112,7 @@ pub fn scene(entry: &Entry, plan: &Plan, bench: &Bench, failed: Option<String>) 
     };
     let aims = class.map_or([1.0; 2], |c| [c.mitsuba, c.others]);
     let against = vec![group("Mitsuba", &plan.mitsuba, aims[0]), group("others", &plan.others, aims[1])];
-    let all = failed.map(|why| ("all".to_string(), why));
-    let missing = all.into_iter().chain(missing(bench, &names)?).collect();
+    let missing = failed.into_iter().chain(missing(bench, &names)?).collect();
     let title = class.map_or_else(|| entry.class.clone(), |c| c.title.clone());
     Ok(Scene { name: entry.name.clone(), class: title, size: entry.size, lines, missing, with, against })
 }
