@@ -25,6 +25,9 @@ pub fn check_writable(path: &Path) -> Result<(), FileError> {
     }
     // Neither the file nor what another process may be writing beside it is touched.
     let partial = partial(&target);
+    if is_special(&partial) {
+        return Err(cannot(format!("{} is in the way", partial.display())));
+    }
     let in_use = match File::options().write(true).open(&partial) {
         Err(_) if is_link(&partial) => Ok(()),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),

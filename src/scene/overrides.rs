@@ -48,7 +48,11 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     ];
     for (kind, name, value) in settings {
         if let Some(value) = value {
-            set(kind, integrator(document), name, &value);
+            let integrator = integrator(document);
+            if name != "max_depth" {
+                require_path(integrator, name)?;
+            }
+            set(kind, integrator, name, &value);
         }
     }
     if let Some(number) = overrides.sensor {
@@ -95,6 +99,15 @@ fn integrator(document: &mut Document) -> &mut Element {
         place = nested;
     }
     at(&mut document.root, &place)
+}
+
+/// Refuses an option that only `path` has where the integrator is another: the file has no such parameter whose place
+/// an error could name.
+fn require_path(integrator: &Element, name: &str) -> Result<(), SceneError> {
+    let Some(kind) = integrator.attribute("type").filter(|kind| kind.value != "path") else { return Ok(()) };
+    let message =
+        format!("--{} is for the integrator `path`, and this is `{}`", name.replace('_', "-"), kind.value);
+    Err(SceneError::at(&kind.value_span, message, "expected it without that option"))
 }
 
 /// An object of the first sensor, made where it is missing.

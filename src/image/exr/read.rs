@@ -1,6 +1,7 @@
 //! Reading of OpenEXR files.
 
-use super::{PREFIX, SHARD_PART, VARIANCE, claim, word_name};
+use super::hash::hash;
+use super::{HASH, PREFIX, SHARD_PART, VARIANCE, claim, word_name};
 use crate::film::Window;
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::image::provenance::{Attribute, Provenance};
@@ -84,6 +85,13 @@ fn decode(mut file: File) -> Result<Image, ImageError> {
         }
         _ => None,
     };
+    let written =
+        layer.attributes.other.iter().find(|(name, _)| name.to_string() == format!("{PREFIX}{HASH}"));
+    if let Some((_, AttributeValue::Text(written))) = written
+        && written.to_string() != hash(&channels, accumulators.as_ref())
+    {
+        return Err(ImageError::new("the file is damaged: its values are not those that were written"));
+    }
     let full = (film.size.width() as u32, film.size.height() as u32);
     Ok(Image { full, crop, channels, provenance, accumulators })
 }
@@ -119,7 +127,7 @@ fn provenance(attributes: &LayerAttributes) -> Result<Option<Provenance>, ImageE
             AttributeValue::F32(value) => Attribute::Real(*value),
             _ => continue,
         };
-        if let Some(name) = name.to_string().strip_prefix(PREFIX) {
+        if let Some(name) = name.to_string().strip_prefix(PREFIX).filter(|name| *name != HASH) {
             found.insert(name.to_owned(), value);
         }
     }

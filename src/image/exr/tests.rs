@@ -99,3 +99,32 @@ fn contradictory_images_are_not_written() {
     image.channels[0].name = "λ".into();
     assert!(write_exr(path, &image).is_err_and(|error| error.cause.contains("Latin-1")));
 }
+
+/// Noise does not become smaller by compression, and is stored as it is.
+#[test]
+fn no_bit_of_a_value_changes_unnoticed() -> std::io::Result<()> {
+    let folder = tempfile::tempdir()?;
+    let noise = |i: u32| f32::from_bits(0x3f00_0000 | (i.wrapping_mul(0x9e37_79b9) >> 9));
+    let image = Image {
+        full: (8, 4),
+        crop: Window { x: 0, y: 0, width: 8, height: 4 },
+        channels: vec![Channel { name: "R".into(), mean: (1..33).map(noise).collect(), variance: None }],
+        provenance: Some(example(8..22)),
+        accumulators: None,
+    };
+    let path = file(&folder, "a.exr");
+    assert_eq!(write_exr(&path, &image), Ok(()));
+    let bytes = std::fs::read(&path)?;
+    let mut noticed = 0;
+    for at in bytes.len() - 4 * 32..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x04;
+        std::fs::write(&path, damaged)?;
+        match read_exr(&path) {
+            Ok(found) => assert_eq!(found, image, "byte {at}"),
+            Err(_) => noticed += 1,
+        }
+    }
+    assert_eq!(noticed, 4 * 32);
+    Ok(())
+}

@@ -1,7 +1,8 @@
 //! Writing of OpenEXR files.
 
+use super::hash::hash;
 use super::samples::Samples;
-use super::{PREFIX, SHARD_PART, VARIANCE, word_name};
+use super::{HASH, PREFIX, SHARD_PART, VARIANCE, word_name};
 use crate::files::write_file;
 use crate::film::Accumulators;
 use crate::film::Window;
@@ -42,6 +43,8 @@ pub(in crate::image) fn encode(image: &Image) -> Result<Vec<u8>, ImageError> {
             };
             attributes.other.insert(text(&format!("{PREFIX}{name}"))?, value);
         }
+        let hash = AttributeValue::Text(text(&hash(&image.channels, image.accumulators.as_ref()))?);
+        attributes.other.insert(text(&format!("{PREFIX}{HASH}"))?, hash);
     }
     let mut pictures = Vec::new();
     for channel in &image.channels {

@@ -38,6 +38,18 @@ fn settings_reach_the_integrator_within_others() {
 }
 
 #[test]
+fn what_path_alone_has_is_refused_by_the_option() {
+    let text = format!(r#"<scene version="3.0.0">{SENSOR}<integrator type="volpath"/></scene>"#);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.xml");
+    std::fs::write(&file, text).unwrap();
+    let overrides = Overrides { light_paths: Some(1.0), ..Overrides::default() };
+    let error = load(&file, &[], ColorMode::Spectral, &overrides).err().map(|error| error.to_string());
+    let error = error.unwrap_or_default();
+    assert!(error.contains("--light-paths is for the integrator `path`, and this is `volpath`"), "{error}");
+}
+
+#[test]
 fn film_and_sampler_that_are_referred_to_are_those_that_change() {
     let overrides = Overrides {
         size: Some((5, 3)),
