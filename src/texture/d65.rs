@@ -35,11 +35,8 @@ pub fn parse(params: &mut Params) -> Result<AnyTexture, SceneError> {
         let light = params.usage != Usage::Reflectance;
         let usage = if light { Usage::Unbounded } else { Usage::Reflectance };
         let texture = AnyTexture::parse(element, params.loader, usage)?;
-        return Ok(AnyTexture::UnderD65(Box::new(UnderD65 {
-            texture,
-            scale: scale as f32,
-            mode: params.loader.mode,
-        })));
+        let product = UnderD65 { texture, scale: scale as f32, mode: params.loader.mode };
+        return Ok(AnyTexture::UnderD65(Box::new(product)));
     }
     Ok(AnyTexture::default_value(scale, Usage::Emission, params.loader.mode))
 }

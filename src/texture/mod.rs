@@ -76,10 +76,8 @@ impl AnyTexture {
         } else {
             Self::Constant(color::parse(element, loader, usage)?)
         };
-        // Others are looked at texel by texel, side by side, and vertex by vertex.
-        let looked_at = matches!(texture, Self::Constant(_) | Self::UnderD65(_));
         let most = texture.bound();
-        if usage == Usage::Reflectance && looked_at && most > 1.0 {
+        if usage == Usage::Reflectance && most > 1.0 {
             let message = format!("values up to {most} are no reflectance");
             return Err(SceneError::at(&element.span, message, "expected 0 to 1"));
         }
@@ -193,6 +191,7 @@ impl AnyTexture {
         match self {
             Self::Constant(function) => function.bound(),
             Self::UnderD65(product) => product.bound(),
+            // Looked at texel by texel, side by side, and vertex by vertex.
             Self::Bitmap(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => 1.0,
         }
     }
