@@ -165,6 +165,8 @@ def main():
     arguments = parser.parse_args()
     files = sources()
     known = {removal["feature"]: removal for removal in removals()}
+    if unknown := [feature for feature in arguments.features if feature not in known]:
+        parser.error(f"no feature {unknown[0]!r}, expected of {', '.join(known)}")
     chosen = [known[feature] for feature in arguments.features or known]
     if arguments.check:
         for removal in chosen:
