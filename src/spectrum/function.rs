@@ -204,4 +204,13 @@ mod tests {
         let ramp = tabulated(&[(260.0, 0.0), (460.0, 2.0), (930.0, 2.0)]);
         assert!((ramp.mean() - (100.0 * 1.5 + 370.0 * 2.0) / 470.0).abs() < 1e-9);
     }
+
+    #[test]
+    fn what_counts_as_a_number_is_what_is_visible() {
+        let beyond = tabulated(&[(850.0, 1.0), (900.0, 1.0)]);
+        let tail = tabulated(&[(360.0, 0.0), (830.0, 0.0), (830.5, 1.0), (1000.0, 1.0)]);
+        assert_eq!([beyond.visible_mean(), tail.visible_mean()], [0.0; 2]);
+        // Lobes and lights are chosen by more: bands of a film may lie there.
+        assert!(beyond.mean() > 0.0 && tail.mean() > 0.0);
+    }
 }

@@ -189,4 +189,17 @@ mod tests {
     fn cauchy_is_its_formula() {
         assert_eq!(Dispersion::Cauchy([1.5, 0.01, 0.001]).eta(500.0), 1.5 + 0.01 / 0.25 + 0.001 / 0.0625);
     }
+
+    #[test]
+    fn tables_are_looked_at_as_far_as_they_are_asked() {
+        let table = |nodes: &[(f32, f32)]| {
+            let (nm, eta) = nodes.iter().copied().unzip();
+            Dispersion::Table(Tabulated::new(nm, eta).unwrap())
+        };
+        let range = 0.1..=10.0;
+        assert_eq!(table(&[(360.0, 1.5), (830.0, 1.5), (840.0, -1.5)]).outside(&range), Some((840.0, -1.5)));
+        assert_eq!(table(&[(250.0, 1.5), (840.0, 1.4)]).outside(&range), None);
+        // A pole of a formula beyond the visible is not asked for.
+        assert_eq!(Dispersion::Sellmeier(vec![(1.0, 0.01)]).outside(&range), None);
+    }
 }

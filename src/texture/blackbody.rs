@@ -112,4 +112,40 @@ mod tests {
         let [all, part] = ["", narrow].map(|inside| parsed(inside, ColorMode::Rgb).mean());
         assert!(part > 0.0 && part < 0.8 * all, "{part} {all}");
     }
+
+    /// In RGB mode as in spectral mode: the integral over the range, which may be narrow; as a factor, under D65.
+    #[test]
+    fn colours_are_integrals_over_the_range() {
+        for (first, last) in [(360.0f32, 830.0f32), (600.0, 601.0), (500.5, 502.0)] {
+            let text = format!(
+                r#"<scene version="3.0.0"><spectrum type="blackbody"><float name="temperature" value="5000"/>
+                <float name="scale" value="1e-6"/><float name="wavelength_min" value="{first}"/>
+                <float name="wavelength_max" value="{last}"/></spectrum></scene>"#
+            );
+            let document = xml::read_text("t", &text).unwrap();
+            let loader = Loader::new(&document, ColorMode::Rgb).unwrap();
+            for (usage, factor) in [(Usage::Emission, false), (Usage::Reflectance, true)] {
+                let texture = AnyTexture::parse(&document.root.children[0], &loader, usage).unwrap();
+                let found = texture.eval(DVec2::ZERO, &Wavelengths::rgb());
+                let mut xyz = [0.0; 3];
+                let steps = 200_000;
+                for i in 0..steps {
+                    let λ = first + (last - first) * ((i as f32 + 0.5) / steps as f32);
+                    let light = if factor { f64::from(observer::d65(λ)) } else { 1.0 };
+                    let value = 1e-6 * radiance(5000.0, f64::from(λ)) * light;
+                    let step = f64::from(last - first) / f64::from(steps) / observer::Y_INTEGRAL;
+                    for (sum, matching) in xyz.iter_mut().zip(observer::xyz(λ)) {
+                        *sum += f64::from(matching) * value * step;
+                    }
+                }
+                for (found, expected) in found.0.iter().zip(observer::xyz_to_rgb(xyz)) {
+                    let (found, expected) = (f64::from(*found), expected.max(0.0));
+                    assert!(
+                        (found - expected).abs() < 1e-5 * xyz[1],
+                        "{first} {usage:?}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
 }

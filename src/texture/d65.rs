@@ -108,4 +108,26 @@ mod tests {
         let error = light(r#"<spectrum name="n" value="0.5"/>"#).unwrap_err();
         assert!(error.message.contains("no parameter `n`"), "{error}");
     }
+
+    #[test]
+    fn a_reflectance_is_refused_by_its_own_largest_value() {
+        let parsed = |within: &str, mode: ColorMode| {
+            let text = format!(r#"<scene version="3.0.0"><spectrum type="d65">{within}</spectrum></scene>"#);
+            let document = xml::read_text("t", &text).unwrap();
+            let loader = Loader::new(&document, mode).unwrap();
+            AnyTexture::parse(&document.root.children[0], &loader, Usage::Reflectance)
+                .err()
+                .map(|e| e.message)
+        };
+        let half = r#"<spectrum type="uniform" name="n"><float name="value" value="0.5"/></spectrum>"#;
+        let scale = |scale: f64| format!(r#"<float name="scale" value="{scale}"/>"#);
+        for mode in [ColorMode::Spectral, ColorMode::Rgb] {
+            assert_eq!(parsed(&scale(0.5), mode), None);
+            assert_eq!(parsed(&(scale(0.8) + half), mode), None);
+        }
+        // D65 of luminance 1 has its largest value, 1.19, at 460 nm.
+        let error = parsed(&scale(0.9), ColorMode::Spectral).unwrap();
+        assert!(error.starts_with("values up to 1.07"), "{error}");
+        assert_eq!(parsed(&scale(0.9), ColorMode::Rgb), None);
+    }
 }
