@@ -110,4 +110,13 @@ fn media_cover_what_they_take_and_invisible_surfaces_nothing() {
         let error = 5.0 * (expected * (1.0 - expected) / 4096.0).sqrt();
         assert!((found - expected).abs() < error, "{albedo}: {found}, not {expected}");
     }
+    // A coloured one of two pieces covers as one does: the mean of what all of it takes of each channel.
+    let coloured = r#"<shape type="cube"><bsdf type="null"/><medium type="homogeneous" name="interior">
+        <rgb name="sigma_t" value="0, 0.5, 1"/><float name="scale" value="2"/><float name="albedo" value="0"/></medium></shape>"#;
+    let expected = [0.0f64, 1.0, 2.0].iter().map(|sigma| 1.0 - (-2.0 * sigma).exp()).sum::<f64>() / 3.0;
+    let error = 5.0 * (expected * (1.0 - expected) / 4096.0).sqrt();
+    for scene in [coloured.to_owned(), coloured.to_owned() + pane] {
+        let found = alpha(volpath, &scene);
+        assert!((found - expected).abs() < error, "{found}, not {expected}: {scene}");
+    }
 }

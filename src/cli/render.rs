@@ -125,7 +125,7 @@ impl Arguments {
             // Before anything is printed, which may fail.
             watch.finish();
         }
-        self.tell(&summary)
+        self.tell(&summary, watch.is_kept())
     }
 
     /// Finds out before anything is rendered what would be lost at the end.
@@ -151,7 +151,7 @@ impl Arguments {
     }
 
     /// Prints what came of the render.
-    fn tell(&self, summary: &Summary) -> Outcome {
+    fn tell(&self, summary: &Summary, is_kept: bool) -> Outcome {
         if self.json {
             say!("{}", summary.document());
         } else if !self.quiet {
@@ -160,7 +160,7 @@ impl Arguments {
         self.warn(summary);
         if summary.interrupted() {
             eprintln!("interrupted: the image has samples {:?} of {:?}", summary.samples(), summary.asked);
-            if self.checkpoint.is_some() {
+            if is_kept {
                 eprintln!("go on with: {}", self.go_on(&summary.asked));
             }
             return Ok(ExitCode::from(INTERRUPTED));

@@ -151,6 +151,11 @@ impl<'a> Watch<'a> {
         }
     }
 
+    /// Whether there is a checkpoint from which this render can go on.
+    pub fn is_kept(&self) -> bool {
+        self.checkpoint.as_ref().is_some_and(|own| own.exists().unwrap_or(false))
+    }
+
     /// After the image has been written: removes the checkpoint, which is not needed any more.
     pub fn finish(&self) {
         if let Some(Err(error)) = self.checkpoint.as_ref().map(OwnCheckpoint::remove) {

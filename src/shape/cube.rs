@@ -66,8 +66,10 @@ impl Cube {
         }
     }
 
-    /// Moves every face outward by this distance (world).
-    pub fn grow(&mut self, by: f64) {
+    /// Moves every face to its front by this distance (world).
+    pub fn raise(&mut self, by: f64) {
+        let face = &self.faces[0];
+        let by = if face.n.dot(face.centre - self.centre) < 0.0 { -by } else { by };
         // A dual vector is as long as the way from the centre to a face is short.
         let longer = |axis: DVec3, dual: DVec3| axis * (1.0 + by * length(dual));
         self.axes = std::array::from_fn(|i| longer(self.axes[i], self.dual[i]));

@@ -20,6 +20,8 @@ pub struct Mesh {
     uvs: Option<Vec<[f32; 2]>>,
     /// What texture coordinates belong to, where textures are attributes.
     chart: Option<Arc<Chart>>,
+    /// From the file's coordinates. In a box of its own, for nothing that is traced needs it.
+    placement: Box<Transform>,
     /// Where its attributes are.
     attributes: Option<AttributeFile>,
     /// Whether the winding of triangles gives the back side.
@@ -87,11 +89,17 @@ impl Mesh {
             normals,
             uvs,
             chart: None,
+            placement: Box::new(*to_world),
             attributes: data.attributes,
             flipped,
             areas: Discrete::default(),
             error,
         }
+    }
+
+    /// The transform from the file's coordinates, which were rounded to `f32` as well.
+    pub fn placement(&self) -> &Transform {
+        &self.placement
     }
 
     /// The vertices of a triangle.

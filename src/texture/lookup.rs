@@ -49,7 +49,8 @@ impl Lookup {
         let x = p * size as f64 - if self.nearest { 0.0 } else { 0.5 };
         let first = x.floor();
         let wrapped = |i: i64| if (0..size as i64).contains(&i) { i as usize } else { self.beyond(i, size) };
-        let distance = if self.nearest { 0.0 } else { x - first };
+        // Of a place beyond all numbers there is none.
+        let distance = if !self.nearest && x - first < 1.0 { x - first } else { 0.0 };
         ([wrapped(first as i64), wrapped((first as i64).saturating_add(1))], distance)
     }
 
@@ -74,6 +75,24 @@ impl Lookup {
             Wrap::Mirror => {
                 let j = i.rem_euclid(2 * n);
                 (if j < n { j } else { 2 * n - 1 - j }) as usize
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_beyond_all_numbers_have_cells_too() {
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            for p in [1e300, -1e300, f64::MAX, f64::MIN] {
+                let (cells, distance) = Lookup { nearest: false, wrap }.between(p, 16);
+                assert!(
+                    cells.iter().all(|cell| *cell < 16) && (0.0..1.0).contains(&distance),
+                    "{wrap:?} {p}"
+                );
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::integrator::roulette::roulette;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::{CameraPath, Counters, Event};
 use crate::math::{DVec3, Frame, Ray};
-use crate::medium::{Flight, FlightNumbers, Medium};
+use crate::medium::{Flight, FlightNumbers, Medium, Shares};
 use crate::sampler::{Numbers, blocks};
 use crate::scene::{Features, Interface, Scene, Shape, Side};
 use crate::shape::{Hit, SurfacePoint};
@@ -85,7 +85,9 @@ impl<'a> Walk<'a> {
                 Flight::Through(weight) => {
                     // What only absorbs covers as much as it takes. The number ends no path on this edge: roulette
                     // is for paths that have been scattered, by what covers.
-                    let comes_through = self.path.λ.mean(weight * self.path.λ.ones());
+                    // By what each lane carries, as scattering would have it: so it does not matter how the way is
+                    // divided.
+                    let comes_through = Shares::of(self.throughput, &self.path.λ).mean(weight);
                     self.path.covered |= !medium.scatters && u.roulette() >= f64::from(comes_through);
                     self.throughput *= weight;
                 }

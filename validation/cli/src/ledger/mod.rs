@@ -118,7 +118,11 @@ fn write(path: &Path, lines: impl Iterator<Item = Line>) -> Result<(), String> {
 fn read(path: &Path) -> Result<Vec<Line>, String> {
     let text = files::text(path)?;
     let wrong = |number: usize| format!("{}:{}: expected a p-value or a run", path.display(), number + 1);
-    text.lines().enumerate().map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
+    // One that an interruption has left unfinished is none.
+    let torn =
+        |line: &str| serde_json::from_str::<serde_json::Value>(line).is_err_and(|error| error.is_eof());
+    let whole = text.lines().enumerate().filter(|(_, line)| !torn(line));
+    whole.map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
 }
 
 /// Least number of p-values or runs for a verdict.
@@ -254,6 +258,12 @@ mod tests {
         write(&path, [part].into_iter()).unwrap();
         let summary = judge(&path).unwrap();
         assert_eq!((summary.runs, summary.rejecting_runs, next(&path).unwrap()), (2, 1, 3));
+        // What an interruption has torn is passed over, and what is no line of a ledger is not.
+        std::fs::write(&path, files::text(&path).unwrap() + r#"{"run": 7, "tri"#).unwrap();
+        write(&path, [run(3, vec![])].into_iter()).unwrap();
+        assert_eq!((judge(&path).unwrap().runs, next(&path).unwrap()), (3, 4));
+        std::fs::write(&path, "{}\n").unwrap();
+        assert!(judge(&path).is_err_and(|error| error.contains(":1: expected a p-value or a run")));
         std::fs::remove_file(&path).unwrap();
     }
 }
