@@ -64,7 +64,7 @@ impl Channel {
 }
 
 /// A variance in the precision of files; positive remains positive.
-fn single_variance(variance: f64) -> f32 {
+pub(crate) fn single_variance(variance: f64) -> f32 {
     const LEAST: f32 = f32::from_bits(1);
     if variance > 0.0 { (variance as f32).max(LEAST) } else { variance as f32 }
 }

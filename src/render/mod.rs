@@ -22,7 +22,7 @@ mod tile;
 
 use crate::film::BLOCK;
 use crate::film::Window;
-use crate::image::{Channel, Image, Provenance};
+use crate::image::{Channel, Image, Provenance, single_variance};
 use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::sampler::SampleId;
 use crate::scene::Scene;
@@ -193,7 +193,8 @@ impl Part {
         let channel = |c: usize| sums.iter().skip(c).step_by(channels);
         let exact = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
         let noise = Noise::of(window, correlation, exact);
-        let moments = sums.iter().map(|s| (s.mean(count) as f32, s.variance(count) as f32)).collect();
+        let moments =
+            sums.iter().map(|s| (s.mean(count) as f32, single_variance(s.variance(count)))).collect();
         Self { window, moments, noise, report }
     }
 }
