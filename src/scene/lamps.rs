@@ -36,7 +36,7 @@ fn faces_in(geometry: &Geometry, place: &Transform, faces: &Faces, mut f: impl F
         Geometry::Sphere(_) | Geometry::Cylinder(_) => return,
     };
     let bounds = geometry.bounds();
-    let slack = numbers.slack(bounds, faces.error);
+    let slack = numbers.rounding_in(bounds).slack(faces.error);
     if !faces.meet(numbers.placed(&corners(bounds)), slack) {
         return;
     }

@@ -22,21 +22,22 @@ const FEW: usize = 8;
 pub struct Faces {
     /// Those of a node lie side by side, and those of its first half in its first child.
     faces: Vec<Face>,
-    /// The box of each node, before those of its first and then of its second child.
-    boxes: Vec<Bounds>,
+    /// Each node before those of its first and then of its second child.
+    nodes: Vec<Node>,
     /// The largest error of their points.
     pub error: f64,
+}
+
+struct Node {
+    bounds: Bounds,
+    /// The number of the second child, if there are children.
+    second: usize,
 }
 
 /// Whether boxes come as near to each other as `slack` along every axis.
 fn meet(a: Bounds, b: Bounds, slack: f64) -> bool {
     let slack = DVec3::splat(slack);
     (a.0 - slack).cmple(b.1).all() && b.0.cmple(a.1 + slack).all()
-}
-
-/// Number of nodes of a tree of so many faces.
-fn nodes(faces: usize) -> usize {
-    if faces <= FEW { 1 } else { 1 + nodes(faces / 2) + nodes(faces - faces / 2) }
 }
 
 impl Faces {
@@ -47,10 +48,10 @@ impl Faces {
             patches(&shape.geometry).iter().map(face)
         });
         let mut faces: Vec<Face> = faces.collect();
-        let mut boxes = vec![];
-        grow(&mut faces, &mut boxes);
+        let mut nodes = vec![];
+        grow(&mut faces, &mut nodes);
         let error = faces.iter().map(|face| face.patch.point_error()).fold(0.0, f64::max);
-        Self { faces, boxes, error }
+        Self { faces, nodes, error }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -59,29 +60,30 @@ impl Faces {
 
     /// Whether any may lie in something in a box.
     pub fn meet(&self, bounds: Bounds, slack: f64) -> bool {
-        meet(self.boxes[0], bounds, slack)
+        meet(self.nodes[0].bounds, bounds, slack)
     }
 
     /// Calls `f` with every face that lies in a facet, and how far it must be raised to lie upon it.
     pub fn each_in(&self, facet: &Facet, f: &mut impl FnMut(&Face, f64)) {
-        self.each_below(0, &self.faces, facet, facet.slack(self.error), f);
+        self.each_below(0, &self.faces, facet, facet.rounding.slack(self.error), f);
     }
 
     fn each_below(
         &self,
-        node: usize,
+        number: usize,
         faces: &[Face],
         facet: &Facet,
         slack: f64,
         f: &mut impl FnMut(&Face, f64),
     ) {
-        if !meet(self.boxes[node], facet.bounds, slack) {
+        let node = &self.nodes[number];
+        if !meet(node.bounds, facet.bounds, slack) {
             return;
         }
         if faces.len() > FEW {
             let (first, second) = faces.split_at(faces.len() / 2);
-            self.each_below(node + 1, first, facet, slack, f);
-            self.each_below(node + 1 + nodes(first.len()), second, facet, slack, f);
+            self.each_below(number + 1, first, facet, slack, f);
+            self.each_below(node.second, second, facet, slack, f);
             return;
         }
         for face in faces.iter().filter(|face| meet(face.bounds, facet.bounds, slack)) {
@@ -93,9 +95,10 @@ impl Faces {
 }
 
 /// Orders faces so that halves are apart along the longest side of their box, again and again.
-fn grow(faces: &mut [Face], boxes: &mut Vec<Bounds>) {
+fn grow(faces: &mut [Face], nodes: &mut Vec<Node>) {
     let bounds = faces.iter().map(|face| face.bounds).fold(NOTHING, union);
-    boxes.push(bounds);
+    let number = nodes.len();
+    nodes.push(Node { bounds, second: 0 });
     if faces.len() <= FEW {
         return;
     }
@@ -105,6 +108,7 @@ fn grow(faces: &mut [Face], boxes: &mut Vec<Bounds>) {
     let half = faces.len() / 2;
     faces.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
     let (first, second) = faces.split_at_mut(half);
-    grow(first, boxes);
-    grow(second, boxes);
+    grow(first, nodes);
+    nodes[number].second = nodes.len();
+    grow(second, nodes);
 }

@@ -1,6 +1,6 @@
 //! Flat pieces of surfaces, which lamps may lie in, and by how much their corners are rounded.
 
-use crate::math::bounds::{around, corners};
+use crate::math::bounds::{NOTHING, around, corners};
 use crate::math::ray::position_error;
 use crate::math::{Bounds, DVec3, Transform};
 use crate::shape::Patch;
@@ -44,23 +44,48 @@ impl<'a> Numbers<'a> {
         around(points.iter().map(|point| self.place.point(*point)))
     }
 
-    /// A bound of the rounding error in `f64` of a point, and the sizes of numbers that were rounded to `f32`.
-    fn of(&self, p: DVec3) -> (f64, DVec3) {
-        let error = position_error(sizes(self.place, p) + self.place.point(DVec3::ZERO).abs());
-        let rounded = self.file.map_or(DVec3::ZERO, |file| {
-            sizes(self.place, p.abs() + sizes(file, file.inverse.transform_point3(p)))
-        });
-        (error, rounded)
+    /// By how much a point is rounded.
+    fn rounding(&self, p: DVec3) -> Rounding {
+        Rounding {
+            error: position_error(sizes(self.place, p) + self.place.point(DVec3::ZERO).abs()),
+            single: self.file.map_or(DVec3::ZERO, |file| {
+                sizes(self.place, p.abs() + sizes(file, file.inverse.transform_point3(p)))
+            }),
+        }
     }
 
-    /// What no lamp is farther from the plane of a piece in a box that it lies in, along any axis, if lamps have
-    /// points of this error.
-    pub fn slack(&self, bounds: Bounds, error: f64) -> f64 {
-        let of_corners = corners(bounds).map(|corner| self.of(corner));
-        let most = of_corners.into_iter().fold((0.0f64, 0.0f64), |most, (error, rounded)| {
-            (most.0.max(error), most.1.max(rounded.element_sum()))
-        });
-        ERRORS * (most.0 + error) + SINGLE * most.1
+    /// By how much points in a box are rounded at most.
+    pub fn rounding_in(&self, bounds: Bounds) -> Rounding {
+        corners(bounds)
+            .into_iter()
+            .map(|corner| self.rounding(corner))
+            .fold(Rounding::default(), Rounding::max)
+    }
+}
+
+/// By how much points are rounded.
+#[derive(Clone, Copy, Default)]
+pub struct Rounding {
+    /// A bound of the error in `f64`.
+    error: f64,
+    /// The sizes of the numbers along each axis that were rounded to `f32`.
+    single: DVec3,
+}
+
+impl Rounding {
+    fn max(self, other: Self) -> Self {
+        Self { error: self.error.max(other.error), single: self.single.max(other.single) }
+    }
+
+    /// How far a lamp that faces along `n`, whose points have such an error, must be raised above such points.
+    fn height(&self, error: f64, n: DVec3) -> f64 {
+        // Across a level ceiling it is how high it is that has been rounded, not how wide.
+        ERRORS * (self.error + error) + SINGLE * self.single.dot(n.abs())
+    }
+
+    /// No lamp must be raised by more, wherever it faces.
+    pub fn slack(&self, error: f64) -> f64 {
+        self.height(error, DVec3::ONE)
     }
 }
 
@@ -69,8 +94,7 @@ pub struct Facet {
     corners: [DVec3; MOST],
     count: usize,
     pub bounds: Bounds,
-    error: f64,
-    rounded: DVec3,
+    pub rounding: Rounding,
 }
 
 impl Facet {
@@ -79,30 +103,21 @@ impl Facet {
         let mut facet = Self {
             corners: [DVec3::ZERO; MOST],
             count: corners.len(),
-            bounds: crate::math::bounds::NOTHING,
-            error: 0.0,
-            rounded: DVec3::ZERO,
+            bounds: NOTHING,
+            rounding: Rounding::default(),
         };
         for (placed, corner) in facet.corners.iter_mut().zip(corners) {
             *placed = numbers.place.point(*corner);
-            let (error, rounded) = numbers.of(*corner);
-            facet.error = facet.error.max(error);
-            facet.rounded = facet.rounded.max(rounded);
+            facet.rounding = facet.rounding.max(numbers.rounding(*corner));
         }
         facet.bounds = around(facet.corners[..facet.count].iter().copied());
         facet
     }
 
-    /// No lamp whose points have this error is raised by more.
-    pub fn slack(&self, error: f64) -> f64 {
-        ERRORS * (self.error + error) + SINGLE * self.rounded.element_sum()
-    }
-
     /// How far a lamp must be raised to lie upon this, if it lies in it: if all corners are in its plane, by what
     /// both are rounded.
     pub fn height(&self, lamp: &Patch) -> Option<f64> {
-        // Across a level ceiling it is how high it is that has been rounded, not how wide.
-        let height = ERRORS * (self.error + lamp.point_error()) + SINGLE * self.rounded.dot(lamp.n.abs());
+        let height = self.rounding.height(lamp.point_error(), lamp.n);
         let in_plane = |corner: &DVec3| lamp.n.dot(*corner - lamp.centre).abs() <= height;
         self.corners[..self.count].iter().all(in_plane).then_some(height)
     }

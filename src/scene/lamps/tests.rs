@@ -164,3 +164,22 @@ fn lamps_are_raised_by_what_they_lie_in_and_by_nothing_far_away() {
     std::fs::remove_file(&file).unwrap();
     assert_eq!(heights, [0.0; 2]);
 }
+
+/// So many that they are found by a tree: those that lie in a plate of their own are raised, and no others.
+#[test]
+fn of_many_lamps_each_that_lies_in_something_is_raised() {
+    let at = |i: usize, more: &str| {
+        let (x, y) = (3 * (i % 7), 3 * (i / 7));
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world"><translate x="{x}" y="{y}" z="2"/></transform>{more}</shape>"#
+        )
+    };
+    let lamps: String = (0..100).map(|i| at(i, r#"<emitter type="area"/>"#)).collect();
+    let plates: String = (0..100).step_by(2).map(|i| at(i, "")).collect();
+    let text = format!(r#"<scene version="3.0.0"><sensor type="perspective"/>{lamps}{plates}</scene>"#);
+    let scene = load_text("scene.xml", &text, ColorMode::Rgb).unwrap();
+    for (i, shape) in scene.shapes[..100].iter().enumerate() {
+        let height = shape.geometry.bounds().0.z - 2.0;
+        assert_eq!(height > 0.0, i % 2 == 0, "{i}: {height}");
+    }
+}
