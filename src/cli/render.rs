@@ -125,7 +125,7 @@ impl Arguments {
             // Before anything is printed, which may fail.
             watch.finish();
         }
-        self.tell(&summary, watch.is_kept())
+        self.tell(&summary, &watch)
     }
 
     /// Finds out before anything is rendered what would be lost at the end.
@@ -151,21 +151,22 @@ impl Arguments {
     }
 
     /// Prints what came of the render.
-    fn tell(&self, summary: &Summary, is_kept: bool) -> Outcome {
+    fn tell(&self, summary: &Summary, watch: &Watch) -> Outcome {
         if self.json {
             say!("{}", summary.document());
         } else if !self.quiet {
             summary.print()?;
         }
-        self.warn(summary);
+        let not_finite = summary.image.not_finite();
+        self.warn(summary, not_finite);
         if summary.interrupted() {
             eprintln!("interrupted: the image has samples {:?} of {:?}", summary.samples(), summary.asked);
-            if is_kept {
+            if watch.is_kept() {
                 eprintln!("go on with: {}", self.go_on(&summary.asked));
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        if summary.image.not_finite() > 0 {
+        if not_finite > 0 {
             return Ok(ExitCode::from(NOT_FINITE));
         }
         Ok(ExitCode::from(if summary.attained() == Some(false) { UNATTAINED } else { 0 }))
@@ -280,7 +281,7 @@ impl Arguments {
         }
     }
 
-    fn warn(&self, summary: &Summary) {
+    fn warn(&self, summary: &Summary, not_finite: usize) {
         let report: &Report = summary.report;
         if self.target_error.is_some() && summary.quality.heavy_tailed() {
             eprintln!("warning: {}", summary::heavy(&summary.quality, "the image's"));
@@ -293,9 +294,8 @@ impl Arguments {
             );
         }
         if report.non_finite == 0 {
-            let beyond = summary.image.not_finite();
-            if beyond > 0 {
-                eprintln!("warning: {beyond} pixels are beyond what a file of single precision holds");
+            if not_finite > 0 {
+                eprintln!("warning: {not_finite} pixels are beyond what a file of single precision holds");
             }
             return;
         }

@@ -126,27 +126,26 @@ pub fn integral_to_rgb((first, last): (f32, f32), value: impl Fn(f32) -> f64) ->
     const STEPS: usize = 1000;
     let (first, last) = (first.max(WAVELENGTH_MIN), last.min(WAVELENGTH_MAX));
     let step = (last - first).max(0.0) / STEPS as f32;
-    let mut sum = [0.0; 3];
-    for λ in (0..STEPS).map(|i| first + step * (i as f32 + 0.5)) {
-        let value = value(λ);
-        sum.iter_mut().zip(xyz(λ)).for_each(|(sum, matching)| *sum += f64::from(matching) * value);
-    }
-    xyz_to_rgb(sum.map(|v| v * f64::from(step) / Y_INTEGRAL))
+    let middles = (0..STEPS).map(|i| first + step * (i as f32 + 0.5));
+    xyz_to_rgb(sum_of_xyz(middles, value).map(|v| v * f64::from(step) / Y_INTEGRAL))
 }
 
 fn table_to_rgb(table: &Tabulated, illuminant: impl Fn(f32) -> f64) -> [f64; 3] {
     const STEPS: usize = 1000;
-    let mut sum = [0.0; 3];
-    for i in 0..STEPS {
-        let λ = WAVELENGTH_MIN + i as f32 / (STEPS - 1) as f32 * (WAVELENGTH_MAX - WAVELENGTH_MIN);
-        let value = table.eval(λ) as f64 * illuminant(λ);
-        let matching = xyz(λ);
-        for c in 0..3 {
-            sum[c] += matching[c] as f64 * value;
-        }
-    }
+    let points = (0..STEPS)
+        .map(|i| WAVELENGTH_MIN + i as f32 / (STEPS - 1) as f32 * (WAVELENGTH_MAX - WAVELENGTH_MIN));
     let scale = (WAVELENGTH_MAX - WAVELENGTH_MIN) as f64 / (Y_INTEGRAL * STEPS as f64);
-    xyz_to_rgb(sum.map(|v| v * scale))
+    xyz_to_rgb(sum_of_xyz(points, |λ| table.eval(λ) as f64 * illuminant(λ)).map(|v| v * scale))
+}
+
+/// The sum over wavelengths in nm of a spectrum's values times the colour matching functions.
+fn sum_of_xyz(wavelengths: impl Iterator<Item = f32>, value: impl Fn(f32) -> f64) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for λ in wavelengths {
+        let value = value(λ);
+        sum.iter_mut().zip(xyz(λ)).for_each(|(sum, matching)| *sum += f64::from(matching) * value);
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -24,14 +24,12 @@ pub fn hash(channels: &[Channel], accumulators: Option<&Accumulators>) -> String
     }
     if let Some(accumulators) = accumulators {
         // Words by channel, for channels may come in another order.
-        let rows = (0..accumulators.height()).flat_map(|y| (0..accumulators.width()).map(move |x| (x, y)));
         let mut order: Vec<usize> = (0..channels.len()).collect();
         order.sort_by_key(|channel| &channels[*channel].name);
-        for (x, y) in rows {
-            let of = |channel: &usize| accumulators.pixel(x, y)[*channel];
-            let words =
-                order.iter().map(of).flat_map(|sum| (0..Accumulators::WORDS).map(move |i| sum.word(i)));
-            put(&mut words.into_iter());
+        for y in 0..accumulators.height() {
+            let pixels = (0..accumulators.width()).map(|x| accumulators.pixel(x, y));
+            let sums = pixels.flat_map(|pixel| order.iter().map(move |channel| &pixel[*channel]));
+            put(&mut sums.flat_map(|sum| (0..Accumulators::WORDS).map(move |i| sum.word(i))));
         }
     }
     format!("{:016x}", hash.digest())

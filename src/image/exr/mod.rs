@@ -3,9 +3,10 @@
 //! The first part holds the means as 32-bit floats under the channels' names and their variances under
 //! `variance.NAME`. The data window is the crop window, the display window the full film. Provenance stands
 //! in the header as `etalon.NAME`, and `etalon.hash` with it, the [`hash`] of all values: chunks that do not
-//! become smaller are stored as they are, and nothing else would notice their damage. A shard has a second part, [`SHARD_PART`], with the words of the
-//! accumulators as unsigned integers: `NAME.00` and on, in the order of `ChannelAccumulator::word`; leaving a
-//! part out is easy for every reader, so a shard looks like any other image to a viewer.
+//! become smaller are stored as they are, and nothing else would notice their damage. A shard has a second part,
+//! [`SHARD_PART`], with the words of the accumulators as unsigned integers: `NAME.00` and on, in the order of
+//! `ChannelAccumulator::word`; leaving a part out is easy for every reader, so a shard looks like any other image to
+//! a viewer.
 
 pub(super) mod claim;
 pub(super) mod colors;

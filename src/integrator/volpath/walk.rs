@@ -83,12 +83,13 @@ impl<'a> Walk<'a> {
                     return self.within::<F>(medium, t, &u, edge);
                 }
                 Flight::Through(weight) => {
-                    // What only absorbs covers as much as it takes. The number ends no path on this edge: roulette
-                    // is for paths that have been scattered, by what covers.
-                    // By what each lane carries, as scattering would have it: so it does not matter how the way is
-                    // divided.
-                    let comes_through = Shares::of(self.throughput, &self.path.λ).mean(weight);
-                    self.path.covered |= !medium.scatters && u.roulette() >= f64::from(comes_through);
+                    if !medium.scatters && !self.path.covered {
+                        // What only absorbs covers as much as it takes: by what each lane carries, as scattering
+                        // would have it, so it does not matter how the way is divided. The number ends no path on
+                        // this edge, for roulette is for paths that have been scattered, by what covers.
+                        let comes_through = Shares::of(self.throughput, &self.path.λ).mean(weight);
+                        self.path.covered = u.roulette() >= f64::from(comes_through);
+                    }
                     self.throughput *= weight;
                 }
             }
