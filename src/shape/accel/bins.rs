@@ -10,11 +10,14 @@ use glam::Vec4;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
-/// Minimum and maximum of no coordinates.
-const NOTHING: (Vec4, Vec4) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
-
 /// Fewest boxes that are processed by several threads.
 const MANY: usize = 1 << 16;
+
+/// Most boxes that are binned coarsely.
+const FEW: usize = 512;
+
+/// Size is an axis where the largest box is more than so many times as large as the smallest.
+const VARIED: f32 = 4.0;
 
 /// Boxes, binned by their [`coordinates`].
 #[derive(Clone)]
@@ -36,41 +39,75 @@ struct Plane {
     axis: usize,
     /// The first bin behind it.
     bin: usize,
-    cost: f32,
     bounds: [Aabb; 2],
 }
 
-/// Sorts at least two boxes into two groups, and their items likewise. Returns the size of the first and the
-/// boxes around both. Neither group is empty.
-pub fn divide(boxes: &mut [Aabb], items: &mut [u32]) -> (usize, [Aabb; 2]) {
+/// Where some boxes are.
+#[derive(Clone, Copy)]
+pub struct Place {
+    /// The box around all.
+    pub bounds: Aabb,
+    extent: Extent,
+}
+
+/// The least and greatest [`coordinates`] of some boxes.
+#[derive(Clone, Copy)]
+struct Extent {
+    lo: Vec4,
+    hi: Vec4,
+}
+
+/// Sorts at least two boxes, which are at `place`, into two groups, and their items likewise. Returns the size of
+/// the first and where both are. Neither group is empty.
+pub fn divide(boxes: &mut [Aabb], items: &mut [u32], place: &Place) -> (usize, [Place; 2]) {
     match boxes.len() {
-        0..=16 => divide_by::<8, 3>(boxes, items),
-        17..=512 => divide_by::<16, 3>(boxes, items),
-        _ => divide_by::<32, 4>(boxes, items),
+        0..=16 => divide_by::<8, 3>(boxes, items, place),
+        17..=FEW => divide_by::<16, 3>(boxes, items, place),
+        _ if place.extent.hi.w > VARIED * place.extent.lo.w => divide_by::<32, 4>(boxes, items, place),
+        _ => divide_by::<32, 3>(boxes, items, place),
     }
 }
 
 fn divide_by<const BINS: usize, const AXES: usize>(
     boxes: &mut [Aabb],
     items: &mut [u32],
-) -> (usize, [Aabb; 2]) {
-    let scale = Scale::<BINS>::new(boxes);
+    place: &Place,
+) -> (usize, [Place; 2]) {
+    let scale = Scale::<BINS>::new(place.extent);
     let best = Bins::<BINS, AXES>::new(boxes, scale).best();
     let Some(plane) = best else {
         // All centres are in one place.
         let (one, other) = boxes.split_at(boxes.len() / 2);
-        return (one.len(), [around(one), around(other)]);
+        return (one.len(), [Place::of(one), Place::of(other)]);
     };
     // Without a branch that could be mispredicted: each box in turn is swapped with the first that is behind
     // the plane.
+    let first_behind = Vec4::splat(WHOLE + plane.bin as f32);
+    let mut extents = [Extent::NOTHING; 2];
     let mut at = 0;
     for i in 0..boxes.len() {
-        let before = scale.bins(&boxes[i])[plane.axis] < plane.bin;
+        let coordinates = coordinates::<AXES>(&boxes[i]);
+        let bin = Vec4::splat(scale.whole(coordinates).to_array()[plane.axis]);
+        let before = bin.cmplt(first_behind);
+        // What is not of a group is infinitely far on the side that does not count.
+        let far = Vec4::select(before, Vec4::NEG_INFINITY, Vec4::INFINITY);
+        extents[0].add(coordinates.max(far), coordinates.min(-far));
+        extents[1].add(coordinates.max(-far), coordinates.min(far));
         boxes.swap(i, at);
         items.swap(i, at);
-        at += usize::from(before);
+        at += (before.bitmask() & 1) as usize;
     }
-    (at, plane.bounds)
+    let [before, behind] = plane.bounds;
+    let places = [Place { bounds: before, extent: extents[0] }, Place { bounds: behind, extent: extents[1] }];
+    (at, places)
+}
+
+impl Place {
+    pub fn of(boxes: &[Aabb]) -> Self {
+        let mut extent = Extent::NOTHING;
+        boxes.iter().map(coordinates::<4>).for_each(|at| extent.add(at, at));
+        Self { bounds: around(boxes), extent }
+    }
 }
 
 /// The box around all.
@@ -78,32 +115,41 @@ pub fn around(boxes: &[Aabb]) -> Aabb {
     boxes.iter().fold(Aabb::empty(), |all, next| all.union(next))
 }
 
-/// Twice the centre, and the longest edge.
+/// Twice the centre, and the longest edge if that is an axis, else zero.
 #[inline(always)]
-fn coordinates(aabb: &Aabb) -> Vec4 {
-    (aabb.min + aabb.max).extend((aabb.max - aabb.min).max_element())
+fn coordinates<const AXES: usize>(aabb: &Aabb) -> Vec4 {
+    let size = if AXES == 4 { (aabb.max - aabb.min).max_element() } else { 0.0 };
+    (aabb.min + aabb.max).extend(size)
 }
 
+impl Extent {
+    const NOTHING: Self = Self { lo: Vec4::INFINITY, hi: Vec4::NEG_INFINITY };
+
+    #[inline(always)]
+    fn add(&mut self, lo: Vec4, hi: Vec4) {
+        *self = Self { lo: self.lo.min(lo), hi: self.hi.max(hi) };
+    }
+}
+
+/// 2²³: next to it there are only whole numbers, whose bits end with what was added.
+const WHOLE: f32 = 8388608.0;
+
 impl<const BINS: usize> Scale<BINS> {
-    fn new(boxes: &[Aabb]) -> Self {
-        let extent = |boxes: &[Aabb]| {
-            boxes.iter().map(coordinates).fold(NOTHING, |(lo, hi), at| (lo.min(at), hi.max(at)))
-        };
-        let (lo, hi) = if boxes.len() < MANY {
-            extent(boxes)
-        } else {
-            boxes.par_chunks(MANY / 4).map(extent).reduce(|| NOTHING, |a, b| (a.0.min(b.0), a.1.max(b.1)))
-        };
+    fn new(Extent { lo, hi }: Extent) -> Self {
         // An axis without extent gets infinity or NaN.
         Self { origin: lo, factor: Vec4::splat((BINS - 1) as f32) / (hi - lo) }
     }
 
+    /// [`WHOLE`] and the bin on each axis.
     #[inline(always)]
-    fn bins(&self, aabb: &Aabb) -> [usize; 4] {
-        // Next to 2²³ there are only whole numbers, whose bits end with what was added. Infinity and NaN end
-        // with zeros.
-        let whole = (coordinates(aabb) - self.origin) * self.factor + Vec4::splat(8388608.0);
-        whole.to_array().map(|x| x.to_bits() as usize % BINS)
+    fn whole(&self, coordinates: Vec4) -> Vec4 {
+        (coordinates - self.origin) * self.factor + Vec4::splat(WHOLE)
+    }
+
+    #[inline(always)]
+    fn bins<const AXES: usize>(&self, aabb: &Aabb) -> [usize; 4] {
+        // Infinity and NaN end with zeros.
+        self.whole(coordinates::<AXES>(aabb)).to_array().map(|x| x.to_bits() as usize % BINS)
     }
 }
 
@@ -111,24 +157,41 @@ impl<const BINS: usize, const AXES: usize> Bins<BINS, AXES> {
     const EMPTY: Self = Self { bounds: [[Aabb::INVALID; BINS]; AXES], counts: [[0; BINS]; AXES] };
 
     fn new(boxes: &[Aabb], scale: Scale<BINS>) -> Self {
-        let sort = |boxes: &[Aabb]| {
-            let mut bins = Self::EMPTY;
-            for aabb in boxes {
-                for (axis, bin) in scale.bins(aabb).into_iter().enumerate().take(AXES) {
-                    bins.bounds[axis][bin] = bins.bounds[axis][bin].union(aabb);
-                    bins.counts[axis][bin] += 1;
-                }
-            }
-            bins
-        };
         if boxes.len() < MANY {
-            sort(boxes)
+            Self::of(boxes, scale)
         } else {
-            boxes.par_chunks(MANY / 4).map(sort).reduce(|| Self::EMPTY, Self::and)
+            let parts = boxes.par_chunks(MANY / 4).map(|boxes| Self::of(boxes, scale));
+            parts.reduce(|| Self::EMPTY, |one, other| one.and(&other))
         }
     }
 
-    fn and(mut self, other: Self) -> Self {
+    fn of(boxes: &[Aabb], scale: Scale<BINS>) -> Self {
+        let mut bins = Self::EMPTY;
+        let (pairs, last) = boxes.as_chunks();
+        if boxes.len() > FEW {
+            // Neighbours often go into the same bin, and the second would wait for the first.
+            let mut others = Self::EMPTY;
+            for [one, other] in pairs {
+                bins.add(one, scale);
+                others.add(other, scale);
+            }
+            last.iter().for_each(|one| bins.add(one, scale));
+            bins.and(&others)
+        } else {
+            boxes.iter().for_each(|one| bins.add(one, scale));
+            bins
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, aabb: &Aabb, scale: Scale<BINS>) {
+        for (axis, bin) in scale.bins::<AXES>(aabb).into_iter().enumerate().take(AXES) {
+            self.bounds[axis][bin] = self.bounds[axis][bin].union(aabb);
+            self.counts[axis][bin] += 1;
+        }
+    }
+
+    fn and(mut self, other: &Self) -> Self {
         for axis in 0..AXES {
             for bin in 0..BINS {
                 self.bounds[axis][bin] = self.bounds[axis][bin].union(&other.bounds[axis][bin]);
@@ -140,29 +203,30 @@ impl<const BINS: usize, const AXES: usize> Bins<BINS, AXES> {
 
     /// The plane of least cost, the first one of several; none if one bin has all.
     fn best(&self) -> Option<Plane> {
-        let mut best: Option<Plane> = None;
+        let (mut least, mut best) = (f32::INFINITY, None);
         for axis in 0..AXES {
             let (bounds, counts) = (&self.bounds[axis], &self.counts[axis]);
             // Of all bins from one on.
-            let mut behind = [(Aabb::INVALID, 0); BINS];
+            let mut behind = [0.0; BINS];
             let mut all = (Aabb::INVALID, 0);
             for bin in (1..BINS).rev() {
                 all = (all.0.union(&bounds[bin]), all.1 + counts[bin]);
-                behind[bin] = all;
+                behind[bin] = price(all);
             }
             let mut before = (Aabb::INVALID, 0);
             for bin in 1..BINS {
                 before = (before.0.union(&bounds[bin - 1]), before.1 + counts[bin - 1]);
-                if before.1 == 0 || behind[bin].1 == 0 {
-                    continue;
-                }
-                let cost = price(before) + price(behind[bin]);
-                if best.is_none_or(|best| cost < best.cost) {
-                    best = Some(Plane { axis, bin, cost, bounds: [before.0, behind[bin].0] });
+                // An empty group's is not a number.
+                let cost = price(before) + behind[bin];
+                if cost < least {
+                    (least, best) = (cost, Some((axis, bin)));
                 }
             }
         }
-        best
+        best.map(|(axis, bin)| {
+            let (before, behind) = self.bounds[axis].split_at(bin);
+            Plane { axis, bin, bounds: [around(before), around(behind)] }
+        })
     }
 }
 

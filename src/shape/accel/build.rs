@@ -5,27 +5,23 @@
 //! of eight.
 
 use super::block::Block;
-use super::fold::{Content, LEAF, Plan, kind};
+use super::boxes::Boxes;
+use super::fold::{LEAF, Plan};
 use super::grow::grow;
 use super::items::{Item, Items};
 use super::node::{Node, NodeRef};
 use super::shaft::{Few, Plane};
 use super::space::Space;
-use super::splits::pieces;
 use super::triangles::{NEAR, Triangles};
 use super::trying::{FEW, Kind, Limits, Trying};
 use super::turns::is_scattered;
 use super::{Accel, Instance, Mixed, Tried};
 use crate::math::bounds::{around, half_extent};
-use crate::math::{Bounds, DVec3, length};
+use crate::math::{Bounds, DVec3};
 use crate::pages::Pages;
 use crate::shape::{Geometry, Patch};
-use glam::Vec3A;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 
 /// With more items, leaves are filled while the tree grows: that takes half the memory, and rays are as fast.
 /// Fewer are left to the plan, which is better where kinds of shapes meet.
@@ -75,44 +71,16 @@ impl Accel {
         };
         accel.keep(shapes, &tried);
         if !in_tree.is_empty() {
-            let binary = accel.binary(shapes, &in_tree);
-            let plan = Plan::new(&binary, |item| accel.content(shapes, &in_tree[item as usize]));
+            let boxes = Boxes::new(shapes, &accel.instances, &in_tree, &space);
+            // An instance is a leaf of its own.
+            let whole_leaves = accel.instances.is_empty() && in_tree.len() > MANY;
+            let most = if whole_leaves { usize::from(LEAF) } else { 1 };
+            let mut binary = grow(boxes.boxes, boxes.items, most);
+            ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
+            let plan = Plan::new(&binary, &boxes.contents);
             accel.arrange(shapes, &in_tree, &plan);
         }
         accel
-    }
-
-    /// The binary tree of the items.
-    fn binary(&self, shapes: &[&Geometry], items: &[Item]) -> Bvh2 {
-        let mut boxes: Vec<Aabb> = items.par_iter().map(|item| self.box_of(shapes, item)).collect();
-        let whose = self.split(shapes, items, &mut boxes);
-        // An instance is a leaf of its own.
-        let whole_leaves = self.instances.is_empty() && items.len() > MANY;
-        let most = if whole_leaves { usize::from(LEAF) } else { 1 };
-        let mut binary = grow(boxes, whose, most);
-        ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
-        binary
-    }
-
-    /// What an item costs in a leaf.
-    fn content(&self, shapes: &[&Geometry], item: &Item) -> Content {
-        let around = || self.box_of(shapes, item).half_area();
-        let Some(shape) = shapes.get(item.shape as usize) else {
-            // A leaf of its own.
-            return Content { surface: around(), size: LEAF, kind: kind::INSTANCE };
-        };
-        let (surface, kind) = match shape {
-            Geometry::Mesh(mesh) => {
-                let [a, b, c] = mesh.corners(item.local);
-                let unit = self.space.scale() * self.space.scale();
-                ((length((b - a).cross(c - a)) * unit) as f32, kind::TRIANGLE)
-            }
-            Geometry::Patch(_) => (around(), kind::PATCH),
-            Geometry::Cube(_) => (around(), kind::CUBE),
-            Geometry::Sphere(_) => (around(), kind::SPHERE),
-            Geometry::Cylinder(_) => (around(), kind::CYLINDER),
-        };
-        Content { surface, size: 1, kind }
     }
 
     /// Stores the primitives outside the tree, by kind, so that blocks are full.
@@ -147,8 +115,8 @@ impl Accel {
                 let shape = shapes[item.shape as usize];
                 let of_item = match shape {
                     Geometry::Mesh(mesh) => {
-                        let plane = Plane::of_corners(mesh.corners(item.local));
-                        vec![(Some(plane), primitive_bounds(shape, item.local))]
+                        let corners = mesh.corners(item.local);
+                        vec![(Some(Plane::of_corners(corners)), around(corners))]
                     }
                     Geometry::Patch(patch) => vec![flat(patch)],
                     Geometry::Cube(cube) => cube.faces().iter().map(flat).collect(),
@@ -163,40 +131,6 @@ impl Accel {
             boxes[i / 8].set(i % 8, lo, hi, NodeRef::EMPTY);
         }
         Few { boxes, primitives: primitives.into_iter().map(|(i, (plane, _))| (i, plane)).collect() }
-    }
-
-    /// The box around an item.
-    fn box_of(&self, shapes: &[&Geometry], item: &Item) -> Aabb {
-        let (lo, hi) = match shapes.get(item.shape as usize) {
-            Some(shape) => primitive_bounds(shape, item.local),
-            None => self.instances[item.shape as usize - shapes.len()].bounds(),
-        };
-        let (lo, hi) = self.space.enclose(lo, hi);
-        Aabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
-    }
-
-    /// Puts smaller boxes around the pieces of thin triangles; returns the item of each box.
-    fn split(&self, shapes: &[&Geometry], items: &[Item], boxes: &mut Vec<Aabb>) -> Vec<u32> {
-        let corners = |(i, item): (usize, &Item)| match shapes.get(item.shape as usize) {
-            Some(Geometry::Mesh(mesh)) => Some((i as u32, mesh.corners(item.local))),
-            _ => None,
-        };
-        let pieces = pieces(items.iter().enumerate().filter_map(corners), items.len());
-        let mut whose: Vec<u32> = (0..items.len() as u32).collect();
-        // The first piece of a triangle takes the place of its box.
-        let mut seen = BTreeSet::new();
-        for piece in &pieces {
-            let (lo, hi) = piece.bounds();
-            let (lo, hi) = self.space.enclose(lo, hi);
-            let smaller = Aabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi));
-            if seen.insert(piece.of) {
-                boxes[piece.of as usize] = smaller;
-            } else {
-                boxes.push(smaller);
-                whose.push(piece.of);
-            }
-        }
-        whose
     }
 
     /// Makes the nodes and leaves of a plan.
@@ -277,9 +211,4 @@ fn triangles_of(shapes: &[&Geometry], items: impl IntoIterator<Item = Item>) -> 
         }
     }
     block
-}
-
-fn primitive_bounds(geometry: &Geometry, local: u32) -> (DVec3, DVec3) {
-    let Geometry::Mesh(mesh) = geometry else { return geometry.bounds() };
-    around(mesh.corners(local))
 }

@@ -86,31 +86,46 @@ pub struct Wide {
 }
 
 impl<'a> Plan<'a> {
-    /// Plans the tree; `content` tells what a primitive is.
-    pub fn new(binary: &'a Bvh2, content: impl Fn(u32) -> Content) -> Self {
+    /// Plans the tree; `contents` tells what each primitive is.
+    pub fn new(binary: &'a Bvh2, contents: &[Content]) -> Self {
         let mut plan = Self { binary, decisions: vec![Decision::default(); binary.nodes.len()] };
-        let mut costs = vec![Costs::default(); binary.nodes.len()];
-        for index in parents_first(binary).into_iter().rev() {
-            let index = index as usize;
-            (plan.decisions[index], costs[index]) = plan.decide(index, &costs, &content);
+        // Of trees whose sibling is not decided yet.
+        let mut known: Vec<Costs> = vec![];
+        let mut waiting = vec![(0, false)];
+        while let Some((index, are_children_decided)) = waiting.pop() {
+            let node = &binary.nodes[index];
+            let (decision, costs) = if node.is_leaf() {
+                plan.decide_leaf(node, contents)
+            } else if are_children_decided {
+                let [left, right] = [2, 1].map(|from_end| known[known.len() - from_end]);
+                known.truncate(known.len() - 2);
+                plan.decide_fork(node, &left, &right)
+            } else {
+                let left = node.first_index as usize;
+                waiting.extend([(index, true), (left + 1, false), (left, false)]);
+                continue;
+            };
+            plan.decisions[index] = decision;
+            known.push(costs);
         }
         plan
     }
 
-    fn decide(&self, index: usize, known: &[Costs], content: &impl Fn(u32) -> Content) -> (Decision, Costs) {
-        let node = &self.binary.nodes[index];
-        let area = node.aabb().half_area();
-        if node.is_leaf() {
-            let mut decision = Decision::default();
-            for &primitive in self.of_leaf(node) {
-                let Content { surface, size, kind } = content(primitive);
-                decision.surface += surface;
-                decision.size += size;
-                decision.kinds |= kind;
-            }
-            decision.cost = area * decision.leaf_cost();
-            return (decision, [decision.cost; 7]);
+    fn decide_leaf(&self, node: &Bvh2Node, contents: &[Content]) -> (Decision, Costs) {
+        let mut decision = Decision::default();
+        for &primitive in self.of_leaf(node) {
+            let Content { surface, size, kind } = contents[primitive as usize];
+            decision.surface += surface;
+            decision.size += size;
+            decision.kinds |= kind;
         }
+        decision.cost = node.aabb().half_area() * decision.leaf_cost();
+        (decision, [decision.cost; 7])
+    }
+
+    /// For a node with children, whose least costs are known.
+    fn decide_fork(&self, node: &Bvh2Node, of_left: &Costs, of_right: &Costs) -> (Decision, Costs) {
+        let area = node.aabb().half_area();
         let (left, right) = (node.first_index as usize, node.first_index as usize + 1);
         let (l, r) = (&self.decisions[left], &self.decisions[right]);
         let mut decision = Decision {
@@ -122,7 +137,7 @@ impl<'a> Plan<'a> {
         let split = |trees: usize| {
             let mut best = (f32::INFINITY, 0);
             for k in trees.saturating_sub(7).max(1)..=(trees - 1).min(7) {
-                let cost = known[left][k - 1] + known[right][trees - k - 1];
+                let cost = of_left[k - 1] + of_right[trees - k - 1];
                 if cost < best.0 {
                     best = (cost, k as u8);
                 }
@@ -256,17 +271,4 @@ impl<'a> Plan<'a> {
         .flatten()
         .copied()
     }
-}
-
-/// All nodes, each before those below it.
-fn parents_first(binary: &Bvh2) -> Vec<u32> {
-    let (mut order, mut waiting) = (Vec::with_capacity(binary.nodes.len()), vec![0]);
-    while let Some(index) = waiting.pop() {
-        order.push(index);
-        let node = &binary.nodes[index as usize];
-        if !node.is_leaf() {
-            waiting.extend([node.first_index + 1, node.first_index]);
-        }
-    }
-    order
 }

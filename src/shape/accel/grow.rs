@@ -3,7 +3,8 @@
 //! Boxes are divided in two, and the halves again, each time where [`bins`](super::bins) finds it cheapest.
 //! No step depends on the order of work, so the tree is the same for any number of threads.
 
-use super::bins::{around, divide};
+use super::bins::{Place, divide};
+use crate::pages::Pages;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -25,32 +26,31 @@ struct Seeds<'a> {
     items: &'a mut [u32],
     /// How many boxes lie before these in the whole list.
     before: usize,
-    /// The box around all of them.
-    bounds: Aabb,
+    place: Place,
 }
 
 impl<'a> Seeds<'a> {
     // Not inlined: bins would take room on the stack at every level of the tree.
     #[inline(never)]
     fn halves(self) -> [Self; 2] {
-        let (at, bounds) = divide(self.boxes, self.items);
+        let (at, places) = divide(self.boxes, self.items, &self.place);
         let (boxes, items) = (self.boxes.split_at_mut(at), self.items.split_at_mut(at));
         [
-            Seeds { boxes: boxes.0, items: items.0, before: self.before, bounds: bounds[0] },
-            Seeds { boxes: boxes.1, items: items.1, before: self.before + at, bounds: bounds[1] },
+            Seeds { boxes: boxes.0, items: items.0, before: self.before, place: places[0] },
+            Seeds { boxes: boxes.1, items: items.1, before: self.before + at, place: places[1] },
         ]
     }
 
     fn leaf(&self) -> Bvh2Node {
-        Bvh2Node::new(self.bounds, self.boxes.len() as u32, self.before as u32)
+        Bvh2Node::new(self.place.bounds, self.boxes.len() as u32, self.before as u32)
     }
 }
 
 /// The tree over `boxes`, at least one, which are around `items`. Leaves hold up to `most`, and no less where
 /// they can.
-pub fn grow(mut boxes: Vec<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
-    let bounds = around(&boxes);
-    let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, bounds }, most);
+pub fn grow(mut boxes: Pages<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
+    let place = Place::of(&boxes);
+    let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, place }, most);
     // Trees of millions of triangles are where memory runs out.
     drop(boxes);
     let mut nodes = vec![Bvh2Node::default()];
@@ -62,14 +62,15 @@ fn part(seeds: Seeds, most: usize) -> Part {
     if seeds.boxes.len() <= LIMB {
         return Part::Limb(limb(seeds, most));
     }
-    let bounds = seeds.bounds;
+    let bounds = seeds.place.bounds;
     let [left, right] = seeds.halves();
     let (left, right) = rayon::join(|| part(left, most), || part(right, most));
     Part::Fork(bounds, Box::new([left, right]))
 }
 
 fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
-    let mut nodes = Vec::with_capacity(2 * seeds.boxes.len() / most + 1);
+    // Most leaves are not quite full.
+    let mut nodes = Vec::with_capacity(5 * seeds.boxes.len() / (2 * most) + 1);
     nodes.push(Bvh2Node::default());
     let mut waiting = vec![(0, seeds)];
     while let Some((to, seeds)) = waiting.pop() {
@@ -78,7 +79,7 @@ fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
             continue;
         }
         let children = nodes.len();
-        nodes[to] = Bvh2Node::new(seeds.bounds, 0, children as u32);
+        nodes[to] = Bvh2Node::new(seeds.place.bounds, 0, children as u32);
         nodes.extend([Bvh2Node::default(); 2]);
         let [left, right] = seeds.halves();
         waiting.extend([(children + 1, right), (children, left)]);
@@ -114,6 +115,7 @@ fn join(part: Part, to: usize, nodes: &mut Vec<Bvh2Node>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::accel::bins::around;
     use glam::Vec3A;
     use rand_pcg::{Pcg32, rand_core::Rng};
 
@@ -128,7 +130,9 @@ mod tests {
     }
 
     fn tree(boxes: &[Aabb]) -> Bvh2 {
-        grow(boxes.to_vec(), (0..boxes.len() as u32).collect(), MOST)
+        let mut pages = Pages::zeroed(boxes.len());
+        pages.copy_from_slice(boxes);
+        grow(pages, (0..boxes.len() as u32).collect(), MOST)
     }
 
     /// Looks at every node; answers with the number of levels.

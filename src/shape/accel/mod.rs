@@ -12,6 +12,7 @@
 mod any_hit;
 mod bins;
 mod block;
+mod boxes;
 mod build;
 mod closest_hit;
 mod cubes;

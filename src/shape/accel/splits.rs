@@ -31,11 +31,8 @@ impl Piece {
         around(self.outline.iter().copied())
     }
 
-    /// Half the area of the box.
     fn area(&self) -> f64 {
-        let (lo, hi) = self.bounds();
-        let d = hi - lo;
-        d.x * d.y + d.y * d.z + d.z * d.x
+        area(self.bounds())
     }
 
     /// The part on one side of the middle of the box across its longest axis.
@@ -65,24 +62,36 @@ impl Piece {
     }
 }
 
+/// Half the area of a box.
+fn area((lo, hi): Bounds) -> f64 {
+    let d = hi - lo;
+    d.x * d.y + d.y * d.z + d.z * d.x
+}
+
 /// Half the total box area of a triangle that is cut ever finer: the area of its projections along the axes.
 fn least_area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).abs().element_sum()
 }
 
-/// The pieces of those triangles that are cut; each has at least two.
-pub fn pieces(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) -> Vec<Piece> {
+/// What thin triangles are cut into: one piece of each, and all others.
+pub struct Pieces {
+    pub first: Vec<Piece>,
+    pub others: Vec<Piece>,
+}
+
+/// Cuts those of the triangles that are thin.
+pub fn cut(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) -> Pieces {
     // Gains are positive, so their bits are in their order.
     let key = |piece: &Piece, place: usize| (piece.gain().max(0.0).to_bits(), Reverse(place));
     let mut pieces: Vec<Piece> = vec![];
     for (of, corners) in triangles {
-        let piece = Piece { outline: corners.to_vec(), of };
-        if piece.area() > EMPTY * least_area(corners) {
-            pieces.push(piece);
+        if area(around(corners)) > EMPTY * least_area(corners) {
+            pieces.push(Piece { outline: corners.to_vec(), of });
         }
     }
     let mut heap: BinaryHeap<_> = pieces.iter().enumerate().map(|(i, piece)| key(piece, i)).collect();
-    let most = pieces.len() + (count as f64 * MORE) as usize;
+    let thin = pieces.len();
+    let most = thin + (count as f64 * MORE) as usize;
     while pieces.len() < most {
         let Some((gain, Reverse(place))) = heap.pop() else { break };
         if gain == 0 {
@@ -94,7 +103,8 @@ pub fn pieces(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) 
         heap.push(key(&upper, pieces.len()));
         pieces.push(upper);
     }
-    pieces
+    let others = pieces.split_off(thin);
+    Pieces { first: pieces, others }
 }
 
 #[cfg(test)]
@@ -114,16 +124,18 @@ mod tests {
         };
         let triangles: Vec<[DVec3; 3]> = (0..200).map(|_| triangle()).collect();
         let numbered = || triangles.iter().enumerate().map(|(i, t)| (i as u32, *t));
-        let pieces = pieces(numbered(), triangles.len());
-        let cut: std::collections::BTreeSet<u32> = pieces.iter().map(|piece| piece.of).collect();
-        assert_eq!(pieces.len(), cut.len() + (triangles.len() as f64 * MORE) as usize);
-        assert!(cut.len() > 150, "{}", cut.len());
+        let Pieces { first, others } = cut(numbered(), triangles.len());
+        let thin: std::collections::BTreeSet<u32> = first.iter().map(|piece| piece.of).collect();
+        assert_eq!(thin.len(), first.len());
+        assert_eq!(others.len(), (triangles.len() as f64 * MORE) as usize);
+        assert!(thin.len() > 150, "{}", thin.len());
+        let pieces: Vec<Piece> = first.into_iter().chain(others).collect();
         let before: f64 = numbered().map(|(of, t)| Piece { outline: t.to_vec(), of }.area()).sum();
-        let whole = numbered().filter(|(of, _)| !cut.contains(of));
+        let whole = numbered().filter(|(of, _)| !thin.contains(of));
         let after = whole.map(|(of, t)| Piece { outline: t.to_vec(), of }.area()).sum::<f64>()
             + pieces.iter().map(Piece::area).sum::<f64>();
         assert!(after < 0.8 * before, "{after} {before}");
-        for (of, [a, b, c]) in numbered().filter(|(of, _)| cut.contains(of)) {
+        for (of, [a, b, c]) in numbered().filter(|(of, _)| thin.contains(of)) {
             for _ in 0..100 {
                 let at = warp::triangle(DVec2::new(uniform(&mut rng), uniform(&mut rng)));
                 let p = a + (b - a) * at.x + (c - a) * at.y;
@@ -148,7 +160,7 @@ mod tests {
                 let (sin, cos) = libm::sincos(std::f64::consts::TAU / 3.0 * i as f64);
                 frame.to_world(DVec3::new(sin, cos, 0.0))
             };
-            assert!(pieces([(0, [0, 1, 2].map(corner))].into_iter(), 100).is_empty());
+            assert!(cut([(0, [0, 1, 2].map(corner))].into_iter(), 100).first.is_empty());
         }
     }
 }
