@@ -48,12 +48,14 @@ class Tracer:
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
         self.about = json.loads(self.process.stdout.readline())
-        fields = open(f"/proc/{self.process.pid}/stat").read().rsplit(")", 1)[1].split()
-        self.about["processor_seconds"] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        self.about["processor_seconds"] = sum(map(self.seconds_of, os.listdir(f"/proc/{self.process.pid}/task")))
+
+    def seconds_of(self, thread):
+        with open(f"/proc/{self.process.pid}/task/{thread}/schedstat") as file:
+            return int(file.read().split()[0]) * 1e-9
 
     def cpu(self):
-        with open(f"/proc/{self.process.pid}/schedstat") as file:
-            return int(file.read().split()[0]) * 1e-9
+        return self.seconds_of(self.process.pid)
 
     def ask(self, *words):
         before = self.cpu()
@@ -127,7 +129,8 @@ def disagreements(corners, rays, etalon, embree):
     return counts
 
 
-def measure(mesh, folder, libraries, rounds, isa):
+def started(mesh, folder, libraries, isa):
+    """Every program, when it has built its tree."""
     tracers = {"etalon": Tracer([ETALON, "replay", folder, mesh])}
     for library in libraries:
         for mode in ["robust", "fast"]:
@@ -135,8 +138,30 @@ def measure(mesh, folder, libraries, rounds, isa):
             tracer = Tracer(command, os.path.dirname(library))
             version = str(tracer.about["version"])
             tracers[f"embree {version[0]}.{int(version[1:3])}.{int(version[3:5])} {mode}"] = tracer
+    return tracers
+
+
+def build_times(mesh, folder, libraries, rounds, isa):
+    """Medians over starts in turn: seconds of building by the clock; those of the processor, with reading; and how
+    many times Etalon's either is."""
+    rows = []
+    for _ in range(rounds):
+        tracers = started(mesh, folder, libraries, isa)
+        rows.append({name: tracer.about for name, tracer in tracers.items()})
+        for tracer in tracers.values():
+            tracer.close()
+    kinds = {"clock": "build_seconds", "processor": "processor_seconds"}
+    def median(of):
+        return {kind: statistics.median(of(row, key) for row in rows) for kind, key in kinds.items()}
+    return {name: {"seconds": median(lambda row, key: row[name][key]),
+                   "ratio": median(lambda row, key: row["etalon"][key] / row[name][key])} for name in rows[0]}
+
+
+def measure(mesh, folder, libraries, rounds, isa):
+    builds = build_times(mesh, folder, libraries, rounds, isa)
+    tracers = started(mesh, folder, libraries, isa)
     corners = read_mesh(os.path.join(folder, f"{mesh}.mesh"))
-    result = {"mesh": mesh, "about": {name: tracer.about for name, tracer in tracers.items()}, "rates": [], "agreement": []}
+    result = {"mesh": mesh, "about": {name: tracer.about for name, tracer in tracers.items()}, "builds": builds, "rates": [], "agreement": []}
     for question, kind in QUESTIONS:
         rays = numpy.fromfile(os.path.join(folder, f"{mesh}-{kind}.rays"), "<f4").reshape(-1, 8)
         times = {name: [] for name in tracers}
@@ -184,15 +209,21 @@ def markdown(results):
         means = [geometric_mean([row["ratio"][p] for result in results for row in result["rates"]]) for p in peers]
         yield "| **geometric mean** | | | | " + "| " * len(peers) + " | ".join(f"**{m:.2f}**" for m in means) + " |"
         yield ""
-        yield "Reading and building, two threads:"
+        yield "Building by the clock, and reading and building in processor time, two threads:"
         yield ""
         programs = ["etalon"] + peers
-        yield "| mesh | triangles | " + "".join(f"{p}, processor s | " for p in programs) + " | ".join(f"{p}, bytes a triangle" for p in programs) + " |"
-        yield "|---|--:|" + "--:|" * (2 * len(programs))
+        columns = ["{}, clock s", "{}, processor s"]
+        heads = [c.format(p) for p in programs for c in columns]
+        heads += [f"Etalon's over {p}, clock" for p in peers] + [f"Etalon's over {p}, processor" for p in peers]
+        heads += [f"{p}, bytes a triangle" for p in programs]
+        yield "| mesh | triangles | " + " | ".join(heads) + " |"
+        yield "|---|--:|" + "--:|" * len(heads)
         for result in results:
-            about = [result["about"][p] for p in programs]
-            cells = [f"{a['processor_seconds']:.2f}" for a in about] + [f"{a['bytes'] / a['triangles']:.0f}" for a in about]
-            yield f"| {result['mesh']} | {about[0]['triangles']} | " + " | ".join(cells) + " |"
+            builds, about = result["builds"], result["about"]
+            cells = [f"{builds[p]['seconds'][kind]:.3f}" for p in programs for kind in ("clock", "processor")]
+            cells += [f"{builds[p]['ratio'][kind]:.2f}" for kind in ("clock", "processor") for p in peers]
+            cells += [f"{about[p]['bytes'] / about[p]['triangles']:.0f}" for p in programs]
+            yield f"| {result['mesh']} | {about['etalon']['triangles']} | " + " | ".join(cells) + " |"
         yield ""
         yield "Where the closest hits differ, and who is right in exact arithmetic; all other sets agree on every triangle:"
         yield ""

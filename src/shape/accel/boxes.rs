@@ -5,9 +5,9 @@ use super::Instance;
 use super::fold::{Content, LEAF, kind};
 use super::items::Item;
 use super::space::Space;
-use super::splits::{Pieces, cut};
+use super::splits::{Pieces, cut, is_thin};
 use crate::math::bounds::around;
-use crate::math::{Bounds, length};
+use crate::math::{Bounds, DVec3, length};
 use crate::pages::Pages;
 use crate::shape::Geometry;
 use glam::Vec3A;
@@ -26,11 +26,15 @@ pub struct Boxes {
 
 impl Boxes {
     pub fn new(shapes: &[&Geometry], instances: &[Instance], items: &[Item], space: &Space) -> Self {
-        let corners = |(i, item): (usize, &Item)| match shapes.get(item.shape as usize) {
-            Some(Geometry::Mesh(mesh)) => Some((i as u32, mesh.corners(item.local))),
+        let thin = |(i, item): (usize, &Item)| match shapes.get(item.shape as usize) {
+            Some(Geometry::Mesh(mesh)) => {
+                let corners = mesh.corners(item.local);
+                is_thin(corners).then_some((i as u32, corners))
+            }
             _ => None,
         };
-        let Pieces { first, others } = cut(items.iter().enumerate().filter_map(corners), items.len());
+        let thin: Vec<(u32, [DVec3; 3])> = items.par_iter().enumerate().filter_map(thin).collect();
+        let Pieces { first, others } = cut(thin, items.len());
         let mut boxes = Pages::zeroed(items.len() + others.len());
         let (of_items, of_others) = boxes.split_at_mut(items.len());
         let content = |(aabb, item): (&mut Aabb, &Item)| {

@@ -79,16 +79,17 @@ pub struct Pieces {
     pub others: Vec<Piece>,
 }
 
-/// Cuts those of the triangles that are thin.
-pub fn cut(triangles: impl Iterator<Item = (u32, [DVec3; 3])>, count: usize) -> Pieces {
+/// Whether a triangle's box is so empty that it should be cut.
+pub fn is_thin(corners: [DVec3; 3]) -> bool {
+    area(around(corners)) > EMPTY * least_area(corners)
+}
+
+/// Cuts thin triangles, of which there are `count` with others.
+pub fn cut(thin: impl IntoIterator<Item = (u32, [DVec3; 3])>, count: usize) -> Pieces {
     // Gains are positive, so their bits are in their order.
     let key = |piece: &Piece, place: usize| (piece.gain().max(0.0).to_bits(), Reverse(place));
-    let mut pieces: Vec<Piece> = vec![];
-    for (of, corners) in triangles {
-        if area(around(corners)) > EMPTY * least_area(corners) {
-            pieces.push(Piece { outline: corners.to_vec(), of });
-        }
-    }
+    let mut pieces: Vec<Piece> =
+        thin.into_iter().map(|(of, corners)| Piece { outline: corners.to_vec(), of }).collect();
     let mut heap: BinaryHeap<_> = pieces.iter().enumerate().map(|(i, piece)| key(piece, i)).collect();
     let thin = pieces.len();
     let most = thin + (count as f64 * MORE) as usize;
@@ -124,7 +125,7 @@ mod tests {
         };
         let triangles: Vec<[DVec3; 3]> = (0..200).map(|_| triangle()).collect();
         let numbered = || triangles.iter().enumerate().map(|(i, t)| (i as u32, *t));
-        let Pieces { first, others } = cut(numbered(), triangles.len());
+        let Pieces { first, others } = cut(numbered().filter(|(_, t)| is_thin(*t)), triangles.len());
         let thin: std::collections::BTreeSet<u32> = first.iter().map(|piece| piece.of).collect();
         assert_eq!(thin.len(), first.len());
         assert_eq!(others.len(), (triangles.len() as f64 * MORE) as usize);
@@ -160,7 +161,7 @@ mod tests {
                 let (sin, cos) = libm::sincos(std::f64::consts::TAU / 3.0 * i as f64);
                 frame.to_world(DVec3::new(sin, cos, 0.0))
             };
-            assert!(cut([(0, [0, 1, 2].map(corner))].into_iter(), 100).first.is_empty());
+            assert!(!is_thin([0, 1, 2].map(corner)));
         }
     }
 }
