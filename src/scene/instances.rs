@@ -71,9 +71,14 @@ impl Instances {
         self.placements.iter().map(|&(group, to_world)| self.tree(group, to_world)).collect()
     }
 
-    /// The shapes of each instance, in the coordinates of their group, and the transform to the world's.
-    pub fn placed(&self) -> impl Iterator<Item = (&[Shape], &Transform)> {
-        self.placements.iter().map(|(group, to_world)| (&self.groups[*group as usize].shapes[..], to_world))
+    /// The shapes of each group, in coordinates of its own.
+    pub fn groups(&self) -> impl Iterator<Item = &[Shape]> {
+        self.groups.iter().map(|group| &group.shapes[..])
+    }
+
+    /// The number of each instance's group, and the transform from the group's coordinates to the world's.
+    pub fn placements(&self) -> impl Iterator<Item = (usize, &Transform)> {
+        self.placements.iter().map(|(group, to_world)| (*group as usize, to_world))
     }
 
     /// Numbers all primitives, after `first` others.

@@ -8,14 +8,15 @@
 
 mod faces;
 mod facet;
+mod surfaces;
 
 use super::Shape;
 use super::instances::Instances;
 use crate::math::Transform;
-use crate::math::bounds::corners;
 use crate::shape::{Geometry, Patch};
 use faces::{Face, Faces};
 use facet::{Facet, Numbers};
+use surfaces::Surfaces;
 
 /// The flat sides of a lamp that can be moved: vertices of meshes have fewer digits, and triangles share edges with
 /// others.
@@ -27,31 +28,6 @@ fn patches(geometry: &Geometry) -> &[Patch] {
     }
 }
 
-/// Calls `f` with every lamp's face that lies in a flat piece of a surface, and how far it must be raised to lie upon
-/// that. `place` is the transform from the surface's coordinates to the world's.
-fn faces_in(geometry: &Geometry, place: &Transform, faces: &Faces, mut f: impl FnMut(&Face, f64)) {
-    let numbers = match geometry {
-        Geometry::Mesh(mesh) => Numbers::of_mesh(place, mesh.placement()),
-        Geometry::Patch(_) | Geometry::Cube(_) => Numbers::of_patches(place),
-        Geometry::Sphere(_) | Geometry::Cylinder(_) => return,
-    };
-    let bounds = geometry.bounds();
-    let slack = numbers.rounding_in(bounds).slack(faces.error);
-    if !faces.meet(numbers.placed(&corners(bounds)), slack) {
-        return;
-    }
-    // Most of a large mesh is far from all lamps, and how it is rounded need not be known.
-    let mut ask = |corners: &[_]| {
-        if faces.meet(numbers.placed(corners), slack) {
-            faces.each_in(&Facet::new(corners, &numbers), &mut f);
-        }
-    };
-    if let Geometry::Mesh(mesh) = geometry {
-        (0..mesh.triangles.len() as u32).for_each(|triangle| ask(&mesh.corners(triangle)));
-    }
-    patches(geometry).iter().for_each(|patch| ask(&patch.corners()));
-}
-
 /// Raises flat lamps, by less than can be seen and more than rounding.
 pub fn raise(shapes: &mut [Shape], instances: &Instances) {
     let faces = Faces::of(shapes);
@@ -60,12 +36,12 @@ pub fn raise(shapes: &mut [Shape], instances: &Instances) {
     }
     let mut heights = vec![0.0f64; shapes.len()];
     let mut raised = |face: &Face, height: f64| heights[face.shape] = heights[face.shape].max(height);
-    for shape in shapes.iter().filter(|shape| shape.emitter.is_none() || patches(&shape.geometry).is_empty())
-    {
-        faces_in(&shape.geometry, &Transform::IDENTITY, &faces, &mut raised);
-    }
-    for (group, to_world) in instances.placed() {
-        group.iter().for_each(|shape| faces_in(&shape.geometry, to_world, &faces, &mut raised));
+    let is_flat_lamp = |shape: &&Shape| shape.emitter.is_some() && !patches(&shape.geometry).is_empty();
+    let others = shapes.iter().filter(|shape| !is_flat_lamp(shape));
+    Surfaces::of(others).each_face_in(&Transform::IDENTITY, &faces, &mut raised);
+    let groups: Vec<Surfaces> = instances.groups().map(Surfaces::of).collect();
+    for (group, to_world) in instances.placements() {
+        groups[group].each_face_in(to_world, &faces, &mut raised);
     }
     let here = Numbers::of_patches(&Transform::IDENTITY);
     for number in 0..shapes.len() {

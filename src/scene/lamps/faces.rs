@@ -15,6 +15,15 @@ pub struct Face {
     bounds: Bounds,
 }
 
+impl Face {
+    /// Whether it may lie in something in a box: a tilted face is not wherever its own box is.
+    fn is_near(&self, bounds: Bounds, slack: f64) -> bool {
+        let (centre, half) = (0.5 * bounds.0 + 0.5 * bounds.1, 0.5 * bounds.1 - 0.5 * bounds.0);
+        let Patch { n, centre: on_plane, .. } = self.patch;
+        meet(self.bounds, bounds, slack) && n.dot(centre - on_plane).abs() <= n.abs().dot(half) + slack
+    }
+}
+
 /// Fewer faces than this are looked at one by one.
 const FEW: usize = 8;
 
@@ -58,9 +67,22 @@ impl Faces {
         self.faces.is_empty()
     }
 
-    /// Whether any may lie in something in a box.
-    pub fn meet(&self, bounds: Bounds, slack: f64) -> bool {
-        meet(self.nodes[0].bounds, bounds, slack)
+    /// Whether any may lie in something in a box (world).
+    pub fn are_near(&self, bounds: Bounds, slack: f64) -> bool {
+        self.any_below(0, &self.faces, bounds, slack)
+    }
+
+    fn any_below(&self, number: usize, faces: &[Face], bounds: Bounds, slack: f64) -> bool {
+        let node = &self.nodes[number];
+        if !meet(node.bounds, bounds, slack) {
+            return false;
+        }
+        if faces.len() > FEW {
+            let (first, second) = faces.split_at(faces.len() / 2);
+            return self.any_below(number + 1, first, bounds, slack)
+                || self.any_below(node.second, second, bounds, slack);
+        }
+        faces.iter().any(|face| face.is_near(bounds, slack))
     }
 
     /// Calls `f` with every face that lies in a facet, and how far it must be raised to lie upon it.

@@ -1,6 +1,6 @@
 //! Flat pieces of surfaces, which lamps may lie in, and by how much their corners are rounded.
 
-use crate::math::bounds::{NOTHING, around, corners};
+use crate::math::bounds::{NOTHING, around};
 use crate::math::ray::position_error;
 use crate::math::{Bounds, DVec3, Transform};
 use crate::shape::Patch;
@@ -39,27 +39,14 @@ impl<'a> Numbers<'a> {
         Self { place, file: Some(file) }
     }
 
-    /// The box (world) around points.
-    pub fn placed(&self, points: &[DVec3]) -> Bounds {
-        around(points.iter().map(|point| self.place.point(*point)))
-    }
-
     /// By how much a point is rounded.
     fn rounding(&self, p: DVec3) -> Rounding {
-        Rounding {
-            error: position_error(sizes(self.place, p) + self.place.point(DVec3::ZERO).abs()),
-            single: self.file.map_or(DVec3::ZERO, |file| {
-                sizes(self.place, p.abs() + sizes(file, file.inverse.transform_point3(p)))
-            }),
-        }
+        Rounding::of(self.place, p, self.single(p))
     }
 
-    /// By how much points in a box are rounded at most.
-    pub fn rounding_in(&self, bounds: Bounds) -> Rounding {
-        corners(bounds)
-            .into_iter()
-            .map(|corner| self.rounding(corner))
-            .fold(Rounding::default(), Rounding::max)
+    /// The sizes of the numbers that were rounded to `f32`, in the surface's coordinates.
+    pub fn single(&self, p: DVec3) -> DVec3 {
+        self.file.map_or(DVec3::ZERO, |file| p.abs() + sizes(file, file.inverse.transform_point3(p)))
     }
 }
 
@@ -73,6 +60,15 @@ pub struct Rounding {
 }
 
 impl Rounding {
+    /// Of a point in a surface's coordinates, where numbers of these sizes were rounded to `f32`. It grows with the
+    /// coordinates.
+    pub fn of(place: &Transform, p: DVec3, single: DVec3) -> Self {
+        Self {
+            error: position_error(sizes(place, p) + place.point(DVec3::ZERO).abs()),
+            single: sizes(place, single),
+        }
+    }
+
     fn max(self, other: Self) -> Self {
         Self { error: self.error.max(other.error), single: self.single.max(other.single) }
     }

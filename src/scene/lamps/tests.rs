@@ -1,4 +1,6 @@
+use super::faces::Faces;
 use crate::load_text;
+use crate::math::DVec3;
 use crate::render::{Progress, Settings, render};
 use crate::spectrum::ColorMode;
 
@@ -181,5 +183,27 @@ fn of_many_lamps_each_that_lies_in_something_is_raised() {
     for (i, shape) in scene.shapes[..100].iter().enumerate() {
         let height = shape.geometry.bounds().0.z - 2.0;
         assert_eq!(height > 0.0, i % 2 == 0, "{i}: {height}");
+    }
+}
+
+/// A loader that looked at every triangle between two lamps would take minutes for a field of instances.
+#[test]
+fn what_is_between_lamps_or_beside_a_tilted_one_is_passed_over() {
+    let lamp = |place: &str| {
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world">{place}</transform><emitter type="area"/></shape>"#
+        )
+    };
+    let far = (0..20).map(|i| lamp(&format!(r#"<translate x="{}" y="{}"/>"#, 50 * i, 50 * i))).collect();
+    let tilted = lamp(r#"<scale value="20"/><rotate x="1" y="1" angle="45"/><translate z="100"/>"#);
+    for (lamps, at) in [(far, DVec3::ZERO), (tilted, DVec3::new(0.0, 0.0, 100.0))] {
+        let text = format!(r#"<scene version="3.0.0"><sensor type="perspective"/>{lamps}</scene>"#);
+        let scene = load_text("scene.xml", &text, ColorMode::Rgb).unwrap();
+        let faces = Faces::of(&scene.shapes);
+        let is_near = |p: DVec3| faces.are_near((p - 0.5, p + 0.5), 1e-9);
+        assert!(is_near(at));
+        for beside in [DVec3::new(5.0, 0.0, 2.0), DVec3::new(7.0, -7.0, 0.0), DVec3::new(0.0, -9.0, -1.0)] {
+            assert!(!is_near(at + beside), "{beside}");
+        }
     }
 }
