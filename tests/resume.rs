@@ -143,13 +143,6 @@ fn a_checkpoint_that_has_become_anothers_is_left_alone() {
     assert!(output.status.success());
     assert!(text(&output.stderr).contains("another process has written it"), "{}", text(&output.stderr));
     assert_eq!(folder.bytes("c"), b"the work of another");
-    // One that never saves any, and begins before there is one.
-    fs::remove_file(folder.path("c")).unwrap();
-    let child = folder.start(&["--spp", "400", "-o", "out.exr", "--checkpoint", "c", "--quiet"]);
-    std::thread::sleep(Duration::from_millis(100));
-    fs::write(folder.path("c"), "the work of another").unwrap();
-    child.wait_with_output().unwrap();
-    assert_eq!(folder.bytes("c"), b"the work of another");
 }
 
 /// What a pilot chooses begins with sample 0, so another part of a render is none of its.

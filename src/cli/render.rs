@@ -9,6 +9,7 @@ use super::{INTERRUPTED, NOT_FINITE, Outcome, SceneArguments, UNATTAINED, quoted
 use etalon::files::{self, FileError};
 use etalon::film::Window;
 use etalon::image::{self, Image};
+use etalon::render::checkpoint::OwnCheckpoint;
 use etalon::render::passes::Partial;
 use etalon::render::quality::Quality;
 use etalon::render::sample_count::{self, NoCount, Pilot};
@@ -78,11 +79,12 @@ impl Arguments {
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
         self.check(&scene, &settings)?;
-        let resumed = self.resumed(&scene, &mut settings)?;
+        let (checkpoint, resumed) = self.resumed(&scene, &mut settings)?.unzip();
+        let resumed = resumed.flatten();
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();
         let progress = Progress::default();
-        let watch = Watch::new(&self, self.says_little(), &progress)?;
+        let watch = Watch::new(&self, self.says_little(), &progress, checkpoint)?;
         // What is resumed has its number of samples.
         let pilot = match resumed {
             Some(_) => None,
@@ -205,26 +207,29 @@ impl Arguments {
         })
     }
 
-    /// The render in the checkpoint; its samples are those that a pilot chose, if one was to. Without
+    /// The checkpoint, and the render in it; its samples are those that a pilot chose, if one was to. Without
     /// `--resume` there must be none, nor any other file in its place.
-    fn resumed(&self, scene: &Scene, settings: &mut Settings) -> Result<Option<Partial>, FileError> {
+    fn resumed(
+        &self,
+        scene: &Scene,
+        settings: &mut Settings,
+    ) -> Result<Option<(OwnCheckpoint, Option<Partial>)>, FileError> {
         let Some(path) = &self.checkpoint else { return Ok(None) };
-        if !self.resume {
-            return checkpoint::refuse_to_replace(path).map(|()| None);
-        }
-        if !path.exists() {
-            if !self.quiet {
+        if !self.resume || !path.exists() {
+            let own = OwnCheckpoint::begin(path)?;
+            if self.resume && !self.quiet {
                 eprintln!(
                     "{}: there is no checkpoint yet; the render begins at the beginning",
                     path.display()
                 );
             }
-            return Ok(None);
+            return Ok(Some((own, None)));
         }
         if self.asks_pilot() {
             settings.samples = checkpoint::chosen_samples(path)?;
         }
-        checkpoint::load(path, scene, settings).map(Some)
+        let (own, partial) = OwnCheckpoint::resume(path, scene, settings)?;
+        Ok(Some((own, Some(partial))))
     }
 
     fn pilot(

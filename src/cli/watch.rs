@@ -2,8 +2,8 @@
 //! terminal.
 
 use super::render::Arguments;
-use etalon::files::FileError;
 use etalon::image::{Image, ImageError};
+use etalon::render::checkpoint::OwnCheckpoint;
 use etalon::render::passes::{Partial, render_passes};
 use etalon::render::preview::Preview;
 use etalon::render::{Progress, RenderError, Report, Settings, checkpoint, render};
@@ -11,10 +11,9 @@ use etalon::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::error::Error;
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -48,7 +47,7 @@ pub struct Watch<'a> {
     progress: &'a Progress,
     /// Ctrl-C was pressed, or the system asked for an end.
     interrupted: Arc<AtomicBool>,
-    checkpoint: Option<OwnCheckpoint<'a>>,
+    checkpoint: Option<OwnCheckpoint>,
     /// The complete sums, kept until the image is safely written.
     complete: RefCell<Option<Partial>>,
 }
@@ -58,6 +57,7 @@ impl<'a> Watch<'a> {
         arguments: &'a Arguments,
         silent: bool,
         progress: &'a Progress,
+        checkpoint: Option<OwnCheckpoint>,
     ) -> Result<Self, Box<dyn Error>> {
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut signals = Signals::new([SIGINT, SIGTERM])?;
@@ -74,8 +74,6 @@ impl<'a> Watch<'a> {
                 }
             }
         });
-        let own = |path| OwnCheckpoint::begin(path, arguments.resume);
-        let checkpoint = arguments.checkpoint.as_deref().map(own).transpose()?;
         Ok(Self { arguments, silent, progress, interrupted, checkpoint, complete: RefCell::new(None) })
     }
 
@@ -144,7 +142,7 @@ impl<'a> Watch<'a> {
         match own.save(scene, settings, partial) {
             Ok(()) => {
                 let command = self.arguments.go_on(&settings.samples);
-                let path = own.path.display();
+                let path = own.path().display();
                 format!("{error}\nthe render is kept in {path}; this writes the image: {command}")
             }
             Err(also) => format!("{error}\nthe checkpoint neither: {also}"),
@@ -202,47 +200,9 @@ impl Drop for Finished<'_> {
     }
 }
 
-/// The checkpoint of this render: the file is replaced and removed as long as it is what this process has written or
-/// begun from, for several may have been given one name.
-struct OwnCheckpoint<'a> {
-    path: &'a Path,
-    /// What it is known by; `None` as long as there is none.
-    seal: Cell<Option<u64>>,
-}
-
-impl<'a> OwnCheckpoint<'a> {
-    fn begin(path: &'a Path, resumed: bool) -> Result<Self, FileError> {
-        let seal = if resumed { checkpoint::seal(path)? } else { None };
-        Ok(Self { path, seal: Cell::new(seal) })
-    }
-
-    /// Whether there is a file. Error: it is another's.
-    fn exists(&self) -> Result<bool, FileError> {
-        let there = checkpoint::seal(self.path)?;
-        if there.is_some() && there != self.seal.get() {
-            return Err(FileError::new(self.path, "another process has written it since this render began"));
-        }
-        Ok(there.is_some())
-    }
-
-    fn save(&self, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<(), FileError> {
-        self.exists()?;
-        self.seal.set(Some(checkpoint::save(self.path, scene, settings, partial)?));
-        Ok(())
-    }
-
-    fn remove(&self) -> Result<(), FileError> {
-        // A render that was too short to save one does not know what is there, and leaves it.
-        if self.seal.get().is_some() && self.exists()? {
-            std::fs::remove_file(self.path).map_err(|error| FileError::new(self.path, error))?;
-        }
-        Ok(())
-    }
-}
-
 /// Saves checkpoints, not too often.
 struct Saver<'a> {
-    own: &'a OwnCheckpoint<'a>,
+    own: &'a OwnCheckpoint,
     /// Pause between two savings that was asked for.
     every: Option<Duration>,
     last: Instant,

@@ -60,14 +60,28 @@ pub(crate) fn write_file_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
+    write_file_unless(path, write, || Ok(()))
+}
+
+/// The same, unless `may_replace`, which is asked when all is written, has an error.
+pub(crate) fn write_file_unless(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    may_replace: impl FnOnce() -> Result<(), FileError>,
+) -> Result<(), FileError> {
     heed_size_limits();
     let target = target(path);
-    let result = if is_special(&target) {
-        File::create(&target).and_then(|file| buffered(&file, write))
-    } else {
-        replace(&target, write)
-    };
-    result.map_err(|error| FileError::writing(path, error))
+    let writing = |error| FileError::writing(path, error);
+    if is_special(&target) {
+        return File::create(&target).and_then(|file| buffered(&file, write)).map_err(writing);
+    }
+    let (file, partial) = claim(&target).map_err(writing)?;
+    let written = buffered(&file, write).and_then(|()| file.sync_all()).map_err(writing);
+    let renamed = || fs::rename(&partial, &target).map_err(writing);
+    written.and_then(|()| may_replace()).and_then(|()| renamed()).inspect_err(|_| {
+        // The first error is the one to report; that the partial file may stay behind is secondary.
+        let _ = fs::remove_file(&partial);
+    })
 }
 
 /// Makes a write beyond the largest file that the process may write an error like that of a full disk: the
@@ -143,15 +157,6 @@ fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
     let mut writer = BufWriter::with_capacity(1 << 20, file);
     write(&mut writer)?;
     writer.flush()
-}
-
-fn replace(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let (file, partial) = claim(target)?;
-    let written = buffered(&file, write).and_then(|()| file.sync_all());
-    written.and_then(|()| fs::rename(&partial, target)).inspect_err(|_| {
-        // The first error is the one to report; that the partial file may stay behind is secondary.
-        let _ = fs::remove_file(&partial);
-    })
 }
 
 /// How long another process may take to write the same file.

@@ -4,17 +4,21 @@
 //! pixel by pixel and channel by channel (`u32`), and the XXH3 of everything before (`u64`); all numbers
 //! little-endian. It is replaced whole or not at all, so a process may die at any time.
 
+mod own;
+
+pub use own::OwnCheckpoint;
+
 use super::Settings;
 use super::batch_means::BatchMeans;
 use super::light_path_noise::LightPathNoise;
 use super::passes::Partial;
-use crate::files::{FileError, write_file_with};
+use crate::files::{FileError, write_file_unless};
 use crate::film::{Accumulators, BLOCK, ChannelAccumulator};
 use crate::sampler::SampleId;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
@@ -40,7 +44,7 @@ struct Head {
 }
 
 /// Everything that decides the image. Two equal ones are the same render; threads and the kernel decide
-/// nothing.
+/// nothing. The version is looked at before all else, for with another one anything else may mean something else.
 #[derive(Serialize, Deserialize)]
 struct Identity {
     version: String,
@@ -75,7 +79,6 @@ impl Identity {
         let list = |i: &Identity| {
             let (x, y, width, height) = i.window;
             [
-                ("version", i.version.clone()),
                 ("seed", i.seed.to_string()),
                 ("range of samples", format!("{}..{}", i.samples.0, i.samples.1)),
                 ("film", format!("{}x{}", i.film.0, i.film.1)),
@@ -88,11 +91,24 @@ impl Identity {
         let pairs = list(self).into_iter().zip(list(asked));
         pairs
             .filter(|(ours, theirs)| ours.1 != theirs.1)
-            .map(|((name, ours), (_, theirs))| {
-                format!("it is of another {name}: `{ours}`, and `{theirs}` is asked for")
-            })
+            .map(|((name, ours), (_, theirs))| another(name, &ours, &theirs))
             .next()
     }
+}
+
+/// The part of a head that all versions have.
+#[derive(Deserialize)]
+struct OfAnyVersion {
+    identity: Version,
+}
+
+#[derive(Deserialize)]
+struct Version {
+    version: String,
+}
+
+fn another(name: &str, ours: &str, theirs: &str) -> String {
+    format!("it is of another {name}: `{ours}`, and `{theirs}` is asked for")
 }
 
 /// Length of the file in bytes, without its head.
@@ -100,12 +116,8 @@ pub fn size(settings: &Settings, channels: usize) -> u64 {
     4 * (Accumulators::WORDS * channels * settings.window.pixels()) as u64
 }
 
-/// Refuses to begin a render over a file that exists: a checkpoint is work that would be lost, and anything
-/// else is not ours.
-///
-/// # Errors
-/// Says which it is.
-pub fn refuse_to_replace(path: &Path) -> Result<(), FileError> {
+/// Refuses to begin a render over a file that exists, and says what it is.
+fn refuse_to_replace(path: &Path) -> Result<(), FileError> {
     let error = |cause: String| Err(FileError::new(path, cause));
     match std::fs::metadata(path) {
         Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -123,10 +135,7 @@ pub fn refuse_to_replace(path: &Path) -> Result<(), FileError> {
 }
 
 /// What tells a file from every other: the checksum at its end. `None` if there is no file.
-///
-/// # Errors
-/// If it cannot be read.
-pub fn seal(path: &Path) -> Result<Option<u64>, FileError> {
+fn seal(path: &Path) -> Result<Option<u64>, FileError> {
     let mut word = [0; 8];
     let read = |mut file: File| {
         let length = file.metadata()?.len();
@@ -150,8 +159,15 @@ fn open(path: &Path) -> io::Result<File> {
     }
 }
 
-/// Saves a render in progress; returns the file's [`seal`]. An error leaves an older checkpoint as it was.
-pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) -> Result<u64, FileError> {
+/// Saves a render in progress; returns the file's [`seal`]. `may_replace` is asked when all is written. An error
+/// leaves an older checkpoint as it was.
+fn save(
+    path: &Path,
+    scene: &Scene,
+    settings: &Settings,
+    partial: &Partial,
+    may_replace: impl FnOnce() -> Result<(), FileError>,
+) -> Result<u64, FileError> {
     let mut seal = 0;
     let report = &partial.report;
     let head = Head {
@@ -165,7 +181,7 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
         light_paths: partial.light_paths,
     };
     let head = serde_json::to_vec(&head).map_err(|error| FileError::new(path, error))?;
-    write_file_with(path, |file| {
+    let write = |file: &mut dyn Write| {
         let mut hash = Xxh3::new();
         let mut put = |bytes: &[u8]| {
             hash.update(bytes);
@@ -186,15 +202,13 @@ pub fn save(path: &Path, scene: &Scene, settings: &Settings, partial: &Partial) 
         }
         seal = hash.digest();
         file.write_all(&seal.to_le_bytes())
-    })?;
+    };
+    write_file_unless(path, write, may_replace)?;
     Ok(seal)
 }
 
-/// Reads the checkpoint of a render.
-///
-/// # Errors
-/// If it cannot be read, is damaged, or is that of another render; with one sentence that names the file.
-pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, FileError> {
+/// Reads the checkpoint of a render; returns its [`seal`] too.
+fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<(Partial, u64), FileError> {
     read(path, scene, settings).map_err(|refused| refused.at(path))
 }
 
@@ -268,11 +282,15 @@ fn begin(path: &Path) -> Result<(Hashed<BufReader<File>>, Head), Refused> {
     }
     let mut head = vec![0; length as usize];
     file.fill(&mut head)?;
-    let head = serde_json::from_slice(&head);
-    Ok((file, head.map_err(|_| Refused::Damaged("its head cannot be understood"))?))
+    let damaged = |_| Refused::Damaged("its head cannot be understood");
+    let OfAnyVersion { identity: Version { version } } = serde_json::from_slice(&head).map_err(damaged)?;
+    if version != crate::VERSION {
+        return Err(Refused::Other(another("version", &version, crate::VERSION)));
+    }
+    Ok((file, serde_json::from_slice(&head).map_err(damaged)?))
 }
 
-fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refused> {
+fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<(Partial, u64), Refused> {
     let (mut file, head) = begin(path)?;
     let mut partial = Partial::new(scene, settings);
     if let Some(why) = head.identity.difference(&Identity::new(scene, settings, &partial.channels)) {
@@ -297,7 +315,8 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
     }
     let mut word = [0; 8];
     file.reader.read_exact(&mut word)?;
-    if u64::from_le_bytes(word) != file.hash.digest() {
+    let seal = u64::from_le_bytes(word);
+    if seal != file.hash.digest() {
         return Err(Refused::Damaged("its checksum is wrong"));
     }
     if file.reader.read(&mut word)? > 0 {
@@ -310,7 +329,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<Partial, Refu
     (report.rays, report.cut, report.non_finite) = (head.rays, head.cut, head.non_finite);
     let first = head.first_non_finite.into_iter();
     report.first_non_finite = first.map(|(x, y, sample)| SampleId { pixel: (x, y), sample }).collect();
-    Ok(partial)
+    Ok((partial, seal))
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ fn saved(folder: &tempfile::TempDir) -> (std::path::PathBuf, Vec<u8>) {
     let (scene, path) = (scene(1.0), folder.path().join("c"));
     let settings = settings(&scene);
     let partial = go_on(&scene, &settings, Partial::new(&scene, &settings), 2);
-    save(&path, &scene, &settings, &partial).expect("written");
+    save(&path, &scene, &settings, &partial, || Ok(())).expect("written");
     let bytes = fs::read(&path).expect("read");
     (path, bytes)
 }
@@ -45,7 +45,7 @@ fn a_render_goes_on_as_if_nothing_had_happened() {
     let (path, bytes) = saved(&folder);
     let scene = scene(1.0);
     let settings = settings(&scene);
-    let resumed = load(&path, &scene, &settings).expect("it loads");
+    let (resumed, _) = load(&path, &scene, &settings).expect("it loads");
     // How long the second pass is depends on the time that the first one took.
     assert!(resumed.samples == (4..16) || resumed.samples == (4..12), "{:?}", resumed.samples);
     assert!(bytes.len() as u64 > size(&settings, 3) && (bytes.len() as u64) < size(&settings, 3) + 1000);
@@ -65,8 +65,8 @@ fn what_is_not_finite_is_no_damage() {
     let settings = settings(&scene);
     let mut partial = Partial::new(&scene, &settings);
     partial.means.add(4, [f64::INFINITY, f64::NAN, 0.1]);
-    save(&path, &scene, &settings, &partial).expect("written");
-    let resumed = load(&path, &scene, &settings).expect("it loads");
+    save(&path, &scene, &settings, &partial, || Ok(())).expect("written");
+    let (resumed, _) = load(&path, &scene, &settings).expect("it loads");
     assert_eq!(format!("{:?}", resumed.means), format!("{:?}", partial.means));
 }
 
@@ -118,4 +118,48 @@ fn every_damage_is_noticed() {
         assert!(refused(&damaged).is_some(), "byte {at}");
     }
     assert!(load(&folder.path().join("none"), &scene, &settings).is_err());
+}
+
+/// Another process may write a file of the same name at any time, also while this one reads or writes.
+#[test]
+fn what_has_become_anothers_is_not_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, bytes) = saved(&folder);
+    let scene = scene(1.0);
+    let settings = settings(&scene);
+    let (own, resumed) = OwnCheckpoint::resume(&path, &scene, &settings).expect("it loads");
+    let theirs = [&bytes[..], b"x"].concat();
+    let is_refused = |saved: Result<(), FileError>| {
+        assert!(saved.is_err_and(|error| error.to_string().contains("another process has written it")));
+        assert_eq!(fs::read(&path).expect("read"), theirs);
+    };
+    own.save(&scene, &settings, &resumed).expect("its own");
+    // After it was looked at for the first time.
+    let meanwhile = || {
+        fs::write(&path, &theirs).expect("written");
+        own.exists().map(drop)
+    };
+    is_refused(save(&path, &scene, &settings, &resumed, meanwhile).map(drop));
+    is_refused(own.save(&scene, &settings, &resumed));
+    is_refused(own.remove());
+    // One that has begun before there was a file, and saved none.
+    fs::remove_file(&path).expect("removed");
+    let own = OwnCheckpoint::begin(&path).expect("no file");
+    fs::write(&path, &theirs).expect("written");
+    is_refused(own.save(&scene, &settings, &resumed));
+    assert!(own.remove().is_ok() && fs::read(&path).expect("read") == theirs);
+    assert!(OwnCheckpoint::begin(&path).is_err());
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1, "a partial file stays");
+}
+
+/// Heads change from version to version, and only what all have can be read of another one.
+#[test]
+fn another_version_is_no_damage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("c");
+    let head = br#"{"identity": {"version": "0.0.1", "seed": [1, 2]}}"#;
+    fs::write(&path, [&MAGIC[..], &(head.len() as u64).to_le_bytes(), head].concat()).expect("written");
+    let scene = scene(1.0);
+    let error = load(&path, &scene, &settings(&scene)).err().expect("refused").to_string();
+    assert!(error.contains("it is of another version: `0.0.1`"), "{error}");
 }
