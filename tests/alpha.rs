@@ -120,3 +120,28 @@ fn media_cover_what_they_take_and_invisible_surfaces_nothing() {
         assert!((found - expected).abs() < error, "{found}, not {expected}: {scene}");
     }
 }
+
+/// As in Mitsuba: with paths of one edge `volpath` sees surfaces, `path` does not, and media are none.
+#[test]
+fn paths_of_one_edge_see_what_mitsuba_says_they_see() {
+    let one = |name: &str, content: &str| {
+        let integrator =
+            format!(r#"<integrator type="{name}"><integer name="max_depth" value="1"/></integrator>"#);
+        // Somewhere else, for `volpath` to have something to do.
+        let beside = r#"<shape type="sphere"><point name="center" x="99"/><bsdf type="null"/></shape>"#;
+        alpha(&integrator, &format!("{content}{beside}"))
+    };
+    let wall = |bsdf: &str| {
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale value="2"/></transform>{bsdf}</shape>"#
+        )
+    };
+    let opaque = wall(r#"<bsdf type="mask"><float name="opacity" value="1"/><bsdf type="diffuse"/></bsdf>"#);
+    for name in ["volpath", "volpathmis"] {
+        assert_eq!((one(name, &wall("")), one(name, &opaque)), (1.0, 1.0), "{name}");
+        let mist = r#"<shape type="cube"><bsdf type="null"/><medium type="homogeneous" name="interior">
+            <float name="sigma_t" value="9"/><float name="albedo" value="0.5"/></medium></shape>"#;
+        assert_eq!(one(name, mist), 0.0, "{name}");
+    }
+    assert_eq!(one("path", &wall("")), 0.0);
+}

@@ -150,8 +150,8 @@ pub struct CameraPath {
     /// Neighbours with the same number share what they find, if the integrator has them do so.
     pub group: u32,
     pub radiance: Spectrum,
-    /// Something is seen: a surface, or light from the environment. As in Mitsuba, a surface at which paths
-    /// of the greatest length end is none, and `direct` does not count the environment.
+    /// Something is seen: a surface, or light from the environment. As in Mitsuba, a surface at which those of `path`
+    /// end for their length is none, and `direct` does not count the environment.
     pub covered: bool,
 }
 

@@ -126,8 +126,10 @@ impl<'a> Walk<'a> {
     fn within<const F: u32>(&mut self, medium: &'a Medium, t: f64, u: &Numbers, edge: u32) -> Option<()> {
         let p = self.ray.at(t);
         self.log(t, None, p);
-        self.path.covered = true;
-        if self.throughput.is_zero() || self.depth + 1 >= self.lengths.max_depth {
+        // As in Mitsuba, paths that end for their length have scattered on surfaces, but not in media.
+        let last = self.depth + 1 >= self.lengths.max_depth;
+        self.path.covered |= !last;
+        if self.throughput.is_zero() || last {
             return None;
         }
         // The phase function is a BSDF about the direction to where the path came from.
@@ -164,6 +166,7 @@ impl<'a> Walk<'a> {
         let side = shape.side_towards(point.ns.dot(wo));
         let last = self.depth + 1 >= self.lengths.max_depth;
         if last && !side.traits.has_null {
+            self.path.covered = true;
             return None;
         }
         let frame = side.frame::<F>(&point);
