@@ -13,7 +13,7 @@ use validation::report::to_json;
 use validation::statistics::Stream;
 use validation::statistics::distributions::normal_quantile;
 
-use crate::console::{check_writable, positive_seconds, say, write};
+use crate::console::{all_known, check_writable, positive_seconds, say, write};
 use crate::renderers::{self, Job};
 use crate::report::machine;
 use crate::study::{REFERENCES, seed};
@@ -98,9 +98,11 @@ fn seeds_needed(scatter: f64) -> u32 {
 /// The calibration holds if for some number of seeds equal sides are called different in at most 1 % of
 /// trials, and sides that differ by 5 % in at least 90 %. A pool of fewer than 16 pairs is inconclusive.
 pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>> {
-    check_writable(&[&arguments.scene], &[&arguments.json])?;
-    let known = renderers::load(&arguments.file.clone().unwrap_or_else(renderers::file))?;
-    let renderer = known.get(&arguments.renderer).ok_or("there is no such renderer")?;
+    let file = arguments.file.clone().unwrap_or_else(renderers::file);
+    check_writable(&[&arguments.scene, &file], &[&arguments.json])?;
+    let known = renderers::load(&file)?;
+    all_known("renderer", std::slice::from_ref(&arguments.renderer), known.keys().map(String::as_str))?;
+    let renderer = &known[&arguments.renderer];
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("picture.exr");
     let (scene, threads, limit) = (&arguments.scene, arguments.threads, arguments.timeout);

@@ -116,13 +116,7 @@ fn write(path: &Path, lines: impl Iterator<Item = Line>) -> Result<(), String> {
 }
 
 fn read(path: &Path) -> Result<Vec<Line>, String> {
-    let text = files::text(path)?;
-    let wrong = |number: usize| format!("{}:{}: expected a p-value or a run", path.display(), number + 1);
-    // One that an interruption has left unfinished is none.
-    let torn =
-        |line: &str| serde_json::from_str::<serde_json::Value>(line).is_err_and(|error| error.is_eof());
-    let whole = text.lines().enumerate().filter(|(_, line)| !torn(line));
-    whole.map(|(i, line)| serde_json::from_str(line).map_err(|_| wrong(i))).collect()
+    files::lines(path, "a p-value or a run")
 }
 
 /// Least number of p-values or runs for a verdict.

@@ -231,10 +231,8 @@ impl Bench<'_> {
     /// All finished runs.
     pub fn runs(&self) -> Result<Vec<Run>, String> {
         let file = self.folder.join("runs.jsonl");
-        let text = if file.exists() { std::fs::read_to_string(&file) } else { Ok(String::new()) };
-        let text = text.map_err(|e| format!("{}: {e}", file.display()))?;
-        // A line that an interruption cut off is skipped, and its picture rendered again.
-        Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
+        // The picture of a line that an interruption cut off is rendered again.
+        if file.exists() { files::lines(&file, "a finished run") } else { Ok(vec![]) }
     }
 
     /// The schedule so far; empty at first.
