@@ -1,7 +1,7 @@
 //! Bounding balls.
 
 use super::bounds::{self, Bounds, union};
-use super::{DVec3, length};
+use super::{DVec3, Transform, length};
 
 /// All points no farther from the centre than the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,15 @@ impl Ball {
         let (lo, hi) = bounds::around(points.clone());
         let centre = 0.5 * (lo + hi);
         Self { centre, radius: points.map(|p| length(p - centre)).fold(0.0, f64::max) }
+    }
+
+    /// A ball that contains this one where a transform puts it. With the axes' images as the columns of M no vector is
+    /// stretched by more than the root of the largest row sum of |MᵀM| (Gershgorin), which is exact for similarities.
+    pub fn placed(&self, place: &Transform) -> Self {
+        let axes = DVec3::AXES.map(|axis| place.vector(axis));
+        let row = |a: DVec3| axes.iter().map(|b| a.dot(*b).abs()).sum::<f64>();
+        let stretch = axes.map(row).into_iter().fold(0.0, f64::max).sqrt();
+        Self { centre: place.point(self.centre), radius: self.radius * stretch }
     }
 
     /// A ball that contains other balls, about the middle of their box.
@@ -47,13 +56,37 @@ pub fn bounds_of(balls: &[Ball]) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Frame;
     use crate::math::bounds::corners;
+    use crate::math::frame::unit;
+    use glam::{DMat4, DVec4};
 
     /// Points all over a box that is no cube.
     fn points() -> Vec<DVec3> {
         let corner =
             |i: u32| DVec3::new(f64::from(i * 37 % 101), f64::from(i * 61 % 47), f64::from(i * 13 % 89));
         (0..200).map(corner).collect()
+    }
+
+    #[test]
+    fn a_placed_ball_holds_what_the_ball_held() {
+        let shear = [DVec3::new(0.3, -2.0, 0.1), DVec3::new(4.0, 0.2, 0.0), DVec3::new(1.0, 1.0, -0.7)];
+        let frame = Frame::about(unit(DVec3::new(1.0, 1.0, -0.7)));
+        let turn = DVec3::AXES.map(|axis| 2.5 * frame.to_world(axis));
+        let of_columns = |[x, y, z]: [DVec3; 3]| {
+            let at = DVec4::new(1.0, 2.0, 3.0, 1.0);
+            Transform::from_matrix(DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), at)).unwrap()
+        };
+        let (shear, turn) = (of_columns(shear), of_columns(turn));
+        let ball = Ball { centre: DVec3::new(1.0, 2.0, -3.0), radius: 0.5 };
+        for place in [&shear, &turn] {
+            let placed = ball.placed(place);
+            for p in points() {
+                let on = ball.centre + ball.radius * unit(p - DVec3::splat(40.5));
+                assert!(holds(placed, place.point(on)), "{p}");
+            }
+        }
+        assert!((ball.placed(&turn).radius - 2.5 * ball.radius).abs() < 1e-12);
     }
 
     fn holds(ball: Ball, p: DVec3) -> bool {

@@ -104,14 +104,6 @@ impl Instances {
         self.groups.iter().flat_map(|group| &group.shapes)
     }
 
-    /// The bounding boxes of the instances of groups that have such a shape.
-    pub fn bounds_of_groups_with(&self, wanted: impl Fn(&Shape) -> bool) -> Vec<(DVec3, DVec3)> {
-        let has =
-            |placement: &&(u32, Transform)| self.groups[placement.0 as usize].shapes.iter().any(&wanted);
-        let bounds = |&(group, to_world): &(u32, Transform)| self.tree(group, to_world).bounds();
-        self.placements.iter().filter(has).map(bounds).collect()
-    }
-
     /// Bytes of the groups' search structures.
     pub fn search_bytes(&self) -> usize {
         self.groups.iter().map(|group| group.tree.bytes()).sum()

@@ -27,28 +27,9 @@ pub struct Aim {
 }
 
 impl Aim {
-    /// From a ball around each caster: the group with the largest box is halved along its longest extent
-    /// until there are [`BALLS`] groups, each of which gets one ball.
-    pub fn new(casters: &[Ball]) -> Self {
-        let size = |group: &[Ball]| {
-            let (lo, hi) = ball::bounds_of(group);
-            hi - lo
-        };
-        let mut groups = vec![casters.to_vec()];
-        while groups.len() < BALLS {
-            // The group whose box is largest is the worst to aim at.
-            let several = groups.iter().enumerate().filter(|(_, group)| group.len() > 1);
-            let extents = several.map(|(i, group)| (i, size(group).max_element()));
-            let Some((worst, _)) = extents.max_by(|(i, a), (j, b)| a.total_cmp(b).then(j.cmp(i))) else {
-                break;
-            };
-            let mut group = std::mem::take(&mut groups[worst]);
-            let axis = size(&group).max_position();
-            group.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
-            groups.push(group.split_off(group.len() / 2));
-            groups[worst] = group;
-        }
-        Self { balls: groups.iter().map(|group| Ball::around(group)).collect() }
+    /// From a ball around each caster.
+    pub fn new(casters: Vec<Ball>) -> Self {
+        Self { balls: bundled(casters) }
     }
 
     /// Without casters: directions are sampled by the cosine alone.
@@ -65,6 +46,31 @@ impl Aim {
         }
         aimed
     }
+}
+
+/// At most [`BALLS`] balls around all: the group of balls with the largest box is halved along its longest extent until
+/// there are so many groups, each of which gets one ball.
+pub fn bundled(balls: Vec<Ball>) -> Vec<Ball> {
+    let size = |group: &[Ball]| {
+        let (lo, hi) = ball::bounds_of(group);
+        hi - lo
+    };
+    let mut groups = vec![balls];
+    groups.retain(|group| !group.is_empty());
+    while groups.len() < BALLS {
+        // The group whose box is largest is the worst to aim at.
+        let several = groups.iter().enumerate().filter(|(_, group)| group.len() > 1);
+        let extents = several.map(|(i, group)| (i, size(group).max_element()));
+        let Some((worst, _)) = extents.max_by(|(i, a), (j, b)| a.total_cmp(b).then(j.cmp(i))) else {
+            break;
+        };
+        let mut group = std::mem::take(&mut groups[worst]);
+        let axis = size(&group).max_position();
+        group.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+        groups.push(group.split_off(group.len() / 2));
+        groups[worst] = group;
+    }
+    groups.iter().map(|group| Ball::around(group)).collect()
 }
 
 /// The cone of directions in which a ball is seen from a point.
@@ -177,7 +183,7 @@ mod tests {
 
     fn example() -> Aim {
         let ball = |x: f64, y: f64, z: f64, radius: f64| Ball { centre: DVec3::new(x, y, z), radius };
-        Aim::new(&[
+        Aim::new(vec![
             ball(0.0, 0.0, 2.0, 0.5),
             ball(1.5, 0.2, 1.0, 0.7),
             ball(0.1, 0.0, -3.0, 0.9),
@@ -227,7 +233,7 @@ mod tests {
             |i: u32| DVec3::new(f64::from(i * 37 % 101), f64::from(i * 61 % 97), f64::from(i * 13 % 89));
         let casters: Vec<_> =
             (0..500).map(|i| Ball { centre: centre(i), radius: f64::from(i % 7) / 4.0 }).collect();
-        let aim = Aim::new(&casters);
+        let aim = Aim::new(casters.clone());
         assert_eq!(aim.balls.len(), BALLS);
         for caster in casters {
             let holds = |ball: &Ball| {
@@ -240,7 +246,7 @@ mod tests {
     #[test]
     fn nothing_is_aimed_beside_a_single_ball() {
         let ball = Ball { centre: DVec3::new(0.3, 0.1, 4.0), radius: 0.5 };
-        let aimed = Aim::new(&[ball]).from(DVec3::ZERO, DVec3::Z);
+        let aimed = Aim::new(vec![ball]).from(DVec3::ZERO, DVec3::Z);
         let meets = |w: DVec3| length(ball.centre - w * ball.centre.dot(w)) <= ball.radius * (1.0 + 1e-12);
         let number = |i: u32| Sampler::new(SamplerKind::Independent, 0, (0, 0), i).block(0);
         const N: u32 = 1000;

@@ -1,6 +1,6 @@
 //! Sampling of a light path's first edge.
 
-use super::aim::Aim;
+use super::aim::{Aim, bundled};
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{Ball, Chosen, DVec3, Discrete, Ray};
 use crate::sampler::{EmitterNumbers, Numbers};
@@ -31,10 +31,15 @@ pub struct Start {
 impl Emission {
     /// Aimed at the casters. `None` without casters or without area emitters.
     pub fn new(emitters: &Emitters, shapes: &[Shape], instances: &Instances) -> Option<Self> {
-        let own = shapes.iter().filter(|s| s.is_caster()).map(|s| s.geometry.ball());
-        let placed = instances.bounds_of_groups_with(Shape::is_caster).into_iter().map(Ball::of_box);
-        let casters: Vec<_> = own.chain(placed).collect();
-        if casters.is_empty() { None } else { Self::aimed(emitters, shapes, Aim::new(&casters)) }
+        let balls = |shapes: &[Shape]| -> Vec<Ball> {
+            shapes.iter().filter(|shape| shape.is_caster()).map(|shape| shape.geometry.ball()).collect()
+        };
+        let groups: Vec<Vec<Ball>> = instances.groups().map(|shapes| bundled(balls(shapes))).collect();
+        let placed = instances
+            .placements()
+            .flat_map(|(group, to_world)| groups[group].iter().map(|ball| ball.placed(to_world)));
+        let casters: Vec<Ball> = balls(shapes).into_iter().chain(placed).collect();
+        if casters.is_empty() { None } else { Self::aimed(emitters, shapes, Aim::new(casters)) }
     }
 
     /// With directions by the cosine, not aimed. `None` without area emitters.

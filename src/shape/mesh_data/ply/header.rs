@@ -130,7 +130,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
                 let encoding = encoding.ok_or_else(|| fail("the header has no `format` line".into()))?;
                 return Ok(Header { encoding, elements, end: at });
             }
-            _ => return Err(fail(format!("`{}` does not belong in a PLY 1.0 header", shortened(&text)))),
+            _ => {
+                return Err(fail(format!(
+                    "`{}` does not belong in a PLY 1.0 header",
+                    shortened(text.trim_end())
+                )));
+            }
         }
     }
     Err(MeshError::line(bytes, at, "the header has no `end_header` line"))

@@ -88,6 +88,7 @@ fn faults_are_told_with_their_place() {
         ("7 4 0 1 2 3", "7 4 0 1 2 x", Place::Line(22), "`x` is not an integer"),
         ("1 1 255", "1 nan 255", Place::Line(19), "a vertex with an infinite number or none (NaN)"),
         ("1 1 255", "1 1e99 255", Place::Line(19), "a vertex with an infinite number or none (NaN)"),
+        ("element edge 1\n", "foo bar\r\n", Place::Line(10), "`foo bar` does not belong in a PLY 1.0 header"),
         ("2 3\n", "2 3 9\n", Place::File, "the file goes on after the data that its header promises"),
         ("face 1", "face 0", Place::File, "the file goes on after the data that its header promises"),
         ("float x", "int x", Place::File, "the vertex property `x` is stored as an integer"),
