@@ -55,6 +55,11 @@ impl Instances {
         self.groups.len() as u32 - 1
     }
 
+    /// Whether a group has no shapes, so that there is nothing to place.
+    pub fn is_empty_group(&self, group: u32) -> bool {
+        self.groups[group as usize].shapes.is_empty()
+    }
+
     /// Adds an instance of a group; returns its box and its number of primitives.
     pub fn place(&mut self, group: u32, to_world: Transform) -> ((DVec3, DVec3), u32) {
         self.placements.push((group, to_world));
@@ -211,6 +216,14 @@ mod tests {
             format!(r#"<shape type="instance"><ref id="g"/><transform name="to_world">{place}</transform></shape>"#)
         });
         scene(&format!(r#"<shape type="shapegroup" id="g">{members}</shape>{}"#, placements.concat()))
+    }
+
+    #[test]
+    fn a_group_may_be_empty() {
+        let ball = shape("sphere", "");
+        let empty = r#"<shape type="shapegroup" id="g"/><shape type="instance"><ref id="g"/></shape>"#;
+        let (with, without) = (scene(&format!("{empty}{ball}")), scene(&ball));
+        assert_eq!((with.instances.len(), with.accel.primitives()), (0, without.accel.primitives()));
     }
 
     #[test]

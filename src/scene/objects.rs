@@ -166,8 +166,13 @@ impl<'a, 'd> Objects<'a, 'd> {
             let Attachments { sides, emitter, interface, .. } =
                 self.attachments(&mut geometry, &mut params)?;
             if let Some(emitter) = emitter {
+                // A shape outside of the group may have it too, by a <ref> to it.
+                let is_emitter = |site: &&Element| {
+                    self.loader.resolve(site).is_ok_and(|nested| std::ptr::eq(nested, emitter))
+                };
+                let site = member.children.iter().find(is_emitter).unwrap_or(emitter);
                 let message = "a shape in a group cannot shine";
-                return Err(SceneError::at(&emitter.span, message, "put the shape outside of the group"));
+                return Err(SceneError::at(&site.span, message, "put the shape outside of the group"));
             }
             let first_primitive = shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
             check_count(u64::from(first_primitive) + u64::from(geometry.primitives()), member)?;
@@ -194,6 +199,9 @@ impl<'a, 'd> Objects<'a, 'd> {
                     return Err(SceneError::at(&child.span, message, "expected a `shapegroup`"));
                 };
                 let group = self.group(nested, params)?;
+                if self.instances.is_empty_group(group) {
+                    continue;
+                }
                 let (bounds, primitives) = self.instances.place(group, to_world);
                 check_extent(bounds, primitives, element)?;
                 self.count(primitives, element)?;

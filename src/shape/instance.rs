@@ -23,10 +23,7 @@ pub fn parse(params: &mut Params) -> Result<Transform, SceneError> {
             let message = "an instance of a shape that is no group";
             return Err(SceneError::at(&other.span, message, "expected a `shapegroup`"));
         }
-        (None, _) => {
-            let expected = "add a <ref> to a `shapegroup`";
-            return Err(SceneError::at(&params.element.span, "an instance of nothing", expected));
-        }
+        (None, _) => return Err(params.lacks("shape", "expected a <ref> to a `shapegroup`")),
     }
     // Directions are transformed and normalised: squares must neither overflow nor vanish.
     const LARGEST: f64 = 1e100;

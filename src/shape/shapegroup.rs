@@ -10,14 +10,6 @@ pub const EXAMPLES: &[&str] = &[r#"<shape type="shapegroup"><shape type="sphere"
 
 /// The members are read where materials are known.
 pub fn parse(params: &mut Params) -> Result<(), SceneError> {
-    let members =
-        params.objects("shape", "the members: shapes that do not shine, in the group's own coordinates");
-    if members.is_empty() {
-        return Err(SceneError::at(
-            &params.element.span,
-            "the group has no shapes",
-            "expected a <shape> within",
-        ));
-    }
+    params.objects("shape", "the members: shapes that do not shine, in the group's own coordinates");
     Ok(())
 }

@@ -377,11 +377,22 @@ fn groups_instances_and_maps_say_what_they_cannot_be() {
     const BOARD: &str = r#"<texture name="normalmap" type="checkerboard"/>"#;
     let lamp = format!("{BALL}\n<emitter type=\"area\"/></shape>");
     let tiny = format!("{}<transform name=\"to_world\">\n<scale value=\"1e-150\"/></transform>", group(ball));
+    let shared = format!(
+        "<emitter type=\"area\" id=\"e\"/>{BALL}<ref id=\"e\"/></shape>{}",
+        group(&format!("{BALL}\n<ref id=\"e\"/></shape>"))
+    );
     all_refused(&[
         ("<emitter", &group(&lamp), &["a shape in a group cannot shine"]),
         ("shapegroup", &group(&group(ball).replace("\"g\"", "\"h\"")), &["cannot be grouped again"]),
         ("instance", &group(&instance(&group(ball).replace("\"g\"", "\"h\""))), &["cannot be grouped again"]),
-        ("instance", &instance(""), &["an instance of nothing", "shapegroup"]),
+        ("instance", &instance(""), &["there is no nested <shape>", "shapegroup"]),
+        ("<bsdf", &instance("<bsdf type=\"diffuse\"/>"), &["a <bsdf> is no <shape>", "shapegroup"]),
+        (
+            "=\"h\"",
+            &instance(&format!("{}\n{}", group(ball), group(ball).replace("\"g\"", "\"h\""))),
+            &["a second <shape>"],
+        ),
+        ("<ref id=\"e\"/></shape></shape>", &shared, &["a shape in a group cannot shine"]),
         ("sphere", &instance(ball), &["an instance of a shape that is no group"]),
         ("<transform", &instance(&tiny), &["this transform overflows"]),
         ("checkerboard", &map("normalmap"), &["holds no normals", "three channels"]),

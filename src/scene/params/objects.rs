@@ -36,7 +36,7 @@ impl<'d> Params<'_, 'd> {
         match found[..] {
             [] => Ok(None),
             [one] => Ok(Some(one)),
-            [_, (second, _), ..] => {
+            [_, (_, second), ..] => {
                 Err(SceneError::at(&second.span, format!("a second <{kind}>"), "expected only one"))
             }
         }
