@@ -14,7 +14,7 @@ use validation::report::to_json;
 use crate::console::{all_known, check_writable, positive_seconds, say, write};
 use crate::renderers;
 use crate::study::bench::Bench;
-use crate::study::line::{Line, curves, lines, misses, missing};
+use crate::study::line::{Line, curves, lines, missing, warnings};
 use crate::study::pictures::pictures;
 use crate::study::{Ladder, Run, Settings};
 
@@ -161,31 +161,10 @@ impl Study {
                 ),
             })
         });
-        let strangers = self.lines.iter().filter(|l| l.mean_over_first.is_some_and(misses));
-        let strangers = strangers.map(|l| {
-            format!(
-                "warning: {} does not render what {first} renders, or finds other light: errors of each are those \
-                 against its own mean",
-                l.renderer
-            )
-        });
-        let biased =
-            self.lines.iter().filter(|l| l.mean_of != l.renderer && l.brightness.is_some_and(misses));
-        let biased = biased.map(|l| {
-            format!(
-                "warning: {} is not as bright as the mean of {} that it is held against: its errors are bias, and not \
-                 noise alone",
-                l.renderer, l.mean_of
-            )
-        });
+        let warnings = self.lines.iter().flat_map(|line| line.warnings(first));
+        let warnings = warnings.map(|warning| format!("warning: {warning}"));
         let missing = self.missing.iter().map(|(name, why)| format!("{name}: missing: {why}"));
-        told.chain(ratios)
-            .chain(strangers)
-            .chain(biased)
-            .chain(alone)
-            .chain(missing)
-            .map(|line| line + "\n")
-            .collect()
+        told.chain(ratios).chain(warnings).chain(alone).chain(missing).map(|line| line + "\n").collect()
     }
 
     /// The page with plots, tables and pictures.
@@ -198,6 +177,7 @@ impl Study {
                 self.settings.words()
             ),
             curves(&self.lines),
+            warnings(&self.lines),
             pictures(&names, &self.lines, bench)?,
             page::missing(&self.missing),
         ];

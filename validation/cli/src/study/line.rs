@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use validation::converge::{Curve, Errors, Measured, Ratio, Rung, curve, mean, page, ratio, ratio_of_means};
+use validation::html::escape;
 use validation::statistics::seed_for;
 
 use super::bench::Bench;
@@ -123,6 +124,34 @@ pub fn missing(bench: &Bench, names: &[&str]) -> Result<Vec<(String, String)>, S
     let failed = |name: &str| schedule.get(name)?.clone().err();
     let why = |name: &str| failed(name).or_else(|| failed(mean_of(bench.renderers, name)));
     Ok(names.iter().filter_map(|name| Some((name.to_string(), why(name)?))).collect())
+}
+
+impl Line {
+    /// What to know before its errors are compared with those of the first renderer.
+    pub fn warnings(&self, first: &str) -> Vec<String> {
+        let Self { renderer, mean_of, .. } = self;
+        let stranger = self.mean_over_first.filter(|mean| misses(*mean)).map(|mean| {
+            format!(
+                "{renderer} does not render what {first} renders, or finds other light (its mean is {:.3} times as bright): \
+                 errors of each are those against its own mean",
+                mean.value
+            )
+        });
+        let biased = self.brightness.filter(|brightness| mean_of != renderer && misses(*brightness)).map(|_| {
+            format!(
+                "{renderer} is not as bright as the mean of {mean_of} that it is held against: its errors are bias, and not \
+                 noise alone"
+            )
+        });
+        stranger.into_iter().chain(biased).collect()
+    }
+}
+
+/// The warnings of all lines, as HTML.
+pub fn warnings(lines: &[Line]) -> String {
+    let first = lines.first().map_or("", |line| line.renderer.as_str());
+    let told = lines.iter().flat_map(|line| line.warnings(first));
+    told.map(|warning| format!("<p class=\"note\">Warning: {}.</p>", escape(&warning))).collect()
 }
 
 /// Relative difference of brightness that matters.

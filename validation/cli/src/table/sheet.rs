@@ -6,7 +6,7 @@ use validation::html::escape;
 
 use super::summary::{Against, Scene, Standing, Table};
 use crate::study::bench::Bench;
-use crate::study::line::curves;
+use crate::study::line::{curves, warnings};
 use crate::study::pictures::pictures;
 
 /// The page of all scenes measured so far.
@@ -58,12 +58,13 @@ pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
     let best = scene.against.iter().filter_map(|a| a.best_trimmed.as_ref().map(|b| b.0.clone()));
     let names: Vec<String> = shown.into_iter().chain(best).collect();
     Ok(format!(
-        "<h2 id=\"{0}\">{0}</h2><p>{1}, {2} × {3} pixels</p>{4}{5}{6}",
+        "<h2 id=\"{0}\">{0}</h2><p>{1}, {2} × {3} pixels</p>{4}{5}{6}{7}",
         escape(&scene.name),
         escape(&scene.class),
         scene.size[0],
         scene.size[1],
         curves(&scene.lines),
+        warnings(&scene.lines),
         pictures(&names, &scene.lines, bench)?,
         missing(&scene.missing)
     ))

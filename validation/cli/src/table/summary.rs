@@ -200,11 +200,8 @@ impl Table {
         }
         let lines = self.scenes.iter().flat_map(|s| s.lines.iter().map(move |line| (s, line)));
         for (scene, line) in lines {
-            if let Some(mean) = line.mean_over_first.filter(|mean| misses(*mean)) {
-                text += &format!(
-                    "- another scene: {}, {}: its mean is {:.3} of ours\n",
-                    scene.name, line.renderer, mean.value
-                );
+            for warning in line.warnings(&self.ours) {
+                text += &format!("- warning: {}: {warning}\n", scene.name);
             }
         }
         let missing = self.scenes.iter().flat_map(|s| s.missing.iter().map(move |m| (s, m)));
