@@ -248,10 +248,10 @@ impl Arguments {
             // The render will be stopped in the same way.
             Err(NoCount::Unfinished(RenderError::Stopped)) => Ok(None),
             Err(NoCount::Unfinished(error)) => Err(error.to_string()),
-            Err(NoCount::Black) => {
-                Err("--target-error: the pilot saw no light, and an error is relative to it; use --spp"
-                    .into())
-            }
+            Err(NoCount::Black) => Err(
+                "--target-error: the pilot saw no visible light, and an error is relative to it; use --spp"
+                    .into(),
+            ),
             Err(NoCount::NonFinite) => {
                 Err("--target-error: samples of the pilot are not finite; use --spp, which lists them".into())
             }

@@ -79,7 +79,8 @@ impl Summary<'_> {
         } else if r + g + b != 0.0 {
             say!("no relative standard error: that takes two blocks of four samples");
         } else if self.scene.integrator.has_radiance() {
-            say!("no relative standard error: no light was seen");
+            let visible = if self.scene.sensor.film.bands.is_empty() { "" } else { "visible " };
+            say!("no relative standard error: no {visible}light was seen");
         } else {
             say!("no relative standard error: the mean is 0");
         }

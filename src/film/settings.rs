@@ -8,9 +8,11 @@ use crate::math::DVec2;
 use crate::scene::error::{SceneError, Span, known};
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::{Entry, construct};
+use crate::spectrum::distribution::Distribution;
 use crate::spectrum::table::Tabulated;
 use crate::spectrum::{ColorMode, SpectralFunction};
 use crate::texture::AnyTexture;
+use std::sync::Arc;
 
 /// A film larger than this is refused: its accumulators alone would take tens of gigabytes.
 const MAX_PIXELS: u64 = 1 << 27;
@@ -32,6 +34,8 @@ pub struct Film {
     pub alpha: bool,
     /// The responses of a spectral film, by name; an RGB film has none.
     pub bands: Vec<Band>,
+    /// The wavelengths of a spectral film.
+    pub wavelengths: Option<Arc<Distribution>>,
 }
 
 /// A spectral channel: the mean radiance weighted by a response.
@@ -76,7 +80,16 @@ impl Film {
     pub fn new(size: (u32, u32), profile: Profile) -> Self {
         let crop = Window { x: 0, y: 0, width: size.0, height: size.1 };
         let filter = FilterSampler::new(profile);
-        Self { size, crop, filter, border: false, spread: None, alpha: false, bands: vec![] }
+        Self {
+            size,
+            crop,
+            filter,
+            border: false,
+            spread: None,
+            alpha: false,
+            bands: vec![],
+            wavelengths: None,
+        }
     }
 
     /// Where a sample of pixel (x, y) lies, in pixels of the film, and its weight; u is in [0, 1)².
@@ -140,12 +153,6 @@ impl Film {
     /// Width over height.
     pub fn aspect(&self) -> f64 {
         self.size.0 as f64 / self.size.1 as f64
-    }
-
-    /// The range of wavelengths, in nm, that the bands of a spectral film respond to.
-    pub fn band_range(&self) -> (f32, f32) {
-        let ranges = self.bands.iter().map(|b| b.response.range());
-        ranges.fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
     }
 
     /// Refuses sizes that no film can have.
@@ -230,7 +237,8 @@ fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
         return Err(params.error("rfilter", message, "expected another filter, or a larger film"));
     }
     let bands = if spectral { parse_bands(params)? } else { vec![] };
-    Ok(Film { size: (width, height), crop, filter, border, spread: None, alpha, bands })
+    let wavelengths = spectral.then(|| Arc::new(Distribution::new(bands.iter().map(|band| &band.response))));
+    Ok(Film { size: (width, height), crop, filter, border, spread: None, alpha, bands, wavelengths })
 }
 
 /// Every nested spectrum or texture is a channel, named as [`channel_of`] says.

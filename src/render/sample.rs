@@ -7,8 +7,7 @@ use crate::integrator::{CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
 use crate::sampler::{ManyNumbers, Numbers, RandomSource, SampleId, Sampler, blocks};
 use crate::scene::Scene;
-use crate::spectrum::observer::{WAVELENGTH_MAX, WAVELENGTH_MIN};
-use crate::spectrum::{ColorMode, LANES, Spectrum, Wavelengths};
+use crate::spectrum::{LANES, Spectrum, Wavelengths};
 use std::ops::Range;
 
 /// Everything that makes samples of a scene.
@@ -19,20 +18,13 @@ pub struct SampleMaker<'a> {
     radiance: bool,
     /// Number of channels besides light that the integrator fills.
     extra: usize,
-    /// The range that a spectral film makes wavelengths be drawn from; visible light is always within.
-    band_range: Option<(f32, f32)>,
 }
 
 impl<'a> SampleMaker<'a> {
     pub fn new(scene: &'a Scene, seed: u32, kernel: &'a KernelEntry) -> Self {
-        let film = &scene.sensor.film;
-        let band_range = (!film.bands.is_empty()).then(|| {
-            let (lo, hi) = film.band_range();
-            (lo.min(WAVELENGTH_MIN), hi.max(WAVELENGTH_MAX))
-        });
         let extra = scene.integrator.extra_channels().len();
         let numbers = RandomSource { kind: scene.sensor.sampler.kind, seed };
-        Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), extra, band_range }
+        Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), extra }
     }
 
     /// The names of the channels that are filled.
@@ -209,9 +201,9 @@ impl<'a> SampleMaker<'a> {
 
     #[inline]
     fn wavelengths(&self, u: f64) -> Wavelengths {
-        match (self.scene.mode, self.band_range) {
-            (ColorMode::Spectral, Some((lo, hi))) => Wavelengths::sample_uniform(u, lo, hi),
-            (mode, _) => mode.wavelengths(u),
+        match &self.scene.sensor.film.wavelengths {
+            Some(distribution) => distribution.sample(u),
+            None => self.scene.mode.wavelengths(u),
         }
     }
 
@@ -252,6 +244,7 @@ mod tests {
     use super::*;
     use crate::integrator::kernel_for;
     use crate::load_text;
+    use crate::spectrum::ColorMode;
 
     #[test]
     fn film_lens_and_wavelengths_know_nothing_of_one_another() {

@@ -4,6 +4,7 @@
 //! `eval`.
 
 pub mod blackbody;
+pub mod distribution;
 mod fit;
 pub mod function;
 pub mod importance;

@@ -27,8 +27,7 @@ impl Wavelengths {
     /// colour.
     pub const RESPONSE_SCALE: f32 = (1.0 / (LANES as f64 * observer::Y_INTEGRAL)) as f32;
 
-    /// Eight wavelengths evenly spaced over [min, max) nm, for films that resolve the spectrum. Others do not
-    /// pay for it.
+    /// Eight wavelengths evenly spaced over [min, max) nm.
     #[inline(never)]
     pub fn sample_uniform(u: f64, min: f32, max: f32) -> Self {
         let nm = std::array::from_fn(|i| {
