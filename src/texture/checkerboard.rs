@@ -46,6 +46,11 @@ impl Checkerboard {
         &self.sides[usize::from(first)]
     }
 
+    /// See [`AnyTexture::bound`].
+    pub fn bound(&self) -> f32 {
+        self.sides[0].bound().max(self.sides[1].bound())
+    }
+
     /// The mean over the texture and the spectrum.
     pub fn mean(&self) -> f64 {
         0.5 * (self.sides[0].mean() + self.sides[1].mean())

@@ -124,6 +124,8 @@ mod tests {
         for mode in [ColorMode::Spectral, ColorMode::Rgb] {
             assert_eq!(parsed(&scale(0.5), mode), None);
             assert_eq!(parsed(&(scale(0.8) + half), mode), None);
+            let board = r#"<texture type="checkerboard" name="n"><rgb name="color0" value="0.3"/><rgb name="color1" value="0.2"/></texture>"#;
+            assert_eq!(parsed(board, mode), None);
         }
         // D65 of luminance 1 has its largest value, 1.19, at 460 nm.
         let error = parsed(&scale(0.9), ColorMode::Spectral).unwrap();

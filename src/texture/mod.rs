@@ -191,8 +191,9 @@ impl AnyTexture {
         match self {
             Self::Constant(function) => function.bound(),
             Self::UnderD65(product) => product.bound(),
-            // Looked at texel by texel, side by side, and vertex by vertex.
-            Self::Bitmap(_) | Self::Checkerboard(_) | Self::MeshAttribute(_) => 1.0,
+            Self::Checkerboard(board) => board.bound(),
+            // Looked at texel by texel, and vertex by vertex.
+            Self::Bitmap(_) | Self::MeshAttribute(_) => 1.0,
         }
     }
 
