@@ -66,11 +66,13 @@ impl Cube {
         }
     }
 
-    /// Moves every face to its front by this distance (world).
+    /// Moves every face to its front by this distance (world), inward by half of the way to the centre at most.
     pub fn raise(&mut self, by: f64) {
         let face = &self.faces[0];
-        let by = if face.n.dot(face.centre - self.centre) < 0.0 { -by } else { by };
+        let inward = face.n.dot(face.centre - self.centre) < 0.0;
         // A dual vector is as long as the way from the centre to a face is short.
+        let nearest = self.dual.into_iter().map(|dual| 1.0 / length(dual)).fold(f64::INFINITY, f64::min);
+        let by = if inward { -by.min(0.5 * nearest) } else { by };
         let longer = |axis: DVec3, dual: DVec3| axis * (1.0 + by * length(dual));
         self.axes = std::array::from_fn(|i| longer(self.axes[i], self.dual[i]));
         self.dual = dual_basis(self.axes);
@@ -220,6 +222,20 @@ mod tests {
             }
             assert!(met > 100, "{met}");
         }
+    }
+
+    #[test]
+    fn raised_inward_a_cube_is_not_turned_inside_out() {
+        let plate = Transform::scale(DVec3::new(1.0, 1.0, 1e-3)).unwrap();
+        for (by, half) in [(1e-4, 9e-4), (1e-2, 5e-4)] {
+            let mut cube = Cube::new(&plate, true);
+            cube.raise(by);
+            let (lo, hi) = cube.bounds();
+            assert!((hi.z - half).abs() < 1e-12 && (lo.z + half).abs() < 1e-12, "{by}: {lo} {hi}");
+        }
+        let mut cube = Cube::new(&plate, false);
+        cube.raise(1e-2);
+        assert!((cube.bounds().1.z - 1.1e-2).abs() < 1e-12);
     }
 
     #[test]

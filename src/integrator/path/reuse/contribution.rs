@@ -59,8 +59,10 @@ pub fn distribute(
     let (light, scale) =
         light.shared(contributions.clone().map(|(_, contribution)| contribution.density).sum(), contested);
     for (receiver, contribution) in contributions {
-        // Beyond the range the weight is beneath it, and infinity times zero would be no number.
-        let factor = ((contribution.geometry * scale) as f32).min(f32::MAX);
+        let factor = (contribution.geometry * scale) as f32;
+        // Beyond the range the weight is beneath it, and infinity times zero would be no number. One that is none is
+        // not hidden.
+        let factor = if factor == f32::INFINITY { f32::MAX } else { factor };
         paths[receiver].radiance += contribution.weight * light * factor;
     }
 }

@@ -168,6 +168,12 @@ fn read(folder: &Path) -> Result<Vec<Document>, String> {
         if !document.get("title").and_then(Value::as_str).is_some_and(|title| known.contains(&title)) {
             continue;
         }
+        if document.get("outcomes").is_none() {
+            let name = path.display();
+            return Err(format!(
+                "{name}: a document without outcomes, as of --digest; expected one of --json"
+            ));
+        }
         // JSON has no NaN, so figures that are not finite are null.
         let outcomes = document.get_mut("outcomes").and_then(Value::as_array_mut);
         let figures = outcomes.into_iter().flatten().filter_map(|outcome| outcome.get_mut("figures"));

@@ -102,6 +102,7 @@ fn follow(
     let (mut last, mut since, mut done) = (first, Instant::now(), false);
     // Whether the worker was ended, and did not end itself.
     let mut stopped = false;
+    let mut broken = None;
     let find = |input: u64, what: String, findings: &mut Vec<Finding>| findings.push(Finding { input, what });
     while !stopped {
         match lines.recv_timeout(HANG) {
@@ -121,11 +122,11 @@ fn follow(
                         find(last, format!("{bytes} bytes, and {allowed} are allowed"), &mut record.findings);
                     }
                 } else if let Some(words) = line.strip_prefix("broken ") {
-                    return Err(words.to_owned());
+                    broken = Some(words.to_owned());
                 } else if line == "done" {
                     done = true;
                 }
-                stopped = record.findings.len() >= ENOUGH;
+                stopped = record.findings.len() >= ENOUGH || broken.is_some();
             }
             Err(RecvTimeoutError::Timeout) => {
                 find(last, format!("no end within {} s", HANG.as_secs()), &mut record.findings);
@@ -138,6 +139,9 @@ fn follow(
         child.kill().map_err(|e| e.to_string())?;
     }
     let status = child.wait().map_err(|e| e.to_string())?;
+    if let Some(words) = broken {
+        return Err(words);
+    }
     if !done && !stopped {
         find(last, format!("the process died: {status}"), &mut record.findings);
     }
