@@ -51,7 +51,7 @@ fn numbers_out_of_range_are_refused() {
         ("uniform", "<float name=\"value\" value=\"5\"/>"),
         ("d65", ""),
         ("d65", "<rgb name=\"color\" value=\"2\"/>"),
-        ("d65", "<texture type=\"checkerboard\"/>"),
+        ("d65", "<texture type=\"checkerboard\"><rgb name=\"color1\" value=\"0.9\"/></texture>"),
         ("blackbody", ""),
     ] {
         let spectrum = format!("<spectrum type=\"{kind}\" name=\"reflectance\">{inside}</spectrum>");
