@@ -139,9 +139,13 @@ fn paths_of_one_edge_see_what_mitsuba_says_they_see() {
     let opaque = wall(r#"<bsdf type="mask"><float name="opacity" value="1"/><bsdf type="diffuse"/></bsdf>"#);
     for name in ["volpath", "volpathmis"] {
         assert_eq!((one(name, &wall("")), one(name, &opaque)), (1.0, 1.0), "{name}");
-        let mist = r#"<shape type="cube"><bsdf type="null"/><medium type="homogeneous" name="interior">
-            <float name="sigma_t" value="9"/><float name="albedo" value="0.5"/></medium></shape>"#;
-        assert_eq!(one(name, mist), 0.0, "{name}");
+        for albedo in ["0.5", "0"] {
+            let mist = format!(
+                r#"<shape type="cube"><bsdf type="null"/><medium type="homogeneous" name="interior">
+                <float name="sigma_t" value="9"/><float name="albedo" value="{albedo}"/></medium></shape>"#
+            );
+            assert_eq!(one(name, &mist), 0.0, "{name} {albedo}");
+        }
     }
     assert_eq!(one("path", &wall("")), 0.0);
 }

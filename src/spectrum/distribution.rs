@@ -2,16 +2,13 @@
 //!
 //! Each response gets two of the eight wavelengths of a path, drawn in proportion to it, but all together at most half
 //! of them; the others are spread evenly over what is visible, for a spectral film has colours too, and these want many
-//! wavelengths. As in [`importance`](super::importance) its cumulative distribution is inverted at
-//! [`SEGMENTS`] + 1 even steps, and between them λ is *defined* to be linear in the random number: so the density is
-//! known exactly, and is nowhere zero between the ends.
+//! wavelengths. The density is constant over each of many parts of the range, so it is known exactly; where nothing
+//! responds it is zero, and no part reaches over such a gap.
 
 use super::LANES;
 use super::observer::{self, WAVELENGTH_MAX, WAVELENGTH_MIN};
 use super::table::Tabulated;
 use super::wavelengths::Wavelengths;
-
-const SEGMENTS: usize = 4096;
 
 /// Even steps over each response between which its density is taken for constant.
 const STEPS: u16 = 64;
@@ -19,8 +16,10 @@ const STEPS: u16 = 64;
 /// A density of wavelengths.
 #[derive(Clone, Debug)]
 pub struct Distribution {
-    /// The wavelengths in nm below which the fractions 0, 1, 2 … of [`SEGMENTS`] lie.
-    quantiles: Vec<f32>,
+    /// In nm, increasing; the parts lie between them.
+    ends: Vec<f32>,
+    /// The probability of what is below each end: from 0 to 1.
+    below: Vec<f64>,
 }
 
 impl Distribution {
@@ -40,7 +39,14 @@ impl Distribution {
         for (i, curve) in curves.iter().enumerate() {
             curve.add_to(&ends, &mut parts, if i + 1 < curves.len() { share } else { of_visible });
         }
-        Self { quantiles: quantiles(&ends, &parts) }
+        let mut sum = 0.0;
+        let mut below = vec![0.0];
+        below.extend(parts.iter().map(|part| {
+            sum += part;
+            sum
+        }));
+        below.iter_mut().for_each(|below| *below /= sum);
+        Self { ends, below }
     }
 
     /// Eight wavelengths, evenly rotated in the cumulative distribution about the one that u in [0, 1) picks,
@@ -50,17 +56,23 @@ impl Distribution {
         let (mut nm, mut pdf) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             let v = u + i as f64 / LANES as f64;
-            let place = (if v >= 1.0 { v - 1.0 } else { v }) * SEGMENTS as f64;
-            let segment = (place as usize).min(SEGMENTS - 1);
-            let (from, to) = (self.quantiles[segment], self.quantiles[segment + 1]);
-            nm[i] = from + (to - from) * (place - segment as f64) as f32;
-            // Infinite where a response is so narrow that `f32` has no wavelength between the two.
-            pdf[i] = 1.0 / ((to - from) * SEGMENTS as f32);
+            (nm[i], pdf[i]) = self.wavelength(if v >= 1.0 { v - 1.0 } else { v });
         }
         let [r, g, b, d65] = observer::responses(&nm);
         let response =
             [r, g, b].map(|c| std::array::from_fn(|i| c[i] * (Wavelengths::RESPONSE_SCALE / pdf[i])));
         Wavelengths { nm, pdf, d65, response, mean_factor: 1.0 / LANES as f32, collapsed: 0 }
+    }
+
+    /// The wavelength below which the fraction v in [0, 1) lies, and the density there.
+    fn wavelength(&self, v: f64) -> (f32, f32) {
+        // The last one of several that are equal: the part after it is not empty.
+        let part = self.below.partition_point(|&below| below <= v) - 1;
+        let probability = self.below[part + 1] - self.below[part];
+        let (from, to) = (f64::from(self.ends[part]), f64::from(self.ends[part + 1]));
+        let nm = from + (to - from) * ((v - self.below[part]) / probability);
+        // A density beneath the range of `f32` is that of a response as wide as this range.
+        (nm as f32, ((probability / (to - from)) as f32).max(f32::MIN_POSITIVE))
     }
 }
 
@@ -107,25 +119,6 @@ impl Curve {
     }
 }
 
-/// Where the cumulative distribution of these parts, one between each two ends, reaches even steps.
-fn quantiles(ends: &[f32], parts: &[f64]) -> Vec<f32> {
-    let total: f64 = parts.iter().sum();
-    let (mut i, mut before) = (0, 0.0);
-    let quantile = |step: usize| {
-        let wanted = total * (step as f64 / SEGMENTS as f64);
-        while i + 1 < parts.len() && before + parts[i] < wanted {
-            before += parts[i];
-            i += 1;
-        }
-        let t = if parts[i] > 0.0 { ((wanted - before) / parts[i]).clamp(0.0, 1.0) } else { 0.0 };
-        (f64::from(ends[i]) + t * f64::from(ends[i + 1] - ends[i])) as f32
-    };
-    let mut quantiles: Vec<f32> = (0..=SEGMENTS).map(quantile).collect();
-    // Rounded sums must not leave out what lies at an end.
-    (quantiles[0], quantiles[SEGMENTS]) = (ends[0], ends[ends.len() - 1]);
-    quantiles
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,12 +163,45 @@ mod tests {
         }
     }
 
+    /// By the square of what one lane finds: it has a bound wherever the response is not far above its density.
     #[test]
-    fn what_lies_between_responses_is_possible_too() {
-        let (near, far) = (table(&[(200.0, 1.0), (210.0, 1.0)]), table(&[(1500.0, 1.0), (1501.0, 1.0)]));
-        let quantiles = Distribution::new([&near, &far].into_iter()).quantiles;
-        assert_eq!((quantiles[0], quantiles[SEGMENTS]), (200.0, 1501.0));
-        assert!(quantiles.windows(2).all(|pair| pair[0] < pair[1]));
+    fn gaps_and_dark_tails_make_no_rare_paths() {
+        let near = table(&[(200.0, 1.0), (210.0, 1.0)]);
+        let far = table(&[(1500.0, 1.0), (1501.0, 1.0)]);
+        let narrow = table(&[(589.0, 1.0), (589.01, 1.0)]);
+        let padded = table(&[(400.0, 0.0), (401.0, 1.0), (1000.0, 1.0), (1001.0, 0.0), (2500.0, 0.0)]);
+        let tail = table(&[(400.0, 0.0), (401.0, 1.0), (1000.0, 1.0), (1001.0, 1e-5), (2500.0, 1e-5)]);
+        let triangle = table(&[(900.0, 0.0), (1000.0, 1.0), (1100.0, 0.0)]);
+        for bands in
+            [vec![&near, &far], vec![&narrow], vec![&padded], vec![&tail], vec![&triangle, &near, &far]]
+        {
+            let distribution = Distribution::new(bands.iter().copied());
+            for response in &bands {
+                let curve = Curve::of(response);
+                let square = |i: usize| {
+                    let (from, to) = (distribution.ends[i], distribution.ends[i + 1]);
+                    let [a, b] = [from, to].map(|λ| f64::from(response.eval(λ)));
+                    let probability = distribution.below[i + 1] - distribution.below[i];
+                    let inside = from >= curve.nodes[0].0 && to <= curve.nodes[curve.nodes.len() - 1].0;
+                    let width = f64::from(to - from);
+                    // ∫ r² dλ of a straight line, over the density.
+                    let found = width * (a * a + a * b + b * b) / 3.0 * (width / probability);
+                    if inside && a + b > 0.0 { found } else { 0.0 }
+                };
+                let square = (0..distribution.ends.len() - 1).map(square).sum::<f64>();
+                let relative = square / (curve.area() * curve.area()) * share(bands.len());
+                assert!(relative < 1.1, "{relative}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_widest_response_has_a_density() {
+        let wide = table(&[(1.0, 1.0), (1e38, 1.0)]);
+        let λ = Distribution::new([&wide].into_iter()).sample(0.99);
+        assert!(
+            λ.pdf.iter().all(|pdf| *pdf > 0.0) && λ.response.as_flattened().iter().all(|v| v.is_finite())
+        );
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::math::{BELOW_ONE, DVec2, DVec3, Frame, INV_PI, length, warp};
 use std::f64::consts::PI;
 
 /// Most balls that bound the casters; every evaluation of the density sums over all of them.
-const BALLS: usize = 16;
+pub const BALLS: usize = 16;
 
 /// Probability of sampling by the cosine instead, so that no direction is impossible or has too low a
 /// density.
@@ -29,7 +29,7 @@ pub struct Aim {
 impl Aim {
     /// From a ball around each caster.
     pub fn new(casters: Vec<Ball>) -> Self {
-        Self { balls: bundled(casters) }
+        Self { balls: bundled(casters, BALLS) }
     }
 
     /// Without casters: directions are sampled by the cosine alone.
@@ -48,16 +48,16 @@ impl Aim {
     }
 }
 
-/// At most [`BALLS`] balls around all: the group of balls with the largest box is halved along its longest extent until
+/// At most `most` balls around all: the group of balls with the largest box is halved along its longest extent until
 /// there are so many groups, each of which gets one ball.
-pub fn bundled(balls: Vec<Ball>) -> Vec<Ball> {
+pub fn bundled(balls: Vec<Ball>, most: usize) -> Vec<Ball> {
     let size = |group: &[Ball]| {
         let (lo, hi) = ball::bounds_of(group);
         hi - lo
     };
     let mut groups = vec![balls];
     groups.retain(|group| !group.is_empty());
-    while groups.len() < BALLS {
+    while groups.len() < most {
         // The group whose box is largest is the worst to aim at.
         let several = groups.iter().enumerate().filter(|(_, group)| group.len() > 1);
         let extents = several.map(|(i, group)| (i, size(group).max_element()));

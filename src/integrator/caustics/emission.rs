@@ -1,6 +1,6 @@
 //! Sampling of a light path's first edge.
 
-use super::aim::{Aim, bundled};
+use super::aim::{Aim, BALLS, bundled};
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{Ball, Chosen, DVec3, Discrete, Ray};
 use crate::sampler::{EmitterNumbers, Numbers};
@@ -8,6 +8,9 @@ use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
 use crate::shape::SurfacePoint;
 use crate::spectrum::{Spectrum, Wavelengths};
+
+/// Most balls around casters of instances, unless there are more instances.
+const ENOUGH: usize = 4096;
 
 /// Chooses an area emitter by its power, a point of it uniformly, and a direction aimed at casters.
 #[derive(Debug)]
@@ -34,7 +37,9 @@ impl Emission {
         let balls = |shapes: &[Shape]| -> Vec<Ball> {
             shapes.iter().filter(|shape| shape.is_caster()).map(|shape| shape.geometry.ball()).collect()
         };
-        let groups: Vec<Vec<Ball>> = instances.groups().map(|shapes| bundled(balls(shapes))).collect();
+        // Of a hundred thousand instances most balls would be thrown away again.
+        let most = (ENOUGH / instances.len().max(1)).clamp(1, BALLS);
+        let groups: Vec<Vec<Ball>> = instances.groups().map(|shapes| bundled(balls(shapes), most)).collect();
         let placed = instances
             .placements()
             .flat_map(|(group, to_world)| groups[group].iter().map(|ball| ball.placed(to_world)));

@@ -83,7 +83,7 @@ impl<'a> Walk<'a> {
                     return self.within::<F>(medium, t, &u, edge);
                 }
                 Flight::Through(weight) => {
-                    if !medium.scatters && !self.path.covered {
+                    if !medium.scatters && !self.path.covered && !self.is_last() {
                         // What only absorbs covers as much as it takes: by what each lane carries, as scattering
                         // would have it, so it does not matter how the way is divided. The number ends no path on
                         // this edge, for roulette is for paths that have been scattered, by what covers.
@@ -112,6 +112,11 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Whether no path is longer than one with a vertex here.
+    fn is_last(&self) -> bool {
+        self.depth + 1 >= self.lengths.max_depth
+    }
+
     /// Light from outside the scene.
     fn surroundings<const F: u32>(&mut self) {
         let hidden = self.lengths.hide_emitters && self.depth == 0;
@@ -127,9 +132,8 @@ impl<'a> Walk<'a> {
         let p = self.ray.at(t);
         self.log(t, None, p);
         // As in Mitsuba, paths that end for their length have scattered on surfaces, but not in media.
-        let last = self.depth + 1 >= self.lengths.max_depth;
-        self.path.covered |= !last;
-        if self.throughput.is_zero() || last {
+        self.path.covered |= !self.is_last();
+        if self.throughput.is_zero() || self.is_last() {
             return None;
         }
         // The phase function is a BSDF about the direction to where the path came from.
@@ -164,7 +168,7 @@ impl<'a> Walk<'a> {
         self.log(hit.t, Some(hit.primitive), point.p);
         let wo = -self.ray.direction;
         let side = shape.side_towards(point.ns.dot(wo));
-        let last = self.depth + 1 >= self.lengths.max_depth;
+        let last = self.is_last();
         if last && !side.traits.has_null {
             self.path.covered = true;
             return None;
