@@ -160,6 +160,7 @@ fn another_version_is_no_damage() {
     let head = br#"{"identity": {"version": "0.0.1", "seed": [1, 2]}}"#;
     fs::write(&path, [&MAGIC[..], &(head.len() as u64).to_le_bytes(), head].concat()).expect("written");
     let scene = scene(1.0);
-    let error = load(&path, &scene, &settings(&scene)).err().expect("refused").to_string();
+    let Err(error) = load(&path, &scene, &settings(&scene)) else { panic!("it must be refused") };
+    let error = error.to_string();
     assert!(error.contains("it is of another version: `0.0.1`"), "{error}");
 }
