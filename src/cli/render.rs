@@ -79,8 +79,7 @@ impl Arguments {
         let load_seconds = start.elapsed().as_secs_f64();
         let mut settings = self.settings(&scene)?;
         self.check(&scene, &settings)?;
-        let (checkpoint, resumed) = self.resumed(&scene, &mut settings)?.unzip();
-        let resumed = resumed.flatten();
+        let (checkpoint, resumed) = self.resumed(&scene, &mut settings)?;
         let begun = resumed.as_ref().map(|partial| partial.samples.end);
         let start = Instant::now();
         let progress = Progress::default();
@@ -213,8 +212,8 @@ impl Arguments {
         &self,
         scene: &Scene,
         settings: &mut Settings,
-    ) -> Result<Option<(OwnCheckpoint, Option<Partial>)>, FileError> {
-        let Some(path) = &self.checkpoint else { return Ok(None) };
+    ) -> Result<(Option<OwnCheckpoint>, Option<Partial>), FileError> {
+        let Some(path) = &self.checkpoint else { return Ok((None, None)) };
         if !self.resume || !path.exists() {
             let own = OwnCheckpoint::begin(path)?;
             if self.resume && !self.quiet {
@@ -223,13 +222,13 @@ impl Arguments {
                     path.display()
                 );
             }
-            return Ok(Some((own, None)));
+            return Ok((Some(own), None));
         }
         if self.asks_pilot() {
             settings.samples = checkpoint::chosen_samples(path)?;
         }
         let (own, partial) = OwnCheckpoint::resume(path, scene, settings)?;
-        Ok(Some((own, Some(partial))))
+        Ok((Some(own), Some(partial)))
     }
 
     fn pilot(

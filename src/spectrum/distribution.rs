@@ -9,6 +9,7 @@ use super::LANES;
 use super::observer::{self, WAVELENGTH_MAX, WAVELENGTH_MIN};
 use super::table::Tabulated;
 use super::wavelengths::Wavelengths;
+use crate::math::{Chosen, Discrete};
 
 /// Even steps over each response between which its density is taken for constant.
 const STEPS: u16 = 64;
@@ -18,8 +19,7 @@ const STEPS: u16 = 64;
 pub struct Distribution {
     /// In nm, increasing; the parts lie between them.
     ends: Vec<f32>,
-    /// The probability of what is below each end: from 0 to 1.
-    below: Vec<f64>,
+    parts: Discrete,
 }
 
 impl Distribution {
@@ -39,14 +39,7 @@ impl Distribution {
         for (i, curve) in curves.iter().enumerate() {
             curve.add_to(&ends, &mut parts, if i + 1 < curves.len() { share } else { of_visible });
         }
-        let mut sum = 0.0;
-        let mut below = vec![0.0];
-        below.extend(parts.iter().map(|part| {
-            sum += part;
-            sum
-        }));
-        below.iter_mut().for_each(|below| *below /= sum);
-        Self { ends, below }
+        Self { ends, parts: Discrete::new(parts) }
     }
 
     /// Eight wavelengths, evenly rotated in the cumulative distribution about the one that u in [0, 1) picks,
@@ -66,11 +59,9 @@ impl Distribution {
 
     /// The wavelength below which the fraction v in [0, 1) lies, and the density there.
     fn wavelength(&self, v: f64) -> (f32, f32) {
-        // The last one of several that are equal: the part after it is not empty.
-        let part = self.below.partition_point(|&below| below <= v) - 1;
-        let probability = self.below[part + 1] - self.below[part];
-        let (from, to) = (f64::from(self.ends[part]), f64::from(self.ends[part + 1]));
-        let nm = from + (to - from) * ((v - self.below[part]) / probability);
+        let Chosen { index, probability, rest } = self.parts.sample(v);
+        let (from, to) = (f64::from(self.ends[index]), f64::from(self.ends[index + 1]));
+        let nm = from + (to - from) * rest;
         // A density beneath the range of `f32` is that of a response as wide as this range.
         (nm as f32, ((probability / (to - from)) as f32).max(f32::MIN_POSITIVE))
     }
@@ -181,7 +172,7 @@ mod tests {
                 let square = |i: usize| {
                     let (from, to) = (distribution.ends[i], distribution.ends[i + 1]);
                     let [a, b] = [from, to].map(|λ| f64::from(response.eval(λ)));
-                    let probability = distribution.below[i + 1] - distribution.below[i];
+                    let probability = distribution.parts.probability(i);
                     let inside = from >= curve.nodes[0].0 && to <= curve.nodes[curve.nodes.len() - 1].0;
                     let width = f64::from(to - from);
                     // ∫ r² dλ of a straight line, over the density.

@@ -6,11 +6,12 @@ use super::patches;
 use crate::math::bounds::{NOTHING, around, corners, union};
 use crate::math::{Bounds, DVec3, Transform};
 use crate::scene::Shape;
-use crate::shape::Geometry;
+use crate::shape::{Geometry, Mesh};
+use std::ops::Range;
 
 /// Triangles that are passed over together, if they can be: those that follow each other in a file are often
 /// neighbours.
-const RUN: usize = 64;
+const RUN: u32 = 64;
 
 /// Shapes that are placed together.
 pub struct Surfaces<'a> {
@@ -61,14 +62,11 @@ impl<'a> Surface<'a> {
         let bounds = geometry.bounds();
         let (runs, single) = match geometry {
             Geometry::Mesh(mesh) => {
-                let corners_of = |run: &[[u32; 3]]| {
-                    let position = |i: &u32| DVec3::from_array(mesh.positions[*i as usize].map(f64::from));
-                    around(run.iter().flatten().map(position))
-                };
                 let numbers = Numbers::of_mesh(&Transform::IDENTITY, mesh.placement());
                 let single =
                     corners(bounds).map(|p| numbers.single(p)).into_iter().fold(DVec3::ZERO, DVec3::max);
-                (mesh.triangles.chunks(RUN).map(corners_of).collect(), single)
+                let around = |run: Range<u32>| around(run.flat_map(|triangle| mesh.corners(triangle)));
+                (runs(mesh).map(around).collect(), single)
             }
             Geometry::Patch(_) | Geometry::Cube(_) => (vec![], DVec3::ZERO),
             Geometry::Sphere(_) | Geometry::Cylinder(_) => return None,
@@ -80,12 +78,12 @@ impl<'a> Surface<'a> {
         if let Geometry::Mesh(mesh) = self.geometry {
             let numbers = Numbers::of_mesh(place, mesh.placement());
             let slack = self.extent.rounding(place).slack(faces.error);
-            for (run, first) in self.runs.iter().zip((0..).step_by(RUN)) {
-                if !faces.are_near(placed(&corners(*run), place), slack) {
+            for (bounds, run) in self.runs.iter().zip(runs(mesh)) {
+                if !faces.are_near(placed(&corners(*bounds), place), slack) {
                     continue;
                 }
-                for triangle in first..mesh.triangles.len().min(first + RUN) {
-                    let corners = mesh.corners(triangle as u32);
+                for triangle in run {
+                    let corners = mesh.corners(triangle);
                     if faces.are_near(placed(&corners, place), slack) {
                         faces.each_in(&Facet::new(&corners, &numbers), f);
                     }
@@ -110,6 +108,12 @@ impl Extent {
         let slack = self.rounding(place).slack(faces.error);
         faces.are_near(placed(&corners(self.bounds), place), slack)
     }
+}
+
+/// The numbers of a mesh's triangles, [`RUN`] at a time.
+fn runs(mesh: &Mesh) -> impl Iterator<Item = Range<u32>> {
+    let count = mesh.triangles.len() as u32;
+    (0..count).step_by(RUN as usize).map(move |first| first..count.min(first.saturating_add(RUN)))
 }
 
 /// The box (world) around points.

@@ -177,7 +177,7 @@ impl Study {
                 self.settings.words()
             ),
             curves(&self.lines),
-            warnings(&self.lines),
+            warnings(&self.lines, &self.first),
             pictures(&names, &self.lines, bench)?,
             page::missing(&self.missing),
         ];

@@ -21,7 +21,8 @@ pub fn toml<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
     toml::from_str(&text(path)?).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// The lines of a file of JSON documents; one that an interruption has left unfinished is passed over. Error: a line that is none of `what`, with its number.
+/// The lines of a file of JSON documents; one that an interruption has left unfinished is passed over. Error: a line
+/// that is none of `what`, with its number.
 pub fn lines<T: DeserializeOwned>(path: &Path, what: &str) -> Result<Vec<T>, String> {
     let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
     // A torn line may end within a character, so it is no text.

@@ -147,9 +147,8 @@ impl Line {
     }
 }
 
-/// The warnings of all lines, as HTML.
-pub fn warnings(lines: &[Line]) -> String {
-    let first = lines.first().map_or("", |line| line.renderer.as_str());
+/// The warnings of all lines, which are compared with the first renderer, as HTML.
+pub fn warnings(lines: &[Line], first: &str) -> String {
     let told = lines.iter().flat_map(|line| line.warnings(first));
     told.map(|warning| format!("<p class=\"note\">Warning: {}.</p>", escape(&warning))).collect()
 }

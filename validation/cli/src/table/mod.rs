@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<Verdict, Box<dyn std::error::Error>>
             measured.unwrap_or_else(|why| vec![("all".to_owned(), why)])
         };
         let scene = summary::scene(entry, &plan, &bench, failed)?;
-        pages.push(sheet::section(&scene, &bench)?);
+        pages.push(sheet::section(&scene, &bench, &plan.ours)?);
         table.scenes.push(scene);
         write(&arguments.folder, &table, &pages)?;
     }

@@ -52,8 +52,8 @@ fn cells_of(against: &Against) -> [String; 4] {
     [escape(against.name()), trimmed, whole, format!("{sign} {}", against.aim)]
 }
 
-/// The section of one scene.
-pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
+/// The section of one scene; `ours` is the renderer that all are compared with.
+pub fn section(scene: &Scene, bench: &Bench, ours: &str) -> Result<String, String> {
     let shown = scene.lines.first().map(|line| line.renderer.clone());
     let best = scene.against.iter().filter_map(|a| a.best_trimmed.as_ref().map(|b| b.0.clone()));
     let names: Vec<String> = shown.into_iter().chain(best).collect();
@@ -64,7 +64,7 @@ pub fn section(scene: &Scene, bench: &Bench) -> Result<String, String> {
         scene.size[0],
         scene.size[1],
         curves(&scene.lines),
-        warnings(&scene.lines),
+        warnings(&scene.lines, ours),
         pictures(&names, &scene.lines, bench)?,
         missing(&scene.missing)
     ))
