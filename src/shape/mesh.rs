@@ -30,6 +30,7 @@ pub struct Mesh {
     areas: Discrete,
     /// Rounding error of a mesh that emits; see [`Geometry::point_error`](super::Geometry::point_error).
     error: f64,
+    bounds: Bounds,
 }
 
 fn double(v: [f32; 3]) -> DVec3 {
@@ -81,8 +82,8 @@ impl Mesh {
             }
             None => (Some(smooth_normals(&positions, &triangles, side)), flip),
         };
-        let (lo, hi) = around(positions.iter().map(|&p| double(p)));
-        let error = position_error(lo.abs().max(hi.abs()));
+        let bounds = around(positions.iter().map(|&p| double(p)));
+        let error = position_error(bounds.0.abs().max(bounds.1.abs()));
         Self {
             positions,
             triangles,
@@ -94,6 +95,7 @@ impl Mesh {
             flipped,
             areas: Discrete::default(),
             error,
+            bounds,
         }
     }
 
@@ -241,7 +243,7 @@ impl Mesh {
 
     /// The least and the greatest coordinates (world).
     pub fn bounds(&self) -> Bounds {
-        around(self.positions.iter().map(|&p| double(p)))
+        self.bounds
     }
 
     /// A ball around it.

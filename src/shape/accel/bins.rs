@@ -103,10 +103,19 @@ fn divide_by<const BINS: usize, const AXES: usize>(
 }
 
 impl Place {
+    /// Of no boxes.
+    pub const NOTHING: Self = Self { bounds: Aabb::INVALID, extent: Extent::NOTHING };
+
     pub fn of(boxes: &[Aabb]) -> Self {
         let mut extent = Extent::NOTHING;
         boxes.iter().map(coordinates::<4>).for_each(|at| extent.add(at, at));
         Self { bounds: around(boxes), extent }
+    }
+
+    /// Of the boxes of both.
+    pub fn and(mut self, other: &Self) -> Self {
+        self.extent.add(other.extent.lo, other.extent.hi);
+        Self { bounds: self.bounds.union(&other.bounds), extent: self.extent }
     }
 }
 

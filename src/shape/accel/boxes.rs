@@ -21,7 +21,7 @@ pub struct Boxes {
     /// The item in each box.
     pub items: Vec<u32>,
     /// What each item is in a leaf.
-    pub contents: Vec<Content>,
+    pub contents: Pages<Content>,
 }
 
 impl Boxes {
@@ -37,20 +37,19 @@ impl Boxes {
         let Pieces { first, others } = cut(thin, items.len());
         let mut boxes = Pages::zeroed(items.len() + others.len());
         let (of_items, of_others) = boxes.split_at_mut(items.len());
-        let content = |(aabb, item): (&mut Aabb, &Item)| {
-            let content;
-            (*aabb, content) = measure(shapes, instances, item, space);
-            content
-        };
-        let contents = of_items.par_iter_mut().zip(items).map(content).collect();
+        let mut contents = Pages::zeroed(items.len());
+        let measured = of_items.par_iter_mut().zip(&mut *contents).zip(items);
+        measured
+            .for_each(|((aabb, content), item)| (*aabb, *content) = measure(shapes, instances, item, space));
         for piece in &first {
             of_items[piece.of as usize] = boxed(space, piece.bounds());
         }
         for (aabb, piece) in of_others.iter_mut().zip(&others) {
             *aabb = boxed(space, piece.bounds());
         }
-        let items = (0..items.len() as u32).chain(others.iter().map(|piece| piece.of)).collect();
-        Self { boxes, items, contents }
+        let mut pieces: Vec<u32> = (0..items.len() as u32).into_par_iter().collect();
+        pieces.extend(others.iter().map(|piece| piece.of));
+        Self { boxes, items: pieces, contents }
     }
 }
 

@@ -9,6 +9,7 @@ use super::boxes::Boxes;
 use super::fold::{LEAF, Plan};
 use super::grow::grow;
 use super::items::{Item, Items};
+use super::layout::{Layout, MixedLeaf};
 use super::node::{Node, NodeRef};
 use super::shaft::{Few, Plane};
 use super::space::Space;
@@ -136,29 +137,17 @@ impl Accel {
     /// Makes the nodes and leaves of a plan.
     fn arrange(&mut self, shapes: &[&Geometry], items: &[Item], plan: &Plan) {
         let items_of = |leaf: u32| plan.primitives(leaf).map(|i| items[i as usize]);
-        let (wide, leaves) = plan.lay_out();
-        let blocks: Vec<u32> = leaves.iter().filter(|leaf| plan.has_triangles(**leaf)).copied().collect();
+        let Layout { nodes, blocks, mixed } = Layout::new(plan);
         self.triangles = Pages::zeroed(blocks.len());
         let filled = self.triangles.par_iter_mut().zip(&blocks).with_min_len(1024);
         filled.for_each(|(block, leaf)| *block = triangles_of(shapes, items_of(*leaf)));
-
-        let mut next_block = 0;
-        let leaf = |&leaf: &u32| {
-            let triangles = plan.has_triangles(leaf).then_some(next_block);
-            next_block += u32::from(triangles.is_some());
-            match triangles {
-                Some(block) if plan.only_triangles(leaf) => NodeRef::triangles(block as usize),
-                _ => {
-                    let mixed = Mixed { triangles, ..self.store(shapes, items_of(leaf)) };
-                    self.mixed.push(mixed);
-                    NodeRef::mixed(self.mixed.len() - 1)
-                }
-            }
-        };
-        let leaves: Vec<NodeRef> = leaves.iter().map(leaf).collect();
-        self.nodes = Pages::zeroed(wide.len());
-        let filled = self.nodes.par_iter_mut().zip(&wide).with_min_len(256);
-        filled.for_each(|(node, wide)| *node = plan.node(wide, &leaves));
+        for MixedLeaf { leaf, triangles } in mixed {
+            let mixed = Mixed { triangles, ..self.store(shapes, items_of(leaf)) };
+            self.mixed.push(mixed);
+        }
+        self.nodes = Pages::zeroed(nodes.len());
+        let filled = self.nodes.par_iter_mut().zip(&nodes).with_min_len(256);
+        filled.for_each(|(node, wide)| *node = wide.node(plan));
         self.scattered = is_scattered(&self.nodes);
     }
 

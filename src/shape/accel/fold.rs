@@ -5,9 +5,10 @@
 //! BVHs", section 3.1): for each binary node and each count i, the least cost of at most i trees that
 //! together hold what is below it. A ray enters a box with a chance proportional to its area.
 
-use super::node::{Node, NodeRef};
+use bytemuck::{Pod, Zeroable};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Cost of testing a block of four primitives of a kind, in tests of a node.
 const BLOCK_COST: f32 = 0.6;
@@ -17,42 +18,50 @@ const BLOCK_COST: f32 = 0.6;
 const THRIFT: f32 = 0.6;
 
 /// Most items of a leaf.
-pub const LEAF: u8 = 4;
+pub const LEAF: u16 = 4;
+
+/// Fewest nodes of a tree that is folded by several threads.
+const MANY: usize = 1 << 14;
+
+/// The level down to which their ways part.
+const LEVELS: u32 = 10;
 
 /// What a leaf of the binary tree holds.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub struct Content {
     /// Area of the surface, in unit coordinates.
     pub surface: f32,
     /// Number of items of a leaf that it takes up.
-    pub size: u8,
+    pub size: u16,
     /// One of the bits of [`kind`].
-    pub kind: u8,
+    pub kind: u16,
 }
 
 /// Bits of kinds that are in blocks of their own.
 pub mod kind {
-    pub const TRIANGLE: u8 = 1;
-    pub const PATCH: u8 = 2;
-    pub const CUBE: u8 = 4;
-    pub const SPHERE: u8 = 8;
-    pub const CYLINDER: u8 = 16;
-    pub const INSTANCE: u8 = 32;
+    pub const TRIANGLE: u16 = 1;
+    pub const PATCH: u16 = 2;
+    pub const CUBE: u16 = 4;
+    pub const SPHERE: u16 = 8;
+    pub const CYLINDER: u16 = 16;
+    pub const INSTANCE: u16 = 32;
 }
 
 /// How a node of the binary tree and what is below it are best folded.
-#[derive(Clone, Copy, Default)]
-struct Decision {
+#[derive(Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct Decision {
     /// The least cost of one tree.
     cost: f32,
+    surface: f32,
     /// The choices that lead to the least costs: `choices[i]` trees of at most i come from the left child,
     /// and 0 means as for i − 1. `choices[1]` is 0 for a leaf, and `choices[0]` is how many of a node's eight
     /// children come from the left.
-    choices: [u8; 8],
-    surface: f32,
+    pub choices: [u8; 8],
     /// Number of items below the node; more than [`LEAF`] are too many for a leaf.
-    size: u8,
-    kinds: u8,
+    size: u16,
+    kinds: u16,
 }
 
 impl Decision {
@@ -60,58 +69,105 @@ impl Decision {
     fn leaf_cost(&self) -> f32 {
         BLOCK_COST * self.kinds.count_ones() as f32
     }
+
+    pub fn is_leaf(&self) -> bool {
+        self.choices[1] == 0
+    }
+
+    pub fn has_triangles(&self) -> bool {
+        self.kinds & kind::TRIANGLE != 0
+    }
+
+    pub fn only_triangles(&self) -> bool {
+        self.kinds == kind::TRIANGLE
+    }
+
+    /// How promising a shadow ray's search below the node is: surface over the cost of searching it.
+    pub fn promise(&self) -> f32 {
+        self.surface / self.cost
+    }
 }
 
-/// The least costs of at most 1, 2, … 7 trees: known only while decisions are made.
-type Costs = [f32; 7];
+/// The decisions of all nodes. Each is written once, by the thread that is at the node; the words are atomic only so
+/// that all threads may write to one list.
+struct Decisions(Vec<[AtomicU32; size_of::<Decision>() / 4]>);
+
+impl Decisions {
+    fn get(&self, index: usize) -> Decision {
+        bytemuck::cast(self.0[index].each_ref().map(|word| word.load(Ordering::Relaxed)))
+    }
+
+    fn keep(&self, index: usize, decided: Decided) -> Decided {
+        let words: [u32; size_of::<Decision>() / 4] = bytemuck::cast(decided.0);
+        self.0[index].iter().zip(words).for_each(|(to, word)| to.store(word, Ordering::Relaxed));
+        decided
+    }
+}
+
+/// A decision, and the least costs of at most 1, 2, … 7 trees: known only while decisions are made.
+type Decided = (Decision, [f32; 7]);
 
 /// How a binary tree is folded into nodes of eight.
 pub struct Plan<'a> {
-    binary: &'a Bvh2,
-    decisions: Vec<Decision>,
-}
-
-/// A node of eight that is planned.
-#[derive(Default)]
-pub struct Wide {
-    /// Binary nodes that become its children, the most promising for a shadow ray first.
-    children: [u32; 8],
-    count: u8,
-    /// A bit for each child that is a leaf.
-    leaves: u8,
-    /// The index of the first child that is a node.
-    first_node: u32,
-    /// The index of the first child that is a leaf.
-    first_leaf: u32,
+    pub binary: &'a Bvh2,
+    decisions: Decisions,
 }
 
 impl<'a> Plan<'a> {
     /// Plans the tree; `contents` tells what each primitive is.
     pub fn new(binary: &'a Bvh2, contents: &[Content]) -> Self {
-        let mut plan = Self { binary, decisions: vec![Decision::default(); binary.nodes.len()] };
+        let plan = Self { binary, decisions: Decisions(bytemuck::zeroed_vec(binary.nodes.len())) };
+        plan.decide(0, contents, if plan.is_large() { LEVELS } else { 0 });
+        plan
+    }
+
+    /// Whether several threads are worth their trouble.
+    pub fn is_large(&self) -> bool {
+        self.binary.nodes.len() > MANY
+    }
+
+    /// Decides on a node and all below it, down to `levels` below by several threads.
+    fn decide(&self, index: usize, contents: &[Content], levels: u32) -> Decided {
+        let node = &self.binary.nodes[index];
+        if levels == 0 || node.is_leaf() {
+            return self.decide_subtree(index, contents);
+        }
+        let left = node.first_index as usize;
+        let (left, right) = rayon::join(
+            || self.decide(left, contents, levels - 1),
+            || self.decide(left + 1, contents, levels - 1),
+        );
+        self.decisions.keep(index, decide_fork(node, &left, &right))
+    }
+
+    /// The same by one thread. There is no telling how deep the subtree is, so nothing calls itself here.
+    fn decide_subtree(&self, root: usize, contents: &[Content]) -> Decided {
         // Of trees whose sibling is not decided yet.
-        let mut known: Vec<Costs> = vec![];
-        let mut waiting = vec![(0, false)];
+        let mut known: Vec<Decided> = vec![];
+        let mut waiting = vec![(root, false)];
         while let Some((index, are_children_decided)) = waiting.pop() {
-            let node = &binary.nodes[index];
-            let (decision, costs) = if node.is_leaf() {
-                plan.decide_leaf(node, contents)
+            let node = &self.binary.nodes[index];
+            let decided = if node.is_leaf() {
+                self.decide_leaf(node, contents)
             } else if are_children_decided {
                 let [left, right] = [2, 1].map(|from_end| known[known.len() - from_end]);
                 known.truncate(known.len() - 2);
-                plan.decide_fork(node, &left, &right)
+                decide_fork(node, &left, &right)
             } else {
                 let left = node.first_index as usize;
                 waiting.extend([(index, true), (left + 1, false), (left, false)]);
                 continue;
             };
-            plan.decisions[index] = decision;
-            known.push(costs);
+            known.push(self.decisions.keep(index, decided));
         }
-        plan
+        known[0]
     }
 
-    fn decide_leaf(&self, node: &Bvh2Node, contents: &[Content]) -> (Decision, Costs) {
+    pub fn decision(&self, index: u32) -> Decision {
+        self.decisions.get(index as usize)
+    }
+
+    fn decide_leaf(&self, node: &Bvh2Node, contents: &[Content]) -> Decided {
         let mut decision = Decision::default();
         for &primitive in self.of_leaf(node) {
             let Content { surface, size, kind } = contents[primitive as usize];
@@ -121,128 +177,6 @@ impl<'a> Plan<'a> {
         }
         decision.cost = node.aabb().half_area() * decision.leaf_cost();
         (decision, [decision.cost; 7])
-    }
-
-    /// For a node with children, whose least costs are known.
-    fn decide_fork(&self, node: &Bvh2Node, of_left: &Costs, of_right: &Costs) -> (Decision, Costs) {
-        let area = node.aabb().half_area();
-        let (left, right) = (node.first_index as usize, node.first_index as usize + 1);
-        let (l, r) = (&self.decisions[left], &self.decisions[right]);
-        let mut decision = Decision {
-            surface: l.surface + r.surface,
-            size: (l.size + r.size).min(LEAF + 1),
-            kinds: l.kinds | r.kinds,
-            ..Decision::default()
-        };
-        let split = |trees: usize| {
-            let mut best = (f32::INFINITY, 0);
-            for k in trees.saturating_sub(7).max(1)..=(trees - 1).min(7) {
-                let cost = of_left[k - 1] + of_right[trees - k - 1];
-                if cost < best.0 {
-                    best = (cost, k as u8);
-                }
-            }
-            best
-        };
-        let (inner, from_left) = split(8);
-        let (inner, leaf) = (inner + area, area * decision.leaf_cost());
-        decision.choices[0] = from_left;
-        decision.choices[1] = u8::from(decision.size > LEAF || inner < leaf);
-        let mut best = if decision.choices[1] == 0 { leaf } else { inner };
-        let mut costs = [best; 7];
-        decision.cost = best;
-        for trees in 2..8 {
-            let (cost, from_left) = split(trees);
-            let thrift = if decision.size <= LEAF && decision.choices[1] == 0 { THRIFT } else { 1.0 };
-            if cost < best * thrift {
-                (best, decision.choices[trees]) = (cost, from_left);
-            }
-            costs[trees - 1] = best;
-        }
-        (decision, costs)
-    }
-
-    pub fn has_triangles(&self, index: u32) -> bool {
-        self.decisions[index as usize].kinds & kind::TRIANGLE != 0
-    }
-
-    pub fn only_triangles(&self, index: u32) -> bool {
-        self.decisions[index as usize].kinds == kind::TRIANGLE
-    }
-
-    /// All nodes, the children of each next to each other, and the binary nodes that become leaves.
-    pub fn lay_out(&self) -> (Vec<Wide>, Vec<u32>) {
-        let mut nodes = vec![Wide::default()];
-        let mut leaves = vec![];
-        let mut waiting = vec![(0, 0)];
-        while let Some((index, to)) = waiting.pop() {
-            let mut wide =
-                Wide { first_node: nodes.len() as u32, first_leaf: leaves.len() as u32, ..Wide::default() };
-            self.children(index, &mut wide);
-            for (slot, &child) in wide.children[..usize::from(wide.count)].iter().enumerate() {
-                if self.decisions[child as usize].choices[1] == 0 {
-                    wide.leaves |= 1 << slot;
-                    leaves.push(child);
-                } else {
-                    waiting.push((child, nodes.len()));
-                    nodes.push(Wide::default());
-                }
-            }
-            nodes[to] = wide;
-        }
-        (nodes, leaves)
-    }
-
-    /// The finished node, given where all leaves are.
-    pub fn node(&self, wide: &Wide, leaves: &[NodeRef]) -> Node {
-        let mut node = Node::empty();
-        let (mut next_node, mut next_leaf) = (wide.first_node as usize, wide.first_leaf as usize);
-        for (slot, &child) in wide.children[..usize::from(wide.count)].iter().enumerate() {
-            let target = if wide.leaves >> slot & 1 == 1 {
-                next_leaf += 1;
-                leaves[next_leaf - 1]
-            } else {
-                next_node += 1;
-                NodeRef::node(next_node - 1)
-            };
-            let aabb = self.binary.nodes[child as usize].aabb();
-            node.set(slot, aabb.min.to_array(), aabb.max.to_array(), target);
-        }
-        node
-    }
-
-    /// Finds the children of the node made of binary node `index`.
-    fn children(&self, index: u32, wide: &mut Wide) {
-        let node = &self.binary.nodes[index as usize];
-        if node.is_leaf() {
-            self.collect(index, 1, wide);
-        } else {
-            let from_left = self.decisions[index as usize].choices[0];
-            self.collect(node.first_index, from_left, wide);
-            self.collect(node.first_index + 1, 8 - from_left, wide);
-        }
-        // Surface of a child over the cost of searching it.
-        let promise = |child: u32| {
-            let decision = &self.decisions[child as usize];
-            decision.surface / decision.cost
-        };
-        wide.children[..usize::from(wide.count)].sort_by(|&a, &b| promise(b).total_cmp(&promise(a)));
-    }
-
-    fn collect(&self, index: u32, trees: u8, wide: &mut Wide) {
-        let choices = &self.decisions[index as usize].choices;
-        match (2..=trees).rev().find(|&i| choices[usize::from(i)] != 0) {
-            Some(i) => {
-                let from_left = choices[usize::from(i)];
-                let left = self.binary.nodes[index as usize].first_index;
-                self.collect(left, from_left, wide);
-                self.collect(left + 1, i - from_left, wide);
-            }
-            None => {
-                wide.children[usize::from(wide.count)] = index;
-                wide.count += 1;
-            }
-        }
     }
 
     /// The primitives of a leaf of the binary tree.
@@ -271,4 +205,41 @@ impl<'a> Plan<'a> {
         .flatten()
         .copied()
     }
+}
+
+/// For a node with children, whose least costs are known.
+fn decide_fork(node: &Bvh2Node, (l, of_left): &Decided, (r, of_right): &Decided) -> Decided {
+    let area = node.aabb().half_area();
+    let mut decision = Decision {
+        surface: l.surface + r.surface,
+        size: (l.size + r.size).min(LEAF + 1),
+        kinds: l.kinds | r.kinds,
+        ..Decision::default()
+    };
+    let split = |trees: usize| {
+        let mut best = (f32::INFINITY, 0);
+        for k in trees.saturating_sub(7).max(1)..=(trees - 1).min(7) {
+            let cost = of_left[k - 1] + of_right[trees - k - 1];
+            if cost < best.0 {
+                best = (cost, k as u8);
+            }
+        }
+        best
+    };
+    let (inner, from_left) = split(8);
+    let (inner, leaf) = (inner + area, area * decision.leaf_cost());
+    decision.choices[0] = from_left;
+    decision.choices[1] = u8::from(decision.size > LEAF || inner < leaf);
+    let mut best = if decision.choices[1] == 0 { leaf } else { inner };
+    let mut costs = [best; 7];
+    decision.cost = best;
+    for trees in 2..8 {
+        let (cost, from_left) = split(trees);
+        let thrift = if decision.size <= LEAF && decision.choices[1] == 0 { THRIFT } else { 1.0 };
+        if cost < best * thrift {
+            (best, decision.choices[trees]) = (cost, from_left);
+        }
+        costs[trees - 1] = best;
+    }
+    (decision, costs)
 }

@@ -8,15 +8,33 @@ use crate::pages::Pages;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
+use rayon::prelude::*;
 
 /// Most boxes that one thread divides.
 const LIMB: usize = 1 << 14;
 
 /// A part of the tree.
 enum Part {
-    Fork(Aabb, Box<[Part; 2]>),
+    Fork(Fork),
     /// A subtree as a list of nodes: first the root, then children in pairs.
     Limb(Vec<Bvh2Node>),
+}
+
+struct Fork {
+    bounds: Aabb,
+    children: Box<[Part; 2]>,
+    /// Number of nodes below.
+    below: usize,
+}
+
+impl Part {
+    /// Number of nodes below the root.
+    fn below(&self) -> usize {
+        match self {
+            Self::Fork(fork) => fork.below,
+            Self::Limb(nodes) => nodes.len() - 1,
+        }
+    }
 }
 
 /// Boxes that are not divided yet.
@@ -49,12 +67,16 @@ impl<'a> Seeds<'a> {
 /// The tree over `boxes`, at least one, which are around `items`. Leaves hold up to `most`, and no less where
 /// they can.
 pub fn grow(mut boxes: Pages<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
-    let place = Place::of(&boxes);
+    let chunks = boxes.par_chunks(LIMB).map(Place::of);
+    let place = chunks.reduce(|| Place::NOTHING, |one, other| one.and(&other));
     let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, place }, most);
     // Trees of millions of triangles are where memory runs out.
     drop(boxes);
-    let mut nodes = vec![Bvh2Node::default()];
-    join(part, 0, &mut nodes);
+    // Not written yet, so that several threads may be first to.
+    let mut nodes: Vec<Bvh2Node> = bytemuck::zeroed_vec(1 + part.below());
+    if let Some((root, below)) = nodes.split_first_mut() {
+        *root = join(part, below, 1);
+    }
     Bvh2 { nodes, primitive_indices: items, ..Bvh2::default() }
 }
 
@@ -65,7 +87,8 @@ fn part(seeds: Seeds, most: usize) -> Part {
     let bounds = seeds.place.bounds;
     let [left, right] = seeds.halves();
     let (left, right) = rayon::join(|| part(left, most), || part(right, most));
-    Part::Fork(bounds, Box::new([left, right]))
+    let below = 2 + left.below() + right.below();
+    Part::Fork(Fork { bounds, children: Box::new([left, right]), below })
 }
 
 fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
@@ -87,27 +110,28 @@ fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
     nodes
 }
 
-/// Puts the root of a part at index `to`, and all nodes below it at the end.
-fn join(part: Part, to: usize, nodes: &mut Vec<Bvh2Node>) {
-    let end = nodes.len() as u32;
+/// Writes all nodes below the root of a part, whose first will have index `at`; returns the root.
+fn join(part: Part, below: &mut [Bvh2Node], at: usize) -> Bvh2Node {
     match part {
-        Part::Fork(bounds, children) => {
-            nodes[to] = Bvh2Node::new(bounds, 0, end);
-            nodes.extend([Bvh2Node::default(); 2]);
-            for (child, to) in children.into_iter().zip(end as usize..) {
-                join(child, to, nodes);
-            }
+        Part::Fork(Fork { bounds, children, .. }) => {
+            let [left, right] = *children;
+            let (roots, below) = below.split_at_mut(2);
+            let (below_left, below_right) = below.split_at_mut(left.below());
+            let at_right = at + 2 + below_left.len();
+            (roots[0], roots[1]) =
+                rayon::join(|| join(left, below_left, at + 2), || join(right, below_right, at_right));
+            Bvh2Node::new(bounds, 0, at as u32)
         }
         Part::Limb(limb) => {
-            let mut moved = limb.into_iter().map(|mut node| {
+            let moved = |mut node: Bvh2Node| {
                 if !node.is_leaf() {
                     // The root is not among them.
-                    node.first_index += end - 1;
+                    node.first_index += at as u32 - 1;
                 }
                 node
-            });
-            nodes[to] = moved.next().unwrap_or_default();
-            nodes.extend(moved);
+            };
+            below.iter_mut().zip(&limb[1..]).for_each(|(to, node)| *to = moved(*node));
+            moved(limb[0])
         }
     }
 }

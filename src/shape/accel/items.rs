@@ -4,10 +4,17 @@ use super::Instance;
 use super::trying::{Kind, Trying};
 use crate::math::Bounds;
 use crate::math::bounds::{NOTHING, union};
+use crate::pages::Pages;
 use crate::shape::{Cube, Geometry};
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
+/// Fewest items of a shape that one thread lists.
+const MANY: usize = 1 << 14;
 
 /// A primitive by shape and place in it, all faces of a cube, or an instance.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub struct Item {
     /// Index of the shape; instances are counted after the shapes.
     pub shape: u32,
@@ -16,9 +23,24 @@ pub struct Item {
     pub primitive: u32,
 }
 
+/// The items of one shape, or one instance.
+struct Run {
+    first: Item,
+    items: usize,
+    /// Primitives of an item.
+    together: u32,
+}
+
+impl Run {
+    fn item(&self, i: usize) -> Item {
+        let before = i as u32 * self.together;
+        Item { local: before, primitive: self.first.primitive + before, ..self.first }
+    }
+}
+
 /// All items of a scene.
 pub struct Items {
-    pub in_tree: Vec<Item>,
+    pub in_tree: Pages<Item>,
     /// What every ray tests, by kind.
     pub tried: [Vec<Item>; Kind::COUNT],
     /// How many primitives there are.
@@ -33,44 +55,58 @@ impl Items {
     /// Numbers the primitives of all shapes in order, then those of the instances, which are told their numbers.
     pub fn list(shapes: &[&Geometry], instances: &mut [Instance], trying: Option<&Trying>) -> Self {
         let mut items = Self {
-            in_tree: Vec::with_capacity(shapes.iter().map(|shape| shape.primitives() as usize).sum()),
+            in_tree: Pages::zeroed(0),
             tried: Default::default(),
             primitives: 0,
             bounds: NOTHING,
             of_tree: NOTHING,
             of_triangles: NOTHING,
         };
+        let mut in_tree = vec![];
         for (shape, geometry) in shapes.iter().enumerate() {
-            items.push_shape(shape as u32, geometry, trying.and_then(|trying| trying.kind(shapes, shape)));
+            let run = items.number(shape as u32, geometry);
+            match trying.and_then(|trying| trying.kind(shapes, shape)) {
+                Some(kind) => items.tried[kind as usize].extend((0..run.items).map(|i| run.item(i))),
+                None => {
+                    items.of_tree = union(items.of_tree, geometry.bounds());
+                    in_tree.push(run);
+                }
+            }
         }
         for (i, instance) in instances.iter_mut().enumerate().filter(|(_, i)| i.primitives() > 0) {
             items.bounds = union(items.bounds, instance.bounds());
             items.of_tree = union(items.of_tree, instance.bounds());
-            let shape = (shapes.len() + i) as u32;
-            items.in_tree.push(Item { shape, local: 0, primitive: items.primitives });
+            let first = Item { shape: (shapes.len() + i) as u32, local: 0, primitive: items.primitives };
+            in_tree.push(Run { first, items: 1, together: 0 });
             items.primitives = instance.number(items.primitives);
         }
+        items.in_tree = listed(&in_tree);
         items
     }
 
-    /// `tried` is the kind of a shape that is kept out of the tree.
-    fn push_shape(&mut self, shape: u32, geometry: &Geometry, tried: Option<Kind>) {
+    /// Numbers the primitives of a shape.
+    fn number(&mut self, shape: u32, geometry: &Geometry) -> Run {
         let bounds = geometry.bounds();
         self.bounds = union(self.bounds, bounds);
         if let Geometry::Mesh(_) = geometry {
             self.of_triangles = union(self.of_triangles, bounds);
         }
-        let list = match tried {
-            Some(kind) => &mut self.tried[kind as usize],
-            None => {
-                self.of_tree = union(self.of_tree, bounds);
-                &mut self.in_tree
-            }
-        };
         let together = if let Geometry::Cube(_) = geometry { Cube::FACES } else { 1 };
-        for local in (0..geometry.primitives()).step_by(together as usize) {
-            list.push(Item { shape, local, primitive: self.primitives });
-            self.primitives += together;
-        }
+        let first = Item { shape, local: 0, primitive: self.primitives };
+        self.primitives += geometry.primitives();
+        Run { first, items: (geometry.primitives() / together) as usize, together }
     }
+}
+
+/// The items of all runs.
+fn listed(runs: &[Run]) -> Pages<Item> {
+    let mut items = Pages::zeroed(runs.iter().map(|run| run.items).sum());
+    let mut rest = &mut items[..];
+    for run in runs {
+        let (of_run, behind) = rest.split_at_mut(run.items);
+        let filled = of_run.par_iter_mut().enumerate().with_min_len(MANY);
+        filled.for_each(|(i, item)| *item = run.item(i));
+        rest = behind;
+    }
+    items
 }

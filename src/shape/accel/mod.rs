@@ -22,6 +22,7 @@ mod grow;
 mod hull;
 mod instances;
 mod items;
+mod layout;
 mod node;
 mod packet;
 mod patches;

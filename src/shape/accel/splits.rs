@@ -6,8 +6,9 @@
 //! High-Quality Bounding Volume Hierarchies", section 4). Every piece leads to the whole triangle, so what is
 //! found does not change.
 
-use crate::math::bounds::around;
+use crate::math::bounds::{NOTHING, around, union};
 use crate::math::{Bounds, DVec3};
+use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -35,30 +36,43 @@ impl Piece {
         area(self.bounds())
     }
 
-    /// The part on one side of the middle of the box across its longest axis.
-    fn half(&self, upper: bool) -> Self {
+    /// Calls `add` with the corners of the lower half (0) and of the upper (1), divided in the middle of the box across
+    /// its longest axis.
+    fn halves(&self, mut add: impl FnMut(usize, DVec3)) {
         let (lo, hi) = self.bounds();
         let axis = (hi - lo).max_position();
         let middle = 0.5 * (lo + hi)[axis];
-        let inside = |p: DVec3| if upper { p[axis] >= middle } else { p[axis] <= middle };
-        let mut outline = Vec::with_capacity(self.outline.len() + 2);
+        let inside = |p: DVec3| [p[axis] <= middle, p[axis] >= middle];
         for (i, &a) in self.outline.iter().enumerate() {
             let b = self.outline[(i + 1) % self.outline.len()];
-            if inside(a) {
-                outline.push(a);
-            }
-            if inside(a) != inside(b) {
-                let mut cut = a + (b - a) * ((middle - a[axis]) / (b[axis] - a[axis]));
-                cut[axis] = middle;
-                outline.push(cut);
+            let (of_a, of_b) = (inside(a), inside(b));
+            for half in 0..2 {
+                if of_a[half] {
+                    add(half, a);
+                }
+                if of_a[half] != of_b[half] {
+                    let mut cut = a + (b - a) * ((middle - a[axis]) / (b[axis] - a[axis]));
+                    cut[axis] = middle;
+                    add(half, cut);
+                }
             }
         }
-        Self { outline, of: self.of }
+    }
+
+    /// Keeps the lower half; returns the upper.
+    fn halve(&mut self) -> Self {
+        let mut outlines = [0; 2].map(|_| Vec::with_capacity(self.outline.len() + 2));
+        self.halves(|half, corner| outlines[half].push(corner));
+        let [lower, upper] = outlines;
+        self.outline = lower;
+        Self { outline: upper, of: self.of }
     }
 
     /// Whether cutting could pay, and how much: what the two halves have less in area.
     fn gain(&self) -> f64 {
-        self.area() - self.half(false).area() - self.half(true).area()
+        let mut bounds = [NOTHING; 2];
+        self.halves(|half, corner| bounds[half] = union(bounds[half], (corner, corner)));
+        self.area() - area(bounds[0]) - area(bounds[1])
     }
 }
 
@@ -90,7 +104,8 @@ pub fn cut(thin: impl IntoIterator<Item = (u32, [DVec3; 3])>, count: usize) -> P
     let key = |piece: &Piece, place: usize| (piece.gain().max(0.0).to_bits(), Reverse(place));
     let mut pieces: Vec<Piece> =
         thin.into_iter().map(|(of, corners)| Piece { outline: corners.to_vec(), of }).collect();
-    let mut heap: BinaryHeap<_> = pieces.iter().enumerate().map(|(i, piece)| key(piece, i)).collect();
+    let keys: Vec<_> = pieces.par_iter().enumerate().map(|(i, piece)| key(piece, i)).collect();
+    let mut heap = BinaryHeap::from(keys);
     let thin = pieces.len();
     let most = thin + (count as f64 * MORE) as usize;
     while pieces.len() < most {
@@ -98,8 +113,7 @@ pub fn cut(thin: impl IntoIterator<Item = (u32, [DVec3; 3])>, count: usize) -> P
         if gain == 0 {
             break;
         }
-        let upper = pieces[place].half(true);
-        pieces[place] = pieces[place].half(false);
+        let upper = pieces[place].halve();
         heap.push(key(&pieces[place], place));
         heap.push(key(&upper, pieces.len()));
         pieces.push(upper);
