@@ -84,6 +84,7 @@ pub fn read(
     overrides: &Overrides,
 ) -> Result<Scene, SceneError> {
     let mut document = xml::read(path, definitions)?;
+    check_root(&document.root)?;
     overrides::apply(&mut document, overrides)?;
     build(&document, mode)
 }
@@ -111,11 +112,16 @@ fn build(document: &Document, mode: ColorMode) -> Result<Scene, SceneError> {
     Ok(Scene { hash, files, ..assemble(objects, sensor, integrator, mode) })
 }
 
-/// Reads the elements of a scene.
-fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declared<'a, 'd>, SceneError> {
+fn check_root(root: &Element) -> Result<(), SceneError> {
     if root.tag != "scene" {
         return Err(SceneError::at(&root.span, format!("the root is a <{}>", root.tag), "expected <scene>"));
     }
+    Ok(())
+}
+
+/// Reads the elements of a scene.
+fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declared<'a, 'd>, SceneError> {
+    check_root(root)?;
     root.only(&["version", "type", "id", "name"])?;
     let mut objects = Objects::new(loader);
     let (mut sensors, mut integrators) = (vec![], vec![]);
@@ -132,7 +138,7 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
             "bsdf" => {
                 objects.material(element)?;
             }
-            "texture" | "spectrum" => {
+            "texture" | "spectrum" if element.tag == "texture" || element.attribute("type").is_some() => {
                 AnyTexture::parse(element, loader, Usage::Any)?;
             }
             "medium" => loader.medium(element).map(drop)?,

@@ -1,11 +1,23 @@
-//! Bytes of scene files as text: UTF-8, or Latin-1 if the file says so.
+//! Bytes of scene files as text: UTF-8, UTF-16 if they begin as it does, or Latin-1 if the file says so.
 
 use super::error::{SceneError, Source, Span};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The text of a file; an error if bytes are not UTF-8 and the file does not declare them to be Latin-1.
-pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
+/// The text of a file, without the mark of its encoding; an error if bytes are neither UTF-8 nor UTF-16 and the file
+/// does not declare them to be Latin-1.
+pub fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<String, SceneError> {
+    if let Some(unit) = utf_16(&bytes) {
+        let units: Vec<u16> = bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect();
+        let whole = bytes.len().is_multiple_of(2);
+        let text = String::from_utf16(&units).ok().filter(|_| whole).ok_or_else(|| {
+            SceneError::nowhere(format!("{} begins as UTF-16 and is none; expected UTF-8", path.display()))
+        })?;
+        return Ok(text.strip_prefix(MARK).map(str::to_owned).unwrap_or(text));
+    }
+    if bytes.starts_with(MARK.as_bytes()) {
+        bytes.drain(..MARK.len());
+    }
     if declares_latin_1(&bytes) {
         return Ok(bytes.into_iter().map(char::from).collect());
     }
@@ -19,6 +31,18 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
         let range = valid..valid + char::REPLACEMENT_CHARACTER.len_utf8();
         SceneError::at(&Span { source, range }, message, expected)
     })
+}
+
+/// U+FEFF, which some programs write first.
+const MARK: &str = "\u{feff}";
+
+/// How two bytes are a unit of UTF-16, if a file begins with U+FEFF or `<` in it.
+fn utf_16(bytes: &[u8]) -> Option<fn([u8; 2]) -> u16> {
+    match bytes {
+        [0xff, 0xfe, ..] | [b'<', 0, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] | [0, b'<', ..] => Some(u16::from_be_bytes),
+        _ => None,
+    }
 }
 
 fn declares_latin_1(bytes: &[u8]) -> bool {
@@ -50,5 +74,23 @@ mod tests {
         assert_eq!(error.line_column(), Some((2, 16)));
         assert!(error.message.contains("0xe9"), "{}", error.message);
         assert_eq!(decode(Path::new("a.xml"), "<é/>".into()).unwrap(), "<é/>");
+    }
+
+    #[test]
+    fn marks_of_an_encoding_are_no_text_and_utf_16_is_read_either_way() {
+        let text = "<scene é='𝄞'/>";
+        let encoded = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            text.encode_utf16().flat_map(bytes).collect()
+        };
+        for marked in [text.to_owned(), format!("{MARK}{text}")] {
+            for bytes in
+                [encoded(&marked, u16::to_le_bytes), encoded(&marked, u16::to_be_bytes), marked.into_bytes()]
+            {
+                assert_eq!(decode(Path::new("a.xml"), bytes).unwrap(), text);
+            }
+        }
+        let mut cut = encoded(text, u16::to_le_bytes);
+        cut.pop();
+        assert!(decode(Path::new("a.xml"), cut).unwrap_err().message.contains("UTF-16"));
     }
 }

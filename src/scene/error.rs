@@ -50,10 +50,21 @@ impl SceneError {
 
     /// Line and column, both from 1, of the place; columns count characters.
     pub fn line_column(&self) -> Option<(usize, usize)> {
-        let span = self.span.as_ref()?;
-        let before = &span.source.text[..span.range.start];
+        self.span.as_ref().map(|span| span.line_column())
+    }
+}
+
+impl Span {
+    fn line_column(&self) -> (usize, usize) {
+        let before = &self.source.text[..self.range.start];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        Some((before.matches('\n').count() + 1, before[line_start..].chars().count() + 1))
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+
+    /// File, line and column, as messages write them.
+    pub fn place(&self) -> String {
+        let (line, column) = self.line_column();
+        format!("{}:{line}:{column}", self.source.path.display())
     }
 }
 

@@ -282,11 +282,11 @@ fn count(element: &Element) -> usize {
 fn collect<'d>(element: &'d Element, ids: &mut BTreeMap<&'d str, &'d Element>) -> Result<(), SceneError> {
     if element.tag != "ref"
         && let Some(id) = element.attribute("id")
-        && ids.insert(&id.value, element).is_some()
+        && let Some(first) = ids.insert(&id.value, element)
     {
         return Err(SceneError::at(
             &id.value_span,
-            format!("the id `{}` is taken", id.value),
+            format!("the id `{}` is taken by the <{}> at {}", id.value, first.tag, first.span.place()),
             "expected a unique id",
         ));
     }

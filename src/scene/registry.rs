@@ -5,6 +5,7 @@ use super::error::{SceneError, known};
 use super::loader::Loader;
 use super::params::{Params, Usage};
 use super::xml::Element;
+use crate::spelling::shortened;
 
 /// One model of some category.
 pub struct Entry<T> {
@@ -29,7 +30,7 @@ pub fn construct<'d, T>(
         let names: Vec<&str> = table.iter().map(|e| e.name).collect();
         SceneError::at(
             &kind.value_span,
-            format!("unknown {} `{}`", element.tag, kind.value),
+            format!("unknown {} `{}`", element.tag, shortened(&kind.value)),
             known(&kind.value, &names),
         )
     })?;

@@ -5,6 +5,7 @@ use super::params::number;
 use super::xml::{Attribute, Element};
 use crate::math::frame::unit;
 use crate::math::{DVec3, Frame, Transform};
+use crate::spelling::shortened;
 use glam::DMat4;
 
 /// The steps of a `<transform>`, each applied after the one before.
@@ -59,7 +60,7 @@ fn parse_step(step: &Element) -> Result<Transform, SceneError> {
                 _ => numbers.try_into().map_err(|n: Vec<f64>| {
                     SceneError::at(
                         &value.value_span,
-                        format!("{} numbers", n.len()),
+                        format!("`{}` is {} numbers", shortened(&value.value), n.len()),
                         "expected 16 or 9 numbers",
                     )
                 })?,
@@ -105,8 +106,8 @@ fn triple(attribute: &Attribute) -> Result<DVec3, SceneError> {
         [x, y, z] => Ok(DVec3::new(x, y, z)),
         ref n => Err(SceneError::at(
             &attribute.value_span,
-            format!("{} numbers", n.len()),
-            "expected three numbers",
+            format!("`{}` is {} numbers", shortened(&attribute.value), n.len()),
+            "expected three numbers, or one for all three",
         )),
     }
 }

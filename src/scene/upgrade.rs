@@ -6,12 +6,15 @@ use super::xml::Element;
 pub fn name(name: &str, node: roxmltree::Node) -> String {
     let mut result = String::new();
     let mut previous = ' ';
+    // Within capitals behind a small letter, which all become small.
+    let mut lowered = false;
     for c in name.chars() {
-        if c.is_ascii_uppercase() && previous.is_ascii_lowercase() {
+        let begins = c.is_ascii_uppercase() && previous.is_ascii_lowercase();
+        if begins {
             result.push('_');
         }
-        let follows = result.ends_with('_') || previous.is_ascii_uppercase();
-        result.push(if c.is_ascii_uppercase() && follows { c.to_ascii_lowercase() } else { c });
+        lowered = begins || lowered && c.is_ascii_uppercase();
+        result.push(if lowered { c.to_ascii_lowercase() } else { c });
         previous = c;
     }
     let parent = node.parent().and_then(|p| p.attribute("type"));
@@ -54,6 +57,21 @@ mod tests {
         assert_eq!(root.children[1].name(), Some("to_world"));
         assert_eq!(root.children[2].children[0].name(), Some("to_uv"));
         assert_eq!(root.children[2].children[0].children[1].attribute("x").unwrap().value, "4");
+    }
+
+    #[test]
+    fn only_capitals_behind_small_letters_become_small() {
+        for (old, new) in [
+            ("toWorld", "to_world"),
+            ("intIORValue", "int_iorvalue"),
+            ("RGBimage", "RGBimage"),
+            ("a_B", "a_B"),
+            ("ABcD", "ABc_d"),
+        ] {
+            let text = format!(r#"<scene version="0.6.0"><float name="{old}" value="1"/></scene>"#);
+            let root = xml::read_text("t", &text).unwrap().root;
+            assert_eq!(root.children[0].name(), Some(new));
+        }
     }
 
     #[test]

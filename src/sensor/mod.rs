@@ -18,6 +18,7 @@ use crate::scene::loader::Loader;
 use crate::scene::params::{Params, Usage};
 use crate::scene::registry::{Entry, construct};
 use crate::scene::xml::Element;
+use crate::spelling::shortened;
 use glam::DVec4;
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
@@ -224,11 +225,12 @@ pub fn half_width(params: &mut Params, aspect: f64) -> Result<f64, SceneError> {
         }
         (None, Some(fov)) => (crate::math::transform::half_width(fov), axis),
         (_, None) => {
-            let length = focal.map_or("50mm", |a| a.value.as_str()).trim();
-            let length = length.strip_suffix("mm").unwrap_or(length);
+            let text = focal.map_or("50mm", |a| a.value.as_str()).trim();
+            let length = text.strip_suffix("mm").unwrap_or(text);
             let length = crate::scene::params::number(length).filter(|v| *v > 0.0);
             let length = length.ok_or_else(|| {
-                params.error("focal_length", "no focal length", "expected millimetres, such as 50mm")
+                let message = format!("`{}` is no focal length", shortened(text));
+                params.error("focal_length", message, "expected millimetres, such as 50mm")
             })?;
             // Half the diagonal of a 36 mm × 24 mm frame.
             (0.5 * (36.0f64 * 36.0 + 24.0 * 24.0).sqrt() / length, "diagonal")

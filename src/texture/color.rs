@@ -9,6 +9,7 @@ use crate::scene::transform::numbers;
 use crate::scene::xml::{Attribute, Element};
 use crate::spectrum::table::Tabulated;
 use crate::spectrum::{ColorMode, SpectralFunction, observer, upsample::Sigmoid};
+use crate::spelling::shortened;
 use std::sync::Arc;
 
 pub fn parse<'d>(
@@ -76,7 +77,7 @@ fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
         [r, g, b] => Ok([r, g, b]),
         ref n => Err(SceneError::at(
             &value.value_span,
-            format!("{} numbers", n.len()),
+            format!("`{}` is {} numbers", shortened(&value.value), n.len()),
             "expected one or three numbers",
         )),
     }
@@ -88,9 +89,13 @@ pub fn check_range(values: &[f64], place: &Span, usage: Usage) -> Result<(), Sce
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
         Usage::Emission | Usage::Unbounded | Usage::Any => (MOST, EXPECTED_AMOUNT),
     };
-    match values.iter().find(|v| !(0.0..=top).contains(*v)) {
+    // What rounds to the largest is that.
+    match values.iter().find(|v| !(**v >= 0.0 && f64::from(**v as f32) <= top)) {
         None => Ok(()),
-        Some(v) => Err(SceneError::at(place, format!("{v} is out of range"), expected)),
+        Some(v) => {
+            let number = if (1e-6..1e12).contains(&v.abs()) { v.to_string() } else { format!("{v:e}") };
+            Err(SceneError::at(place, format!("{number} is out of range"), expected))
+        }
     }
 }
 

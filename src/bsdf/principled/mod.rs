@@ -149,12 +149,12 @@ fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
         return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
     }
     params.optional_float("eta", about)?;
-    let specular = params.float_where("specular", 0.5, SPECULAR, "0 to 1", |s| (0.0..=1.0).contains(&s))?;
+    let specular = params.float_where("specular", 0.5, SPECULAR, "0 to 12", |s| (0.0..=12.0).contains(&s))?;
     let specular = if transmits && specular == 0.0 { 1e-3 } else { specular };
     Ok(2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0)
 }
 
-const SPECULAR: &str = "reflectance at normal incidence, in units of 0.08";
+const SPECULAR: &str = "reflectance at normal incidence, in units of 0.08, up to 0.96";
 
 #[cfg(test)]
 mod tests {

@@ -125,6 +125,37 @@ mod tests {
     }
 
     #[test]
+    fn a_dollar_behind_a_backslash_is_no_parameter() {
+        let text = r#"<scene version="3.0.0"><default name="a" value="1"/><float name="\$a" value="$a\\$"/></scene>"#;
+        let root = read_text("t", text).unwrap().root;
+        assert_eq!(
+            (root.children[0].name(), root.children[0].attribute("value").unwrap().value.as_str()),
+            (Some("$a"), r"1\$")
+        );
+    }
+
+    #[test]
+    fn parameters_and_steps_hold_nothing() {
+        for outer in ["float", "rgb", "spectrum", "ref", "include", "translate"] {
+            let text = format!(
+                "<scene version=\"3.0.0\">\n<{outer} name=\"a\"><default name=\"b\" value=\"1\"/></{outer}></scene>"
+            );
+            let error = error(&text);
+            assert!(error.message.contains("cannot contain a <default>"), "{error}");
+            assert_eq!(error.line_column(), Some((2, outer.len() + 12)), "{error}");
+        }
+        let typed = "<scene version=\"3.0.0\"><spectrum type=\"d65\"><float name=\"scale\" value=\"2\"/></spectrum></scene>";
+        assert!(read_text("t", typed).is_ok());
+    }
+
+    #[test]
+    fn namespaces_are_refused() {
+        assert!(error("<scene version=\"3.0.0\" xmlns=\"a\"/>").message.contains("namespace"));
+        let prefixed = "<scene version=\"3.0.0\" xml:id=\"a\"/>";
+        assert!(read_text("t", prefixed).unwrap().root.attribute("xml:id").is_some());
+    }
+
+    #[test]
     fn malformed_documents_are_refused_with_a_place() {
         assert_eq!(error("<scene version=\"3.0.0\">\n  <bsdf></scene>").line_column().unwrap().0, 2);
         assert!(error("<scene/>").message.contains("version"));
@@ -137,7 +168,9 @@ mod tests {
             assert!(error.message.contains("ends too early"), "{error}");
             assert_eq!(error.line_column().unwrap().0, 2, "{error}");
         }
-        assert!(error("<scene version=\"x\"/>").message.contains("no version"));
+        for version in ["x", "3.0", "3..0", "3.0.x"] {
+            assert!(error(&format!("<scene version=\"{version}\"/>")).message.contains("no version"));
+        }
         assert!(
             error("<!DOCTYPE a [<!ENTITY b \"c\">]><scene version=\"3.0.0\">&b;</scene>")
                 .line_column()

@@ -44,13 +44,19 @@ impl Parameters {
         Err(SceneError::nowhere(message))
     }
 
-    /// Replaces `$name`; where several names fit, the longest does.
+    /// Replaces `$name`; where several names fit, the longest does. `\$` is a dollar sign.
     pub fn substitute(&mut self, text: &str, span: &Span) -> Result<String, SceneError> {
         let mut result = String::new();
         let mut rest = text;
         while let Some(i) = rest.find('$') {
-            result.push_str(&rest[..i]);
+            let before = &rest[..i];
             rest = &rest[i + 1..];
+            if let Some(before) = before.strip_suffix('\\') {
+                result.push_str(before);
+                result.push('$');
+                continue;
+            }
+            result.push_str(before);
             let fits = |(name, _): &(&String, &mut Parameter)| rest.starts_with(name.as_str());
             let found = self.known.iter_mut().filter(fits).max_by_key(|(name, _)| name.len());
             let Some((name, parameter)) = found else {

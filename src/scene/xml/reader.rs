@@ -17,6 +17,28 @@ const MAX_ELEMENT_DEPTH: usize = 128;
 const MAX_INCLUDE_DEPTH: usize = 15;
 /// Most files that are included, each counted as often as it is: files that include two each multiply.
 const MOST_INCLUDES: usize = 1 << 12;
+/// Elements that hold nothing, if they are no objects.
+const EMPTY: [&str; 19] = [
+    "float",
+    "integer",
+    "boolean",
+    "string",
+    "rgb",
+    "spectrum",
+    "point",
+    "vector",
+    "ref",
+    "default",
+    "path",
+    "alias",
+    "include",
+    "translate",
+    "rotate",
+    "scale",
+    "lookat",
+    "matrix",
+    "blackbody",
+];
 
 /// State while files are read.
 pub struct Reader {
@@ -98,8 +120,10 @@ impl Reader {
         let version = root.attribute("version").ok_or_else(|| {
             SceneError::at(&span, "the root element has no `version`", "add version=\"3.0.0\"")
         })?;
-        let major = version.split('.').next().and_then(|v| v.parse().ok());
-        let version = major.filter(|_| version.split('.').count() == 3).ok_or_else(|| {
+        let numbers = version.split('.').map(|number| number.parse().ok());
+        let numbers: Option<Vec<u32>> = numbers.collect();
+        let major = numbers.filter(|numbers| numbers.len() == 3).map(|numbers| numbers[0]);
+        let version = major.ok_or_else(|| {
             SceneError::at(
                 &span,
                 format!("`{version}` is no version"),
@@ -127,8 +151,19 @@ impl Reader {
             return Err(SceneError::at(&element_span, message, "expected less nesting"));
         }
         self.depth += 1;
+        if node.tag_name().namespace().is_some() {
+            return Err(SceneError::at(&element_span, "an element of a namespace", "expected none"));
+        }
         let mut attributes = vec![];
         for a in node.attributes() {
+            if a.name() == "version" && node.parent_element().is_some() {
+                let message = format!("<{}> has no attribute `version`", node.tag_name().name());
+                return Err(SceneError::at(
+                    &span(a.range_qname()),
+                    message,
+                    "expected one only at the root of a file",
+                ));
+            }
             let value_span = span(a.range_value());
             let mut value = self.parameters.substitute(a.value(), &value_span)?;
             // A parameter of the file is called what the file calls it.
@@ -136,7 +171,7 @@ impl Reader {
                 value = upgrade::name(&value, node);
             }
             attributes.push(Attribute {
-                name: a.name().into(),
+                name: source.text[a.range_qname()].into(),
                 value,
                 name_span: span(a.range_qname()),
                 value_span,
@@ -155,6 +190,11 @@ impl Reader {
             }
             if !child.is_element() {
                 continue;
+            }
+            if EMPTY.contains(&node.tag_name().name()) && !node.has_attribute("type") {
+                let message =
+                    format!("<{}> cannot contain a <{}>", node.tag_name().name(), child.tag_name().name());
+                return Err(SceneError::at(&span(start_tag(child)), message, "expected nothing in it"));
             }
             match child.tag_name().name() {
                 "default" => self.default(child, file)?,
