@@ -84,6 +84,7 @@ pub fn read(
     overrides: &Overrides,
 ) -> Result<Scene, SceneError> {
     let mut document = xml::read(path, definitions)?;
+    // What overrides add would be missed elsewhere.
     check_root(&document.root)?;
     overrides::apply(&mut document, overrides)?;
     build(&document, mode)
@@ -94,7 +95,9 @@ pub fn read(
 /// # Errors
 /// As [`crate::load`] has them.
 pub fn read_text(name: &str, text: &str, mode: ColorMode) -> Result<Scene, SceneError> {
-    build(&xml::read_text(name, text)?, mode)
+    let document = xml::read_text(name, text)?;
+    check_root(&document.root)?;
+    build(&document, mode)
 }
 
 /// What a document declares, read but not yet put together.
@@ -121,7 +124,6 @@ fn check_root(root: &Element) -> Result<(), SceneError> {
 
 /// Reads the elements of a scene.
 fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declared<'a, 'd>, SceneError> {
-    check_root(root)?;
     root.only(&["version", "type", "id", "name"])?;
     let mut objects = Objects::new(loader);
     let (mut sensors, mut integrators) = (vec![], vec![]);
@@ -138,7 +140,15 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
             "bsdf" => {
                 objects.material(element)?;
             }
-            "texture" | "spectrum" if element.tag == "texture" || element.attribute("type").is_some() => {
+            "spectrum" if element.attribute("type").is_none() => {
+                let message = "a <spectrum> that is a value has no place here";
+                return Err(SceneError::at(
+                    &element.span,
+                    message,
+                    "expected it within an object, or with a `type`",
+                ));
+            }
+            "texture" | "spectrum" => {
                 AnyTexture::parse(element, loader, Usage::Any)?;
             }
             "medium" => loader.medium(element).map(drop)?,
@@ -183,7 +193,7 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
 
 /// Puts together what was read: with all techniques that its integrator allows, before pilots choose among
 /// them.
-fn assemble(mut objects: Objects, sensor: Sensor, integrator: AnyIntegrator, mode: ColorMode) -> Scene {
+fn assemble(mut objects: Objects, mut sensor: Sensor, integrator: AnyIntegrator, mode: ColorMode) -> Scene {
     let features = features(&objects, &integrator);
     let choosing = |traits: Traits| traits.has_density && !traits.one_lobe;
     let several_lobes = objects.sides().any(choosing);
@@ -191,6 +201,7 @@ fn assemble(mut objects: Objects, sensor: Sensor, integrator: AnyIntegrator, mod
     lamps::raise(&mut objects.shapes, &objects.instances);
     let geometries: Vec<&Geometry> = objects.shapes.iter().map(|s| &s.geometry).collect();
     let accel = Accel::with_instances(&geometries, trees);
+    sensor.camera.look_at(accel.bounds());
     let Objects { shapes, instances, materials, emitters, .. } = &mut objects;
     let emitters = Emitters::new(std::mem::take(emitters), |i| &shapes[i as usize].geometry);
     let (shapes, materials) = (std::mem::take(shapes), std::mem::take(materials));

@@ -4,21 +4,19 @@ use super::error::{SceneError, Source, Span};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The text of a file, without the mark of its encoding; an error if bytes are neither UTF-8 nor UTF-16 and the file
-/// does not declare them to be Latin-1.
-pub fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<String, SceneError> {
+/// U+FEFF, which some programs write first, to say that and how a file is Unicode.
+pub const MARK: &str = "\u{feff}";
+
+/// The text of a file; an error if bytes are neither UTF-8 nor UTF-16 and the file does not declare them to be Latin-1.
+pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     if let Some(unit) = utf_16(&bytes) {
         let units: Vec<u16> = bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect();
         let whole = bytes.len().is_multiple_of(2);
-        let text = String::from_utf16(&units).ok().filter(|_| whole).ok_or_else(|| {
+        return String::from_utf16(&units).ok().filter(|_| whole).ok_or_else(|| {
             SceneError::nowhere(format!("{} begins as UTF-16 and is none; expected UTF-8", path.display()))
-        })?;
-        return Ok(text.strip_prefix(MARK).map(str::to_owned).unwrap_or(text));
+        });
     }
-    if bytes.starts_with(MARK.as_bytes()) {
-        bytes.drain(..MARK.len());
-    }
-    if declares_latin_1(&bytes) {
+    if !bytes.starts_with(MARK.as_bytes()) && declares_latin_1(&bytes) {
         return Ok(bytes.into_iter().map(char::from).collect());
     }
     String::from_utf8(bytes).map_err(|error| {
@@ -32,9 +30,6 @@ pub fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<String, SceneError> {
         SceneError::at(&Span { source, range }, message, expected)
     })
 }
-
-/// U+FEFF, which some programs write first.
-const MARK: &str = "\u{feff}";
 
 /// How two bytes are a unit of UTF-16, if a file begins with U+FEFF or `<` in it.
 fn utf_16(bytes: &[u8]) -> Option<fn([u8; 2]) -> u16> {
@@ -77,18 +72,20 @@ mod tests {
     }
 
     #[test]
-    fn marks_of_an_encoding_are_no_text_and_utf_16_is_read_either_way() {
+    fn utf_16_is_read_either_way_and_a_mark_decides() {
         let text = "<scene é='𝄞'/>";
         let encoded = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
             text.encode_utf16().flat_map(bytes).collect()
         };
-        for marked in [text.to_owned(), format!("{MARK}{text}")] {
+        for text in [text.to_owned(), format!("{MARK}{text}")] {
             for bytes in
-                [encoded(&marked, u16::to_le_bytes), encoded(&marked, u16::to_be_bytes), marked.into_bytes()]
+                [encoded(&text, u16::to_le_bytes), encoded(&text, u16::to_be_bytes), text.clone().into()]
             {
                 assert_eq!(decode(Path::new("a.xml"), bytes).unwrap(), text);
             }
         }
+        let declared = format!("{MARK}<?xml version='1.0' encoding='ISO-8859-1'?><a id='café'/>");
+        assert_eq!(decode(Path::new("a.xml"), declared.clone().into()).unwrap(), declared);
         let mut cut = encoded(text, u16::to_le_bytes);
         cut.pop();
         assert!(decode(Path::new("a.xml"), cut).unwrap_err().message.contains("UTF-16"));

@@ -34,12 +34,12 @@ pub struct SceneError {
 impl SceneError {
     /// An error at a place.
     pub fn at(span: &Span, message: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { message: message.into(), expected: expected.into(), span: Some(Box::new(span.clone())) }
+        Self { message: line(message.into()), expected: expected.into(), span: Some(Box::new(span.clone())) }
     }
 
     /// An error about no place in particular, such as a file that cannot be opened.
     pub fn nowhere(message: impl Into<String>) -> Self {
-        Self { message: message.into(), expected: String::new(), span: None }
+        Self { message: line(message.into()), expected: String::new(), span: None }
     }
 
     /// Gives an error without a place the place that led to it.
@@ -52,6 +52,16 @@ impl SceneError {
     pub fn line_column(&self) -> Option<(usize, usize)> {
         self.span.as_ref().map(|span| span.line_column())
     }
+}
+
+/// A message as one line, cut where what it quotes of a file is long.
+fn line(mut message: String) -> String {
+    const MOST: usize = 400;
+    if let Some((end, _)) = message.char_indices().nth(MOST) {
+        message.truncate(end);
+        message.push('…');
+    }
+    if message.contains(char::is_control) { message.replace(char::is_control, "�") } else { message }
 }
 
 impl Span {
@@ -101,6 +111,13 @@ mod tests {
             text.contains("a.xml:2:10") && text.contains("<float nme") && text.contains("known: name"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn a_message_is_one_line_of_bounded_length() {
+        let error = SceneError::nowhere(format!("`{}\n`", "é".repeat(399)));
+        assert_eq!(error.message, format!("`{}…", "é".repeat(399)));
+        assert_eq!(SceneError::nowhere("a\nb").message, "a�b");
     }
 
     #[test]

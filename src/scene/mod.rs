@@ -13,7 +13,7 @@ mod hash;
 pub mod instances;
 mod lamps;
 pub mod loader;
-mod objects;
+pub(crate) mod objects;
 mod overrides;
 mod owners;
 pub mod params;

@@ -277,6 +277,21 @@ impl<'a, 'd> Objects<'a, 'd> {
     }
 }
 
+/// Reads a surface that is none of the scene; what it is made of does not matter.
+pub fn geometry<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<Geometry, SceneError> {
+    let mut params = Params::new(element, loader, Usage::Unbounded)?;
+    let Declared::Geometry(mut geometry) = declared(&mut params)? else {
+        return Err(SceneError::at(&element.span, "no surface", "expected a shape with one"));
+    };
+    params.object("bsdf", "ignored")?;
+    params.finish()?;
+    check_extent(geometry.bounds(), geometry.primitives(), element)?;
+    if let Geometry::Mesh(mesh) = &mut geometry {
+        mesh.prepare_sampling();
+    }
+    Ok(geometry)
+}
+
 /// Reads the geometry of a `<shape>`, without material and emitter.
 fn declared(params: &mut Params) -> Result<Declared, SceneError> {
     let kind = params.element.require("type")?;

@@ -5,8 +5,15 @@ use crate::load_text;
 use crate::math::{DVec2, DVec3, Ray, length};
 use crate::spectrum::ColorMode;
 
-/// Every example, and each turned, moved and, if it bears it, stretched.
+/// Every example that makes an image, and each turned, moved and, if it bears it, stretched.
 fn cameras() -> Vec<(String, AnySensor)> {
+    let mut cameras = sensors();
+    cameras.retain(|(_, camera)| camera.has_image());
+    cameras
+}
+
+/// Every example, and each turned, moved and, if it bears it, stretched.
+fn sensors() -> Vec<(String, AnySensor)> {
     let mut cameras = vec![];
     for entry in SENSORS {
         for example in entry.examples {
@@ -23,10 +30,10 @@ fn cameras() -> Vec<(String, AnySensor)> {
                     }
                 }
                 let scene = format!("<scene version=\"3.0.0\">{text}</scene>");
-                // Only parallel rays can be stretched.
+                // Only parallel rays can be stretched, and what has a direction is not turned.
                 match load_text("camera.xml", &scene, ColorMode::Rgb) {
                     Ok(scene) => cameras.push((text, scene.sensor.camera)),
-                    Err(e) => assert!(place == stretched, "{e}"),
+                    Err(e) => assert!(place == stretched || text.contains("\"direction\""), "{e}"),
                 }
             }
         }
@@ -61,6 +68,23 @@ fn what_a_ray_meets_is_seen_through_the_same_place() {
                 "{text}: seen beyond the far plane"
             );
         }
+    }
+}
+
+/// Nothing has a place on their film, and light paths cannot be connected with them.
+#[test]
+fn what_makes_no_image_sees_along_unit_rays_and_nothing_from_a_point() {
+    let meters: Vec<_> = sensors().into_iter().filter(|(_, sensor)| !sensor.has_image()).collect();
+    assert!(meters.len() > 4, "too few to tell");
+    for (text, meter) in meters {
+        for (film, lens) in places() {
+            let ray = meter.ray(film, lens);
+            assert!((length(ray.direction) - 1.0).abs() < 1e-15 && ray.end == f64::INFINITY, "{text}");
+            assert!(meter.connect(ray.at(5.0), lens).is_none(), "{text}");
+        }
+        let origin = |(film, lens)| meter.ray(film, lens).origin;
+        let first = places().map(origin).next();
+        assert_eq!(meter.has_lens(), places().map(origin).any(|other| Some(other) != first), "{text}");
     }
 }
 

@@ -1,16 +1,20 @@
-//! Cameras: from a place on the film and one on the lens to a ray.
+//! Sensors: from a place on the film and one on the lens to a ray. Cameras make images; meters measure one number.
 //!
 //! *How to add one*: write `sensor/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
 //! [`SENSORS`] and a variant to [`AnySensor`].
 
 #[cfg(test)]
 mod contract;
+mod distant;
 mod orthographic;
 mod perspective;
+mod radiancemeter;
 mod thinlens;
 
+use crate::film::filter::Profile;
+use crate::film::filter_sampler::FilterSampler;
 use crate::film::{FILMS, Film};
-use crate::math::{DVec2, DVec3, Ray, Transform};
+use crate::math::{Ball, Bounds, DVec2, DVec3, Ray, Transform};
 use crate::medium::Medium;
 use crate::sampler::{SAMPLERS, SamplerSettings};
 use crate::scene::error::SceneError;
@@ -19,18 +23,22 @@ use crate::scene::params::{Params, Usage};
 use crate::scene::registry::{Entry, construct};
 use crate::scene::xml::Element;
 use crate::spelling::shortened;
+pub use distant::Distant;
 use glam::DVec4;
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
+pub use radiancemeter::RadianceMeter;
 use std::sync::Arc;
 pub use thinlens::ThinLens;
 
-/// Any camera.
+/// Any sensor.
 #[derive(Clone, Debug)]
 pub enum AnySensor {
     Perspective(Perspective),
     ThinLens(ThinLens),
     Orthographic(Orthographic),
+    RadianceMeter(RadianceMeter),
+    Distant(Distant),
 }
 
 /// A point as a camera sees it.
@@ -46,7 +54,7 @@ pub struct View {
     pub per_area: f64,
 }
 
-/// A camera with what it records on and how it is sampled.
+/// A camera or a meter with what it records on and how it is sampled.
 #[derive(Clone, Debug)]
 pub struct Sensor {
     pub camera: AnySensor,
@@ -58,7 +66,7 @@ pub struct Sensor {
 
 macro_rules! sensors {
     ($($module:ident),* $(,)?) => {
-        /// Every camera.
+        /// Every sensor.
         pub static SENSORS: &[Entry<Sensor>] = &[$(Entry {
             name: $module::NAME,
             about: $module::ABOUT,
@@ -67,7 +75,7 @@ macro_rules! sensors {
         }),*];
     };
 }
-sensors!(perspective, thinlens, orthographic);
+sensors!(perspective, thinlens, orthographic, radiancemeter, distant);
 
 impl Sensor {
     pub fn parse<'d>(element: &'d Element, loader: &Loader<'d>) -> Result<Self, SceneError> {
@@ -84,6 +92,8 @@ impl AnySensor {
             Self::Perspective(camera) => camera.ray(film),
             Self::ThinLens(camera) => camera.ray(film, lens),
             Self::Orthographic(camera) => camera.ray(film),
+            Self::RadianceMeter(meter) => meter.ray(),
+            Self::Distant(meter) => meter.ray(lens),
         }
     }
 
@@ -91,27 +101,47 @@ impl AnySensor {
     pub fn has_lens(&self) -> bool {
         match self {
             Self::ThinLens(_) => true,
-            Self::Perspective(_) | Self::Orthographic(_) => false,
+            Self::Distant(meter) => meter.has_lens(),
+            Self::Perspective(_) | Self::Orthographic(_) | Self::RadianceMeter(_) => false,
+        }
+    }
+
+    /// Whether it makes an image: then light paths can be connected with it, and what is seen has a place on the film.
+    pub fn has_image(&self) -> bool {
+        match self {
+            Self::Perspective(_) | Self::ThinLens(_) | Self::Orthographic(_) => true,
+            Self::RadianceMeter(_) | Self::Distant(_) => false,
+        }
+    }
+
+    /// Tells the box around the scene, which may be empty.
+    pub fn look_at(&mut self, bounds: Bounds) {
+        if let Self::Distant(meter) = self
+            && bounds.0.x <= bounds.1.x
+        {
+            meter.look_at(Ball::of_box(bounds));
         }
     }
 
     /// How a point in the world is seen through a place on the unit square of the lens, if it is not
-    /// occluded. `None` for what lies behind the camera or beyond its clipping distances.
+    /// occluded. `None` for what lies behind the camera or beyond its clipping distances, and of what makes no image.
     #[inline]
     pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
         match self {
             Self::Perspective(camera) => camera.connect(p),
             Self::ThinLens(camera) => camera.connect(p, lens),
             Self::Orthographic(camera) => camera.connect(p),
+            Self::RadianceMeter(_) | Self::Distant(_) => None,
         }
     }
 
-    /// [`View::per_area`] at the point `p` of a camera ray.
+    /// [`View::per_area`] at the point `p` of a camera ray; 0 of what makes no image.
     pub fn seen_per_area(&self, ray: &Ray, p: DVec3) -> f64 {
         match self {
             Self::Perspective(camera) => camera.foreshortening.per_area(ray.direction, p),
             Self::ThinLens(camera) => camera.foreshortening.per_area(ray.direction, p),
             Self::Orthographic(camera) => camera.per_area(),
+            Self::RadianceMeter(_) | Self::Distant(_) => 0.0,
         }
     }
 
@@ -120,6 +150,8 @@ impl AnySensor {
             Self::Perspective(_) => perspective::NAME,
             Self::ThinLens(_) => thinlens::NAME,
             Self::Orthographic(_) => orthographic::NAME,
+            Self::RadianceMeter(_) => radiancemeter::NAME,
+            Self::Distant(_) => distant::NAME,
         }
     }
 }
@@ -153,20 +185,37 @@ impl Foreshortening {
     }
 }
 
-/// The parameters that every camera has besides its optics.
-struct Common {
-    to_world: Transform,
-    near: f64,
-    far: f64,
+/// What every sensor has.
+struct Recorded {
     film: Film,
     sampler: SamplerSettings,
     medium: Option<Arc<Medium>>,
 }
 
+impl Recorded {
+    /// A sensor with this, and with this camera or meter.
+    fn with(self, camera: AnySensor) -> Sensor {
+        Sensor { camera, film: self.film, sampler: self.sampler, medium: self.medium }
+    }
+}
+
+/// The parameters that every camera has besides its optics.
+struct Common {
+    to_world: Transform,
+    near: f64,
+    far: f64,
+    recorded: Recorded,
+}
+
 impl Common {
     /// A sensor with these parameters and this camera.
     fn with(self, camera: AnySensor) -> Sensor {
-        Sensor { camera, film: self.film, sampler: self.sampler, medium: self.medium }
+        self.recorded.with(camera)
+    }
+
+    /// Of the film, width over height.
+    fn aspect(&self) -> f64 {
+        self.recorded.film.aspect()
     }
 }
 
@@ -185,11 +234,16 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
             "add a `far_clip` beyond it",
         ));
     }
-    let film = match params.object("film", "what the camera records on")? {
-        None => Film::default(),
+    Ok(Common { to_world, near, far, recorded: recorded(params, Film::default())? })
+}
+
+/// By default on this film.
+fn recorded(params: &mut Params, film: Film) -> Result<Recorded, SceneError> {
+    let film = match params.object("film", "what it records on")? {
+        None => film,
         Some(element) => construct(FILMS, element, params.loader, Usage::Unbounded)?,
     };
-    let sampler = match params.object("sampler", "how the camera is sampled")? {
+    let sampler = match params.object("sampler", "how it is sampled")? {
         None => SamplerSettings::default(),
         Some(element) => construct(SAMPLERS, element, params.loader, Usage::Unbounded)?,
     };
@@ -200,8 +254,32 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
         let expected = "expected `shutter_close` not to be before `shutter_open`";
         return Err(params.error(name, "the shutter closes before it opens", expected));
     }
-    let medium = params.any_medium("what the camera is in, for `volpath`")?;
-    Ok(Common { to_world, near, far, film, sampler, medium })
+    let medium = params.any_medium("what it is in, for `volpath`")?;
+    Ok(Recorded { film, sampler, medium })
+}
+
+/// What a meter records on. All of its one pixel is alike, so the filter is a box.
+fn one_pixel(params: &mut Params) -> Result<Recorded, SceneError> {
+    const SIZE: (u32, u32) = (1, 1);
+    let mut recorded = recorded(params, Film::new(SIZE, Profile::Box))?;
+    if recorded.film.size != SIZE {
+        let (width, height) = recorded.film.size;
+        let film = params.element.children.iter().find(|child| child.tag == "film");
+        return Err(SceneError::at(
+            film.map_or(&params.element.span, |film| &film.span),
+            format!("a film of {width} × {height} pixels, and a meter measures one number"),
+            "expected a film of 1 × 1 pixels",
+        ));
+    }
+    recorded.film.filter = FilterSampler::new(Profile::Box);
+    Ok(recorded)
+}
+
+/// The unit vector along what is, or should have been, the `direction`.
+fn direction(params: &Params, along: DVec3) -> Result<DVec3, SceneError> {
+    along.try_normalize().ok_or_else(|| {
+        params.error("direction", "the direction has no length", "expected a vector other than 0")
+    })
 }
 
 /// tan of half the horizontal field of view of a picture of this width over height, from `fov` and `fov_axis`

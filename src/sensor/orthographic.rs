@@ -26,7 +26,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     params.optional_float("focus_distance", "of a `thinlens`; ignored here, as in Mitsuba")?;
     let camera = AnySensor::Orthographic(Orthographic {
         to_world: common.to_world,
-        aspect: common.film.aspect(),
+        aspect: common.aspect(),
         near: common.near,
         far: common.far,
     });

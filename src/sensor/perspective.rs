@@ -26,8 +26,8 @@ pub struct Perspective {
 pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let common = common(params)?;
     params.optional_float("focus_distance", "of a `thinlens`; ignored here, as in Mitsuba")?;
-    let half = half_width(params, common.film.aspect())?;
-    let half = DVec2::new(half, half / common.film.aspect());
+    let half = half_width(params, common.aspect())?;
+    let half = DVec2::new(half, half / common.aspect());
     let x = params.float("principal_point_offset_x", 0.0, "of the film's centre, in film widths")?;
     let y = params.float("principal_point_offset_y", 0.0, "of the film's centre, in film heights")?;
     require_rigid(params, &common.to_world, "a camera")?;

@@ -26,7 +26,7 @@ pub struct ThinLens {
 
 pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let common = common(params)?;
-    let half = half_width(params, common.film.aspect())?;
+    let half = half_width(params, common.aspect())?;
     let expected = "a radius of at least 0";
     let aperture_radius =
         params.optional_float_where("aperture_radius", "radius of the lens", expected, |v| v >= 0.0)?;
@@ -41,7 +41,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let about = "depth of the plane of focus; `far_clip` by default";
     let focus_distance = params.float_where("focus_distance", common.far, about, expected, |v| v > 0.0)?;
     require_rigid(params, &common.to_world, "a camera")?;
-    let half = DVec2::new(half, half / common.film.aspect());
+    let half = DVec2::new(half, half / common.aspect());
     let camera = AnySensor::ThinLens(ThinLens {
         to_world: common.to_world,
         half,

@@ -89,8 +89,8 @@ pub fn check_range(values: &[f64], place: &Span, usage: Usage) -> Result<(), Sce
         Usage::Reflectance | Usage::Vector => (1.0, "expected 0 to 1"),
         Usage::Emission | Usage::Unbounded | Usage::Any => (MOST, EXPECTED_AMOUNT),
     };
-    // What rounds to the largest is that.
-    match values.iter().find(|v| !(**v >= 0.0 && f64::from(**v as f32) <= top)) {
+    // Numbers are kept as `f32`, as in Mitsuba: what rounds to 1 is 1.
+    match values.iter().find(|v| !(**v >= 0.0 && **v as f32 <= top as f32)) {
         None => Ok(()),
         Some(v) => {
             let number = if (1e-6..1e12).contains(&v.abs()) { v.to_string() } else { format!("{v:e}") };

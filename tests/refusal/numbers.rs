@@ -285,3 +285,50 @@ fn amounts_and_shapes_that_no_number_can_hold_are_refused() {
         ("\"B\"", &film(&of("rfilter", "mitchell", "B", "1e300")), &["-10 to 10"]),
     ]);
 }
+
+#[test]
+fn meters_measure_one_number_along_a_direction() {
+    let meter = |kind: &str, body: &str| {
+        format!("<scene version=\"3.0.0\">\n<sensor type=\"{kind}\">\n{body}</sensor></scene>")
+    };
+    let film = "<film type=\"hdrfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" value=\"2\"/></film>\n";
+    let (origin, direction) =
+        ("<point name=\"origin\" x=\"1\"/>\n", "<vector name=\"direction\" z=\"1\"/>\n");
+    for kind in ["radiancemeter", "distant"] {
+        refused(&meter(kind, film), "<film", &["1 × 2 pixels", "1 × 1"]);
+        let none = origin.replace("origin", "direction").replace('1', "0");
+        let body = if kind == "distant" { none } else { format!("{origin}{none}") };
+        refused(&meter(kind, &body), "name=\"direction\"", &["no length"]);
+    }
+    refused(&meter("radiancemeter", origin), "origin", &["without `direction`"]);
+    refused(&meter("radiancemeter", direction), "direction", &["without `origin`"]);
+    let turned = format!("{direction}<transform name=\"to_world\"/>\n");
+    refused(&meter("distant", &turned), "to_world", &["both"]);
+    let targets = [
+        ("<float name=\"target\" value=\"1\"/>", "cannot be a <float>"),
+        ("<shape type=\"shapegroup\" name=\"target\"/>", "no surface"),
+        ("<shape type=\"disk\" name=\"target\"><float name=\"a\" value=\"1\"/></shape>", "no parameter `a`"),
+    ];
+    for (target, message) in targets {
+        refused(&meter("distant", target), "target", &[message]);
+    }
+}
+
+#[test]
+fn numbers_are_judged_as_they_are_kept() {
+    let grey = |value: &str| {
+        format!("<bsdf type=\"diffuse\">\n<rgb name=\"reflectance\" value=\"{value}\"/></bsdf>")
+    };
+    refused(&scene(&grey("1.0000001")), "1.0000001", &["1.0000001 is out of range"]);
+    refused(&scene(&grey("-1e-50")), "-1e-50", &["-1e-50 is out of range"]);
+    refused(&scene(&grey("0.1, 0.2")), "0.1", &["`0.1, 0.2` is 2 numbers"]);
+    // Which is 1 as `f32`: what is refused comes behind it.
+    refused(&scene(&format!("{}\n<nothing/>", grey("1.00000001"))), "<nothing", &["no place here"]);
+    let specular = |value: &str| {
+        format!("<bsdf type=\"principled\">\n<float name=\"specular\" value=\"{value}\"/></bsdf>")
+    };
+    refused(&scene(&specular("12.5")), "12.5", &["0 to 12"]);
+    refused(&scene(&format!("{}\n<nothing/>", specular("12"))), "<nothing", &["no place here"]);
+    let focal = "<scene version=\"3.0.0\"><sensor type=\"perspective\">\n<string name=\"focal_length\" value=\"far\"/></sensor></scene>";
+    refused(focal, "far", &["`far` is no focal length"]);
+}

@@ -144,7 +144,7 @@ fn references_that_lead_nowhere_or_in_circles_are_refused() {
         (
             "plastic",
             "<bsdf type=\"diffuse\" id=\"a\"/>\n<bsdf type=\"plastic\" id=\"a\"/>",
-            &["the id `a` is taken"],
+            &["the id `a` is taken by the <bsdf> at ", ".xml:"],
         ),
         ("id=\"a\"", "<bsdf type=\"twosided\" id=\"a\"><ref id=\"a\"/></bsdf>", &["contains itself"]),
         (
@@ -398,4 +398,19 @@ fn groups_instances_and_maps_say_what_they_cannot_be() {
         ("checkerboard", &map("normalmap"), &["holds no normals", "three channels"]),
         ("checkerboard", &map("bumpmap"), &["has no slope", "bitmap"]),
     ]);
+}
+
+#[test]
+fn what_stands_in_a_wrong_place_is_refused_there() {
+    all_refused(&[
+        ("<spectrum", "<spectrum value=\"1\"/>", &["a value has no place here", "`type`"]),
+        (
+            "<transform/>",
+            "<shape type=\"cube\">\n<transform/></shape>",
+            &["this <transform>", "has no `name`"],
+        ),
+        ("<bsdf/>", "<bsdf type=\"diffuse\">\n<bsdf/></bsdf>", &["cannot contain this <bsdf>"]),
+    ]);
+    let folder = Folder::new(b"<bsdf version=\"3.0.0\" type=\"diffuse\"/>");
+    folder.refused_given(&["--seed", "7"], &["the root is a <bsdf>", "expected <scene>"]);
 }

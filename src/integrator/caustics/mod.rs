@@ -76,7 +76,7 @@ impl Caustics {
     ) -> Option<Self> {
         let settings = integrator.path()?;
         let ratio = settings.light_paths;
-        if settings.lengths.max_depth < 3 || ratio == 0.0 {
+        if settings.lengths.max_depth < 3 || ratio == 0.0 || !sensor.camera.has_image() {
             return None;
         }
         let emission = Emission::new(emitters, shapes, instances)?;

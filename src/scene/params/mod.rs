@@ -121,7 +121,7 @@ impl<'a, 'd> Params<'a, 'd> {
                 known(&name.value, &names),
             ),
             // Only what is a model of its own is known by its kind.
-            None if child.element.attribute("type").is_none() => SceneError::at(
+            None if child.element.tag == "transform" || child.element.is_value() => SceneError::at(
                 &child.site.span,
                 format!("this <{}> of {} `{kind}` has no `name`", child.element.tag, self.element.tag),
                 format!("known: {}", names.join(", ")),

@@ -63,6 +63,11 @@ impl Element {
         })
     }
 
+    /// Whether it is a number, a colour or the like, and no object.
+    pub fn is_value(&self) -> bool {
+        reader::is_value(&self.tag, self.attribute("type").is_some())
+    }
+
     /// The property name under which the parent looks for this element.
     pub fn name(&self) -> Option<&str> {
         self.attribute("name").map(|a| a.value.as_str())
@@ -136,7 +141,7 @@ mod tests {
 
     #[test]
     fn parameters_and_steps_hold_nothing() {
-        for outer in ["float", "rgb", "spectrum", "ref", "include", "translate"] {
+        for outer in ["float", "rgb", "srgb", "spectrum", "ref", "include", "translate", "look_at"] {
             let text = format!(
                 "<scene version=\"3.0.0\">\n<{outer} name=\"a\"><default name=\"b\" value=\"1\"/></{outer}></scene>"
             );
@@ -144,8 +149,16 @@ mod tests {
             assert!(error.message.contains("cannot contain a <default>"), "{error}");
             assert_eq!(error.line_column(), Some((2, outer.len() + 12)), "{error}");
         }
+        let inner = "<scene version=\"3.0.0\">\n<bsdf version=\"3.0.0\"/></scene>";
+        assert!(error(inner).message.contains("no attribute `version`"));
         let typed = "<scene version=\"3.0.0\"><spectrum type=\"d65\"><float name=\"scale\" value=\"2\"/></spectrum></scene>";
         assert!(read_text("t", typed).is_ok());
+    }
+
+    #[test]
+    fn a_mark_of_the_encoding_is_no_column() {
+        let bad = error("\u{feff}<?xml version=\"1.0\"?><scene version=\"x\"/>");
+        assert_eq!(bad.line_column(), Some((1, 22)));
     }
 
     #[test]

@@ -18,7 +18,7 @@ const MAX_INCLUDE_DEPTH: usize = 15;
 /// Most files that are included, each counted as often as it is: files that include two each multiply.
 const MOST_INCLUDES: usize = 1 << 12;
 /// Elements that hold nothing, if they are no objects.
-const EMPTY: [&str; 19] = [
+const EMPTY: [&str; 21] = [
     "float",
     "integer",
     "boolean",
@@ -38,6 +38,8 @@ const EMPTY: [&str; 19] = [
     "lookat",
     "matrix",
     "blackbody",
+    "srgb",
+    "look_at",
 ];
 
 /// State while files are read.
@@ -109,6 +111,8 @@ impl Reader {
 
     /// The root element of a text, as if it stood in a file.
     pub fn text(&mut self, path: &Path, text: String) -> Result<Element, SceneError> {
+        // No column of the file.
+        let text = text.strip_prefix(encoding::MARK).map(str::to_owned).unwrap_or(text);
         let source = Arc::new(Source { path: path.to_owned(), text });
         let text = forgive(&source.text).map_err(|range| {
             let message = "not well-formed XML: a comment that does not end";
@@ -120,7 +124,7 @@ impl Reader {
         let version = root.attribute("version").ok_or_else(|| {
             SceneError::at(&span, "the root element has no `version`", "add version=\"3.0.0\"")
         })?;
-        let numbers = version.split('.').map(|number| number.parse().ok());
+        let numbers = version.split('.').map(|number| number.trim().parse().ok());
         let numbers: Option<Vec<u32>> = numbers.collect();
         let major = numbers.filter(|numbers| numbers.len() == 3).map(|numbers| numbers[0]);
         let version = major.ok_or_else(|| {
@@ -156,7 +160,8 @@ impl Reader {
         }
         let mut attributes = vec![];
         for a in node.attributes() {
-            if a.name() == "version" && node.parent_element().is_some() {
+            let name = &source.text[a.range_qname()];
+            if name == "version" && node.parent_element().is_some() {
                 let message = format!("<{}> has no attribute `version`", node.tag_name().name());
                 return Err(SceneError::at(
                     &span(a.range_qname()),
@@ -167,11 +172,11 @@ impl Reader {
             let value_span = span(a.range_value());
             let mut value = self.parameters.substitute(a.value(), &value_span)?;
             // A parameter of the file is called what the file calls it.
-            if file.version < 2 && a.name() == "name" && !node.has_tag_name("default") {
+            if file.version < 2 && name == "name" && !node.has_tag_name("default") {
                 value = upgrade::name(&value, node);
             }
             attributes.push(Attribute {
-                name: source.text[a.range_qname()].into(),
+                name: name.into(),
                 value,
                 name_span: span(a.range_qname()),
                 value_span,
@@ -191,7 +196,7 @@ impl Reader {
             if !child.is_element() {
                 continue;
             }
-            if EMPTY.contains(&node.tag_name().name()) && !node.has_attribute("type") {
+            if is_value(node.tag_name().name(), node.has_attribute("type")) {
                 let message =
                     format!("<{}> cannot contain a <{}>", node.tag_name().name(), child.tag_name().name());
                 return Err(SceneError::at(&span(start_tag(child)), message, "expected nothing in it"));
@@ -289,6 +294,11 @@ impl Reader {
         }
         Ok(())
     }
+}
+
+/// Whether an element of this tag, with a `type` or without, holds nothing.
+pub fn is_value(tag: &str, has_type: bool) -> bool {
+    EMPTY.contains(&tag) && !has_type
 }
 
 /// Refuses an `<integer>` that is none, although a model might accept any number.

@@ -47,9 +47,9 @@ impl Boxes {
         for (aabb, piece) in of_others.iter_mut().zip(&others) {
             *aabb = boxed(space, piece.bounds());
         }
-        let mut pieces: Vec<u32> = (0..items.len() as u32).into_par_iter().collect();
-        pieces.extend(others.iter().map(|piece| piece.of));
-        Self { boxes, items: pieces, contents }
+        let mut of_boxes: Vec<u32> = (0..items.len() as u32).into_par_iter().collect();
+        of_boxes.extend(others.iter().map(|piece| piece.of));
+        Self { boxes, items: of_boxes, contents }
     }
 }
 

@@ -26,7 +26,7 @@ const MANY: usize = 1 << 14;
 /// The level down to which their ways part.
 const LEVELS: u32 = 10;
 
-/// What a leaf of the binary tree holds.
+/// What a leaf of the binary tree holds. Small numbers are as wide as leaves no padding.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Content {
@@ -242,4 +242,39 @@ fn decide_fork(node: &Bvh2Node, (l, of_left): &Decided, (r, of_right): &Decided)
         costs[trees - 1] = best;
     }
     (decision, costs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pages::Pages;
+    use crate::shape::accel::grow::grow;
+    use glam::Vec3A;
+    use obvhs::aabb::Aabb;
+    use rand_pcg::{Pcg32, rand_core::Rng};
+
+    #[test]
+    fn several_threads_decide_as_one() {
+        let mut rng = Pcg32::new(3, 1);
+        let mut uniform = || rng.next_u32() as f32 / 4294967296.0;
+        let mut corner = || Vec3A::new(uniform(), uniform(), uniform());
+        let mut boxes = Pages::zeroed(50_000);
+        boxes.fill_with(|| {
+            let at = corner();
+            Aabb::new(at, at + 0.01 * corner())
+        });
+        let kinds = [kind::TRIANGLE, kind::PATCH, kind::SPHERE];
+        let content = |i: usize| Content { surface: i as f32, size: 1, kind: kinds[i % 7 % 3] };
+        let contents: Vec<Content> = (0..boxes.len()).map(content).collect();
+        let binary = grow(boxes, (0..contents.len() as u32).collect(), usize::from(LEAF));
+        let plan = Plan::new(&binary, &contents);
+        assert!(plan.is_large());
+        let words = |plan: &Plan| -> Vec<u32> {
+            plan.decisions.0.iter().flatten().map(|word| word.load(Ordering::Relaxed)).collect()
+        };
+        let by_several = words(&plan);
+        plan.decisions.0.iter().flatten().for_each(|word| word.store(0, Ordering::Relaxed));
+        plan.decide(0, &contents, 0);
+        assert!(by_several == words(&plan));
+    }
 }

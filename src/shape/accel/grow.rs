@@ -72,7 +72,7 @@ pub fn grow(mut boxes: Pages<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
     let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, place }, most);
     // Trees of millions of triangles are where memory runs out.
     drop(boxes);
-    // Not written yet, so that several threads may be first to.
+    // Zeros are the system's, so that pages are first touched by the threads that write them.
     let mut nodes: Vec<Bvh2Node> = bytemuck::zeroed_vec(1 + part.below());
     if let Some((root, below)) = nodes.split_first_mut() {
         *root = join(part, below, 1);

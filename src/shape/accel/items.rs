@@ -40,6 +40,7 @@ impl Run {
 
 /// All items of a scene.
 pub struct Items {
+    /// In large pages, for leaves look them up all over.
     pub in_tree: Pages<Item>,
     /// What every ray tests, by kind.
     pub tried: [Vec<Item>; Kind::COUNT],
@@ -109,4 +110,51 @@ fn listed(runs: &[Run]) -> Pages<Item> {
         rest = behind;
     }
     items
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DVec3, Transform};
+    use crate::shape::accel::Accel;
+    use crate::shape::mesh_data::MeshData;
+    use crate::shape::{Mesh, Normals, Sphere};
+    use std::sync::Arc;
+
+    fn mesh(triangles: usize) -> Geometry {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let data = MeshData { positions, triangles: vec![[0, 1, 2]; triangles], ..MeshData::default() };
+        Geometry::Mesh(Mesh::new(data, &Transform::IDENTITY, Normals::OF_FACES))
+    }
+
+    #[test]
+    fn items_are_numbered_as_one_by_one() {
+        let place = Transform::IDENTITY;
+        let shapes = [
+            mesh(0),
+            Geometry::Cube(Cube::new(&place, false)),
+            mesh(2 * MANY + 3),
+            Geometry::Cube(Cube::new(&place, false)),
+            Geometry::Sphere(Sphere::new(&place, DVec3::ZERO, 1.0, false)),
+            mesh(1),
+        ];
+        let refs: Vec<&Geometry> = shapes.iter().collect();
+        let member = mesh(5);
+        let instance = || Instance::new(Arc::new(Accel::new(&[&member])), place);
+        let items = Items::list(&refs, &mut [instance(), instance()], None);
+        let mut expected = vec![];
+        let mut primitive = 0;
+        for (shape, geometry) in (0..).zip(&shapes) {
+            let together = if let Geometry::Cube(_) = geometry { 6 } else { 1 };
+            for local in (0..geometry.primitives()).step_by(together as usize) {
+                expected.push((shape, local, primitive));
+                primitive += together;
+            }
+        }
+        expected.extend([(6, 0, primitive), (7, 0, primitive + 5)]);
+        let listed: Vec<_> =
+            items.in_tree.iter().map(|item| (item.shape, item.local, item.primitive)).collect();
+        assert!(listed == expected);
+        assert_eq!(items.primitives, primitive + 10);
+    }
 }

@@ -1,11 +1,12 @@
 //! The nodes of eight of a planned tree, and their order in memory.
 
-use super::fold::Plan;
+use super::fold::{Decision, Plan};
 use super::node::{Node, NodeRef};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// As many subtrees of a large tree are laid out side by side.
+/// At least as many subtrees of a large tree are laid out side by side, if it has them level by level: enough for any
+/// number of threads although their sizes differ.
 const PARTS: usize = 64;
 
 /// All nodes, the children of each next to each other, and all leaves.
@@ -44,8 +45,8 @@ impl Layout {
     pub fn new(plan: &Plan) -> Self {
         let mut layout = Self::root();
         let mut waiting = VecDeque::from([(0, 0)]);
-        while plan.is_large()
-            && waiting.len() < PARTS
+        let parts = if plan.is_large() { PARTS } else { 1 };
+        while waiting.len() < parts
             && let Some((index, to)) = waiting.pop_front()
         {
             layout.add(plan, index, to, &mut waiting);
@@ -75,18 +76,19 @@ impl Layout {
 
     /// Makes node `to` of a binary node. What is to become of its children that are nodes is added to `waiting`.
     fn add(&mut self, plan: &Plan, index: u32, to: usize, waiting: &mut impl Extend<(u32, usize)>) {
-        let wide = Wide { first: self.end(), ..Wide::of(plan, index) };
-        for &leaf in wide.children() {
-            let decision = plan.decision(leaf);
-            if !decision.is_leaf() {
-                waiting.extend([(leaf, self.nodes.len())]);
+        let mut next = self.end();
+        let wide = Wide { first: next, ..Wide::of(plan, index) };
+        for &child in wide.children() {
+            let First { node, block, mixed } = next;
+            next.take(plan.decision(child));
+            if next.node > node {
+                waiting.extend([(child, node as usize)]);
                 self.nodes.push(Wide::default());
-                continue;
             }
-            let triangles = decision.has_triangles().then_some(self.blocks.len() as u32);
-            self.blocks.extend(triangles.map(|_| leaf));
-            if !decision.only_triangles() {
-                self.mixed.push(MixedLeaf { leaf, triangles });
+            let triangles = (next.block > block).then_some(block);
+            self.blocks.extend(triangles.map(|_| child));
+            if next.mixed > mixed {
+                self.mixed.push(MixedLeaf { leaf: child, triangles });
             }
         }
         self.nodes[to] = wide;
@@ -164,15 +166,7 @@ impl Wide {
         let mut node = Node::empty();
         let mut next = self.first;
         for (slot, &child) in self.children().iter().enumerate() {
-            let decision = plan.decision(child);
-            let target = if !decision.is_leaf() {
-                NodeRef::node(post_increment(&mut next.node))
-            } else if decision.only_triangles() {
-                NodeRef::triangles(post_increment(&mut next.block))
-            } else {
-                next.block += u32::from(decision.has_triangles());
-                NodeRef::mixed(post_increment(&mut next.mixed))
-            };
+            let target = next.take(plan.decision(child));
             let aabb = plan.binary.nodes[child as usize].aabb();
             node.set(slot, aabb.min.to_array(), aabb.max.to_array(), target);
         }
@@ -180,8 +174,19 @@ impl Wide {
     }
 }
 
-/// The number, which then is one more.
-fn post_increment(number: &mut u32) -> usize {
-    *number += 1;
-    *number as usize - 1
+impl First {
+    /// Where a child is; the next of its kind comes behind it.
+    fn take(&mut self, child: Decision) -> NodeRef {
+        let First { node, block, mixed } = *self;
+        if !child.is_leaf() {
+            self.node += 1;
+            return NodeRef::node(node as usize);
+        }
+        self.block += u32::from(child.has_triangles());
+        if child.only_triangles() {
+            return NodeRef::triangles(block as usize);
+        }
+        self.mixed += 1;
+        NodeRef::mixed(mixed as usize)
+    }
 }

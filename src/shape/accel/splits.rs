@@ -61,7 +61,8 @@ impl Piece {
 
     /// Keeps the lower half; returns the upper.
     fn halve(&mut self) -> Self {
-        let mut outlines = [0; 2].map(|_| Vec::with_capacity(self.outline.len() + 2));
+        let mut outlines: [Vec<DVec3>; 2] =
+            std::array::from_fn(|_| Vec::with_capacity(self.outline.len() + 2));
         self.halves(|half, corner| outlines[half].push(corner));
         let [lower, upper] = outlines;
         self.outline = lower;

@@ -1,5 +1,6 @@
 //! The tree against trying everything, and rays aimed where trees leak.
 
+mod mixed;
 mod vast;
 
 use super::trying::Limits;

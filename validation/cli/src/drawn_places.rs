@@ -23,8 +23,8 @@ fn parse<T>(
     read(&document.root.children[0], &loader).map_err(|e| e.to_string())
 }
 
-/// The point where a ray leaves the lens: squared radius, in units of the lens's radius squared, and azimuth,
-/// in which a disk is a rectangle. Cameras without a lens draw nothing.
+/// The point where a ray leaves the lens, or the disk that a meter is aimed at: squared radius, in units of its own
+/// squared, and azimuth, in which a disk is a rectangle. Sensors without a lens draw nothing.
 pub struct Lens {
     camera: AnySensor,
 }
@@ -34,7 +34,7 @@ impl Lens {
         parse(snippet, Sensor::parse).map(|sensor| Self { camera: sensor.camera })
     }
 
-    /// The ray's point in the plane of the lens, for cameras whose `to_world` is the identity.
+    /// The ray's point in the plane of the lens, for sensors that look along z from the origin.
     fn place(&self, lens: DVec2) -> DVec2 {
         let ray = self.camera.ray(DVec2::new(0.3, 0.6), lens);
         let p = ray.at(-ray.origin.z / ray.direction.z);
@@ -57,11 +57,11 @@ impl Planar for Lens {
     }
 
     fn pdf(&self, _: [f64; 2]) -> f64 {
-        if matches!(self.camera, AnySensor::ThinLens(_)) { 0.5 / PI } else { 0.0 }
+        if self.camera.has_lens() { 0.5 / PI } else { 0.0 }
     }
 
     fn sample(&self, u: [f64; 3]) -> Option<Place> {
-        if !matches!(self.camera, AnySensor::ThinLens(_)) {
+        if !self.camera.has_lens() {
             return None;
         }
         let p = self.place(DVec2::new(u[1], u[2])) / self.radius();
