@@ -74,27 +74,28 @@ impl Distant {
         self.scene = scene;
     }
 
-    /// A ray (world) chosen by two numbers in [0, 1). It begins a diameter before the middle of the ball around the
-    /// scene, wherever the target is.
+    /// A ray (world) chosen by two numbers in [0, 1).
     #[inline]
     pub fn ray(&self, lens: DVec2) -> Ray {
         let n = self.frame.n;
-        let p = self.aim(lens);
-        let depth = n.dot(p - self.scene.centre) + 2.0 * self.scene.radius;
-        Ray::free(p - n * depth, n)
+        let (p, distance) = self.aim(lens);
+        Ray::free(p - n * distance, n)
     }
 
-    /// A point that is aimed at.
+    /// A point that is aimed at, and from how far: as in Mitsuba from a diameter of the scene, of the outline from a
+    /// radius, for distances count from there; but from farther away where that is not outside.
     // Not inlined, and not where the ray is: cameras would pay for either.
     #[inline(never)]
-    fn aim(&self, lens: DVec2) -> DVec3 {
-        match &self.target {
+    fn aim(&self, lens: DVec2) -> (DVec3, f64) {
+        let Ball { centre, radius } = self.scene;
+        let (p, distance) = match &self.target {
             Target::Scene => {
-                let d = self.scene.radius * warp::disk_concentric(lens);
-                self.scene.centre + self.frame.s * d.x + self.frame.t * d.y
+                let d = radius * warp::disk_concentric(lens);
+                (centre + self.frame.s * d.x + self.frame.t * d.y, radius)
             }
-            Target::Point(p) => *p,
-            Target::Surface(surface) => surface.sample_area::<false>(lens).p,
-        }
+            Target::Point(p) => (*p, 2.0 * radius),
+            Target::Surface(surface) => (surface.sample_area::<false>(lens).p, 2.0 * radius),
+        };
+        (p, distance.max(self.frame.n.dot(p - centre) + radius))
     }
 }

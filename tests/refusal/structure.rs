@@ -412,5 +412,5 @@ fn what_stands_in_a_wrong_place_is_refused_there() {
         ("<bsdf/>", "<bsdf type=\"diffuse\">\n<bsdf/></bsdf>", &["cannot contain this <bsdf>"]),
     ]);
     let folder = Folder::new(b"<bsdf version=\"3.0.0\" type=\"diffuse\"/>");
-    folder.refused_given(&["--seed", "7"], &["the root is a <bsdf>", "expected <scene>"]);
+    folder.refused_given(&["--seed", "1"], &["the root is a <bsdf>", "expected <scene>"]);
 }

@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn several_threads_decide_as_one() {
-        let mut rng = Pcg32::new(3, 1);
+        let mut rng = Pcg32::new(0, 1);
         let mut uniform = || rng.next_u32() as f32 / 4294967296.0;
         let mut corner = || Vec3A::new(uniform(), uniform(), uniform());
         let mut boxes = Pages::zeroed(50_000);
