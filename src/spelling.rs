@@ -10,14 +10,13 @@ pub fn known(word: &str, names: &[&str]) -> String {
     }
 }
 
-/// The beginning of a text, as an error message can quote it even if it is a megabyte or has lines.
+/// The beginning of a text, as an error message can quote it even if it is a megabyte.
 pub fn shortened(text: &str) -> String {
     const MOST: usize = 60;
-    let short = match text.char_indices().nth(MOST) {
+    match text.char_indices().nth(MOST) {
         None => text.to_owned(),
         Some((end, _)) => format!("{}…", &text[..end]),
-    };
-    short.replace(char::is_control, "�")
+    }
 }
 
 /// Levenshtein distance, for the spelling hint.

@@ -25,16 +25,7 @@ pub fn parse(params: &mut Params) -> Result<AnyEmitter, SceneError> {
     let irradiance =
         params.texture("irradiance", 1.0, Usage::Emission, "on a plane facing the light, in W·m⁻²·nm⁻¹")?;
     require_constant(params, "irradiance", &irradiance, "expected a spectrum that is the same everywhere")?;
-    if params.has("direction") && params.has("to_world") {
-        return Err(params.error("to_world", "both `direction` and `to_world`", "expected one of them"));
-    }
-    let direction = params.vector("direction", None, "where the light goes")?;
-    let to_world = params.transform("to_world", "turns +z to where the light goes")?;
-    let direction = direction.unwrap_or_else(|| to_world.vector(DVec3::Z));
-    let unit = direction.try_normalize();
-    let direction = unit.ok_or_else(|| {
-        params.error("direction", "the direction has no length", "expected a vector other than 0")
-    })?;
+    let direction = params.direction("where the light goes", "turns +z to where the light goes")?;
     Ok(AnyEmitter::Directional(Directional { direction, irradiance }))
 }
 

@@ -1,6 +1,6 @@
 //! The radiance that leaves the scene in one direction.
 
-use super::{AnySensor, Sensor, direction, one_pixel};
+use super::{AnySensor, Sensor, one_pixel};
 use crate::math::{Ball, DVec2, DVec3, Frame, Ray, warp};
 use crate::scene::error::SceneError;
 use crate::scene::objects::geometry;
@@ -39,12 +39,8 @@ enum Target {
 
 pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     let recorded = one_pixel(params)?;
-    if params.has("direction") && params.has("to_world") {
-        return Err(params.error("to_world", "both `direction` and `to_world`", "expected one of them"));
-    }
-    let towards = params.vector("direction", None, "where it looks: against the light that it measures")?;
-    let to_world = params.transform("to_world", "turns +z to where it looks")?;
-    let direction = direction(params, towards.unwrap_or_else(|| to_world.vector(DVec3::Z)))?;
+    let direction = params
+        .direction("where it looks: against the light that it measures", "turns +z to where it looks")?;
     let about = "a <point> or a <shape> that is aimed at, evenly by its area; by default the disk that the ball around the scene's box is seen as";
     let target = match params.raw("target", "point or shape", "none", about)? {
         None => Target::Scene,

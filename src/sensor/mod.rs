@@ -234,13 +234,13 @@ fn common(params: &mut Params) -> Result<Common, SceneError> {
             "add a `far_clip` beyond it",
         ));
     }
-    Ok(Common { to_world, near, far, recorded: recorded(params, Film::default())? })
+    Ok(Common { to_world, near, far, recorded: recorded(params, Film::default)? })
 }
 
-/// By default on this film.
-fn recorded(params: &mut Params, film: Film) -> Result<Recorded, SceneError> {
+/// By default on this film, which is made only then: it tabulates its filter.
+fn recorded(params: &mut Params, film: impl FnOnce() -> Film) -> Result<Recorded, SceneError> {
     let film = match params.object("film", "what it records on")? {
-        None => film,
+        None => film(),
         Some(element) => construct(FILMS, element, params.loader, Usage::Unbounded)?,
     };
     let sampler = match params.object("sampler", "how it is sampled")? {
@@ -261,7 +261,7 @@ fn recorded(params: &mut Params, film: Film) -> Result<Recorded, SceneError> {
 /// What a meter records on. All of its one pixel is alike, so the filter is a box.
 fn one_pixel(params: &mut Params) -> Result<Recorded, SceneError> {
     const SIZE: (u32, u32) = (1, 1);
-    let mut recorded = recorded(params, Film::new(SIZE, Profile::Box))?;
+    let mut recorded = recorded(params, || Film::new(SIZE, Profile::Box))?;
     if recorded.film.size != SIZE {
         let (width, height) = recorded.film.size;
         let film = params.element.children.iter().find(|child| child.tag == "film");
@@ -273,13 +273,6 @@ fn one_pixel(params: &mut Params) -> Result<Recorded, SceneError> {
     }
     recorded.film.filter = FilterSampler::new(Profile::Box);
     Ok(recorded)
-}
-
-/// The unit vector along what is, or should have been, the `direction`.
-fn direction(params: &Params, along: DVec3) -> Result<DVec3, SceneError> {
-    along.try_normalize().ok_or_else(|| {
-        params.error("direction", "the direction has no length", "expected a vector other than 0")
-    })
 }
 
 /// tan of half the horizontal field of view of a picture of this width over height, from `fov` and `fov_axis`

@@ -1,6 +1,6 @@
 //! The radiance along one ray.
 
-use super::{AnySensor, Sensor, direction, one_pixel};
+use super::{AnySensor, Sensor, one_pixel};
 use crate::math::{DVec3, Ray};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -36,7 +36,7 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
             ));
         }
     };
-    let direction = direction(params, towards)?;
+    let direction = params.unit_direction(towards)?;
     Ok(recorded.with(AnySensor::RadianceMeter(RadianceMeter { origin, direction })))
 }
 

@@ -1,5 +1,6 @@
 //! Bad input: the program gives the reason and the place, exits with 2, and changes nothing.
 
+mod documents;
 mod files;
 mod numbers;
 mod structure;

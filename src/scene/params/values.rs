@@ -233,6 +233,27 @@ impl<'d> Params<'_, 'd> {
         }
     }
 
+    /// The unit vector that an object faces along: its `direction`, or where its `to_world` turns +z.
+    pub fn direction(
+        &mut self,
+        about: &'static str,
+        about_to_world: &'static str,
+    ) -> Result<DVec3, SceneError> {
+        if self.has("direction") && self.has("to_world") {
+            return Err(self.error("to_world", "both `direction` and `to_world`", "expected one of them"));
+        }
+        let direction = self.vector("direction", None, about)?;
+        let to_world = self.transform("to_world", about_to_world)?;
+        self.unit_direction(direction.unwrap_or_else(|| to_world.vector(DVec3::Z)))
+    }
+
+    /// The unit vector along a `direction`, or along what stands for it.
+    pub fn unit_direction(&self, along: DVec3) -> Result<DVec3, SceneError> {
+        along.try_normalize().ok_or_else(|| {
+            self.error("direction", "the direction has no length", "expected a vector other than 0")
+        })
+    }
+
     /// A file that exists, and the place that names it.
     pub fn file(
         &mut self,

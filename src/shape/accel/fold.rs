@@ -90,7 +90,9 @@ impl Decision {
 
 /// The decisions of all nodes. Each is written once, by the thread that is at the node; the words are atomic only so
 /// that all threads may write to one list.
-struct Decisions(Vec<[AtomicU32; size_of::<Decision>() / 4]>);
+struct Decisions(Vec<[AtomicU32; WORDS]>);
+
+const WORDS: usize = size_of::<Decision>() / size_of::<AtomicU32>();
 
 impl Decisions {
     fn get(&self, index: usize) -> Decision {
@@ -98,7 +100,7 @@ impl Decisions {
     }
 
     fn keep(&self, index: usize, decided: Decided) -> Decided {
-        let words: [u32; size_of::<Decision>() / 4] = bytemuck::cast(decided.0);
+        let words: [u32; WORDS] = bytemuck::cast(decided.0);
         self.0[index].iter().zip(words).for_each(|(to, word)| to.store(word, Ordering::Relaxed));
         decided
     }

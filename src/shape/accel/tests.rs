@@ -38,20 +38,30 @@ fn ball(rings: u32, scale: f64, centre: DVec3) -> Geometry {
     ))
 }
 
+/// So far from the origin, turned at random.
+fn somewhere(rng: &mut Pcg32, distance: f64) -> Transform {
+    Transform::translate(direction(rng) * distance)
+        .after(&Transform::rotate(direction(rng), 360.0 * uniform(rng)).unwrap())
+}
+
+/// All kinds of shapes in turn, but no triangles.
+fn of_kind(i: usize, place: &Transform) -> Geometry {
+    match i % 5 {
+        0 => Geometry::Patch(Patch::new(place, false, Outline::Square)),
+        1 => Geometry::Patch(Patch::new(place, false, Outline::Circle)),
+        2 => Geometry::Sphere(Sphere::new(place, DVec3::ZERO, 0.5, false)),
+        3 => Geometry::Cube(Cube::new(place, false)),
+        _ => Geometry::Cylinder(Cylinder::new(place, DVec3::ZERO, DVec3::Z, 0.3, false)),
+    }
+}
+
 fn zoo() -> Vec<Geometry> {
     let mut rng = Pcg32::new(1, 1);
     let mut shapes = vec![ball(20, 1.0, DVec3::ZERO), ball(8, 0.3, DVec3::new(2.0, 0.0, 0.0))];
     for i in 0..40 {
-        let place = Transform::translate(direction(&mut rng) * 3.0)
-            .after(&Transform::rotate(direction(&mut rng), 360.0 * uniform(&mut rng)).unwrap())
-            .after(&Transform::scale(DVec3::splat(0.1 + uniform(&mut rng))).unwrap());
-        shapes.push(match i % 5 {
-            0 => Geometry::Patch(Patch::new(&place, false, Outline::Square)),
-            1 => Geometry::Patch(Patch::new(&place, false, Outline::Circle)),
-            2 => Geometry::Sphere(Sphere::new(&place, DVec3::ZERO, 0.5, false)),
-            3 => Geometry::Cube(Cube::new(&place, false)),
-            _ => Geometry::Cylinder(Cylinder::new(&place, DVec3::ZERO, DVec3::Z, 0.3, false)),
-        });
+        let place =
+            somewhere(&mut rng, 3.0).after(&Transform::scale(DVec3::splat(0.1 + uniform(&mut rng))).unwrap());
+        shapes.push(of_kind(i, &place));
     }
     shapes
 }

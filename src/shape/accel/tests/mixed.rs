@@ -10,16 +10,8 @@ fn crowd(rings: u32, count: usize) -> Vec<Geometry> {
     let mut shapes = vec![ball(rings, 1.0, DVec3::ZERO), ball(rings, 0.5, DVec3::X)];
     for i in 0..count {
         let (distance, size) = if i % 2 == 0 { (1.0, 0.01) } else { (2.0, 0.02) };
-        let place = Transform::translate(direction(&mut rng) * distance)
-            .after(&Transform::rotate(direction(&mut rng), 360.0 * uniform(&mut rng)).unwrap())
-            .after(&Transform::scale(DVec3::splat(size)).unwrap());
-        shapes.push(match i % 5 {
-            0 => Geometry::Patch(Patch::new(&place, false, Outline::Square)),
-            1 => Geometry::Patch(Patch::new(&place, false, Outline::Circle)),
-            2 => Geometry::Sphere(Sphere::new(&place, DVec3::ZERO, 0.5, false)),
-            3 => Geometry::Cube(Cube::new(&place, false)),
-            _ => Geometry::Cylinder(Cylinder::new(&place, DVec3::ZERO, DVec3::Z, 0.3, false)),
-        });
+        let scale = Transform::scale(DVec3::splat(size)).unwrap();
+        shapes.push(of_kind(i, &somewhere(&mut rng, distance).after(&scale)));
     }
     shapes
 }
