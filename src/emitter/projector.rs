@@ -92,6 +92,7 @@ mod tests {
     use super::*;
     use crate::load_text;
     use crate::scene::Scene;
+    use crate::sensor::Optics;
     use crate::spectrum::ColorMode;
 
     const PLACE: &str = r#"<float name="fov" value="50"/><string name="fov_axis" value="y"/>

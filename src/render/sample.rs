@@ -7,6 +7,7 @@ use crate::integrator::{CameraPath, Counters, KernelEntry};
 use crate::math::DVec2;
 use crate::sampler::{ManyNumbers, Numbers, RandomSource, SampleId, Sampler, blocks};
 use crate::scene::Scene;
+use crate::sensor::Optics;
 use crate::spectrum::{LANES, Spectrum, Wavelengths};
 use std::ops::Range;
 
@@ -16,6 +17,8 @@ pub struct SampleMaker<'a> {
     numbers: RandomSource,
     kernel: &'a KernelEntry,
     radiance: bool,
+    /// Of the sensor.
+    response: f32,
     /// Number of channels besides light that the integrator fills.
     extra: usize,
 }
@@ -24,7 +27,8 @@ impl<'a> SampleMaker<'a> {
     pub fn new(scene: &'a Scene, seed: u32, kernel: &'a KernelEntry) -> Self {
         let extra = scene.integrator.extra_channels().len();
         let numbers = RandomSource { kind: scene.sensor.sampler.kind, seed };
-        Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), extra }
+        let response = scene.sensor.camera.response() as f32;
+        Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), response, extra }
     }
 
     /// The names of the channels that are filled.
@@ -59,7 +63,7 @@ impl<'a> SampleMaker<'a> {
             (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
             for ((path, weight), values) in paths.iter().zip(&weights).zip(values.chunks_mut(channels)) {
                 let covered = f64::from(u8::from(path.covered));
-                self.colors(&path.λ, path.radiance, covered, *weight, &mut values[..colors]);
+                self.colors(&path.λ, path.radiance * self.response, covered, *weight, &mut values[..colors]);
             }
         }
         (paths, weights)

@@ -19,7 +19,7 @@ use crate::integrator::links::{LinkPolicy, Links};
 use crate::integrator::{AnyIntegrator, INTEGRATORS, Techniques};
 use crate::phase::PHASES;
 use crate::sampler::SAMPLERS;
-use crate::sensor::Sensor;
+use crate::sensor::{Optics, Sensor};
 use crate::shape::Geometry;
 use crate::shape::accel::Accel;
 use crate::spectrum::ColorMode;
@@ -130,9 +130,12 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
     for child in &root.children {
         let element = loader.resolve(child)?;
         match element.tag.as_str() {
-            "shape" => objects.shape(element)?,
+            "shape" => {
+                objects.shape(element)?;
+                sensors.extend(objects.sensor.take());
+            }
             "emitter" => objects.emitter(element)?,
-            "sensor" => sensors.push(element),
+            "sensor" => sensors.push(Sensor::parse(element, loader)?),
             "integrator" => integrators.push(element),
             // Read where they are referred to, and here for the sake of their errors.
             // What has attributes of a mesh is read where a mesh has it.
@@ -170,14 +173,10 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
             }
         }
     }
-    let sensor = match sensors[..] {
-        [] => return Err(SceneError::at(&root.span, "the scene has no sensor", "add a <sensor>")),
-        // The first is used, as in Mitsuba; the others are read for the sake of their errors.
-        [first, ref others @ ..] => {
-            others.iter().try_for_each(|other| Sensor::parse(other, loader).map(drop))?;
-            Sensor::parse(first, loader)?
-        }
-    };
+    // The first is used, as in Mitsuba.
+    let sensor = sensors.into_iter().next();
+    let sensor =
+        sensor.ok_or_else(|| SceneError::at(&root.span, "the scene has no sensor", "add a <sensor>"))?;
     let integrator = match integrators[..] {
         [] => AnyIntegrator::default(),
         [one] => construct(INTEGRATORS, one, loader, Usage::Unbounded)?,

@@ -30,7 +30,7 @@ use crate::bsdf::AnyMaterial;
 use crate::emitter::Emitters;
 use crate::integrator::{AnyIntegrator, Techniques};
 use crate::math::{DVec3, Ray};
-use crate::sensor::Sensor;
+use crate::sensor::{Optics, Sensor};
 use crate::shape::accel::Accel;
 use crate::shape::{Geometry, Hit, Mesh, SurfacePoint};
 use crate::spectrum::ColorMode;

@@ -12,6 +12,7 @@ use crate::emitter::{AnyEmitter, EMITTERS, area, select};
 use crate::math::bounds::half_extent;
 use crate::math::ray::NO_PRIMITIVE;
 use crate::math::{DVec3, Transform};
+use crate::sensor::Sensor;
 use crate::shape::{Chart, Declared, Geometry, SHAPES};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,6 +30,8 @@ pub struct Objects<'a, 'd> {
     /// Sides already built, by material element, so that shapes share them.
     known: BTreeMap<*const Element, [Side; 2]>,
     pub emitters: Vec<select::Entry>,
+    /// What measures on the shape that was read last.
+    pub sensor: Option<Sensor>,
     /// Sides of surfaces without a material: grey ones, and black ones for those that emit.
     default_sides: [Option<[Side; 2]>; 2],
 }
@@ -53,6 +56,7 @@ impl<'a, 'd> Objects<'a, 'd> {
             materials: vec![],
             known: BTreeMap::new(),
             emitters: vec![],
+            sensor: None,
             default_sides: [None; 2],
         }
     }
@@ -78,6 +82,7 @@ impl<'a, 'd> Objects<'a, 'd> {
     }
 
     fn surface(&mut self, mut geometry: Geometry, mut params: Params<'_, 'd>) -> Result<(), SceneError> {
+        let sensor = params.object("sensor", "what measures the light that the surface receives")?;
         let Attachments { sides, emitter, interface, chart } =
             self.attachments(&mut geometry, &mut params)?;
         let emitter = match emitter {
@@ -89,17 +94,22 @@ impl<'a, 'd> Objects<'a, 'd> {
                     let message = format!("a shape cannot be a `{}` emitter", emitter.name());
                     return Err(SceneError::at(&element.span, message, "expected an `area` emitter"));
                 }
-                if let Geometry::Mesh(mesh) = &mut geometry {
-                    mesh.prepare_sampling();
-                }
                 self.emitters.push(select::Entry { emitter, shape: Some(self.shapes.len() as u32) });
                 Some(self.emitters.len() as u32 - 1)
             }
         };
+        if let Geometry::Mesh(mesh) = &mut geometry
+            && (emitter.is_some() || sensor.is_some())
+        {
+            mesh.prepare_sampling();
+        }
         // The primitives of instances come after all of these, wherever they stand in the file.
         let first_primitive = self.shapes.last().map_or(0, |s| s.first_primitive + s.geometry.primitives());
         self.count(geometry.primitives(), params.element)?;
-        self.shapes.push(Shape { geometry, first_primitive, sides, emitter, interface });
+        let shape = Shape { geometry, first_primitive, sides, emitter, interface };
+        let read = |element| Sensor::of_shape(element, self.loader, &shape);
+        self.sensor = sensor.map(read).transpose()?;
+        self.shapes.push(shape);
         Ok(())
     }
 

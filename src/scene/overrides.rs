@@ -5,7 +5,7 @@ mod place;
 
 use super::error::SceneError;
 use super::xml::{Document, Element};
-use place::{Place, at, children, inner};
+use place::{Place, at, inner, sensors};
 
 /// What a command line overrides of the scene file.
 #[derive(Clone, Debug, Default)]
@@ -77,15 +77,16 @@ pub fn apply(document: &mut Document, overrides: &Overrides) -> Result<(), Scene
     Ok(())
 }
 
-/// Puts a sensor before the others: the first is used.
+/// Puts a sensor, or the shape that it is in, before the others: the first is used.
 fn put_first(document: &mut Document, number: usize) -> Result<(), SceneError> {
-    let sensors = children(document, "sensor");
-    let Some(&chosen) = sensors.get(number) else {
+    let sensors = sensors(document);
+    let Some((chosen, _)) = sensors.get(number) else {
         let last = sensors.len().saturating_sub(1);
         let message = format!("the scene has no sensor number {number}");
         return Err(SceneError::at(&document.root.span, message, format!("expected 0 to {last}")));
     };
-    document.root.children[sensors[0]..=chosen].rotate_right(1);
+    let first = sensors[0].0;
+    document.root.children[first..=*chosen].rotate_right(1);
     Ok(())
 }
 
@@ -112,9 +113,11 @@ fn require_path(integrator: &Element, name: &str) -> Result<(), SceneError> {
 
 /// An object of the first sensor, made where it is missing.
 fn of_sensor<'a>(document: &'a mut Document, tag: &str, kind: &str) -> Result<&'a mut Element, SceneError> {
-    let sensor = inner(document, &[], "sensor")
+    let sensors = sensors(document);
+    let (_, sensor) = sensors
+        .first()
         .ok_or_else(|| SceneError::at(&document.root.span, "the scene has no sensor", "add a <sensor>"))?;
-    let place = child_or_new(document, &sensor, tag, kind);
+    let place = child_or_new(document, sensor, tag, kind);
     Ok(at(&mut document.root, &place))
 }
 

@@ -1,6 +1,6 @@
 //! Tests that every example of every camera must pass.
 
-use super::{AnySensor, SENSORS};
+use super::{AnySensor, Optics, SENSORS};
 use crate::load_text;
 use crate::math::{DVec2, DVec3, Ray, length};
 use crate::spectrum::ColorMode;
@@ -29,7 +29,11 @@ fn sensors() -> Vec<(String, AnySensor)> {
                         text = text.replace("</sensor>", &transform);
                     }
                 }
-                let scene = format!("<scene version=\"3.0.0\">{text}</scene>");
+                // What measures a surface belongs to a shape; it has a place only there.
+                let of_shape = entry.name == super::irradiancemeter::NAME;
+                let stands =
+                    if of_shape { format!("<shape type=\"disk\">{example}</shape>") } else { text.clone() };
+                let scene = format!("<scene version=\"3.0.0\">{stands}</scene>");
                 // Only parallel rays can be stretched, and what has a direction is not turned.
                 match load_text("camera.xml", &scene, ColorMode::Rgb) {
                     Ok(scene) => cameras.push((text, scene.sensor.camera)),

@@ -1,7 +1,7 @@
 //! The radiance that leaves the scene in one direction.
 
-use super::{AnySensor, Sensor, one_pixel};
-use crate::math::{Ball, DVec2, DVec3, Frame, Ray, warp};
+use super::{AnySensor, Optics, Sensor, one_pixel};
+use crate::math::{Ball, Bounds, DVec2, DVec3, Frame, Ray, warp};
 use crate::scene::error::SceneError;
 use crate::scene::objects::geometry;
 use crate::scene::params::Params;
@@ -59,25 +59,26 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     Ok(recorded.with(AnySensor::Distant(Distant { frame: Frame::about(direction), target, scene })))
 }
 
-impl Distant {
-    /// Whether rays differ.
-    pub fn has_lens(&self) -> bool {
-        !matches!(self.target, Target::Point(_))
-    }
-
-    /// Tells what it must be outside of.
-    pub fn look_at(&mut self, scene: Ball) {
-        self.scene = scene;
-    }
-
-    /// A ray (world) chosen by two numbers in [0, 1).
+impl Optics for Distant {
     #[inline]
-    pub fn ray(&self, lens: DVec2) -> Ray {
+    fn ray(&self, _: DVec2, lens: DVec2) -> Ray {
         let n = self.frame.n;
         let (p, distance) = self.aim(lens);
         Ray::free(p - n * distance, n)
     }
 
+    fn has_lens(&self) -> bool {
+        !matches!(self.target, Target::Point(_))
+    }
+
+    fn look_at(&mut self, bounds: Bounds) {
+        if bounds.0.x <= bounds.1.x {
+            self.scene = Ball::of_box(bounds);
+        }
+    }
+}
+
+impl Distant {
     /// A point that is aimed at, and from how far: as in Mitsuba from a diameter of the scene, of the outline from a
     /// radius, for distances count from there; but from farther away where that is not outside.
     // Not inlined, and not where the ray is: cameras would pay for either.

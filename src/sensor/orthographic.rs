@@ -1,6 +1,6 @@
 //! The camera of parallel rays.
 
-use super::{AnySensor, Sensor, View, common};
+use super::{AnySensor, Optics, Sensor, View, common};
 use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform};
 use crate::scene::error::SceneError;
@@ -33,17 +33,19 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     Ok(common.with(camera))
 }
 
-impl Orthographic {
-    /// The camera ray (world) through a place of the film, from (0, 0) at its upper left to (1, 1).
+impl Optics for Orthographic {
     #[inline]
-    pub fn ray(&self, film: DVec2) -> Ray {
+    fn ray(&self, film: DVec2, _: DVec2) -> Ray {
         let p = DVec3::new(1.0 - 2.0 * film.x, (1.0 - 2.0 * film.y) / self.aspect, self.near);
         let direction = unit(self.to_world.vector(DVec3::Z));
         Ray { end: self.far - self.near, ..Ray::free(self.to_world.point(p), direction) }
     }
 
-    /// The inverse of [`Orthographic::ray`]: how a point is seen.
-    pub fn connect(&self, p: DVec3) -> Option<View> {
+    fn has_image(&self) -> bool {
+        true
+    }
+
+    fn connect(&self, p: DVec3, _: DVec2) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);
         let forward = self.to_world.vector(DVec3::Z);
         let distance = (local.z - self.near) * length(forward);
@@ -55,8 +57,14 @@ impl Orthographic {
         })
     }
 
+    fn seen_per_area(&self, _: &Ray, _: DVec3) -> f64 {
+        self.per_area()
+    }
+}
+
+impl Orthographic {
     /// The film is 2 × 2/aspect in local units; of the volume |det A| above them, |A z| is height.
-    pub fn per_area(&self) -> f64 {
+    fn per_area(&self) -> f64 {
         let forward = length(self.to_world.vector(DVec3::Z));
         self.aspect * forward / (4.0 * self.to_world.matrix.determinant().abs())
     }

@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use super::{AnySensor, Foreshortening, Sensor, View, common, half_width, require_rigid};
+use super::{AnySensor, Foreshortening, Optics, Sensor, View, common, half_width, require_rigid};
 use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform};
 use crate::scene::error::SceneError;
@@ -17,7 +17,7 @@ pub struct Perspective {
     to_world: Transform,
     /// Half the size of the image at distance 1.
     half: DVec2,
-    pub(super) foreshortening: Foreshortening,
+    foreshortening: Foreshortening,
     principal_offset: DVec2,
     near: f64,
     far: f64,
@@ -42,10 +42,9 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     Ok(common.with(camera))
 }
 
-impl Perspective {
-    /// The camera ray (world) through a place of the film, from (0, 0) at its upper left to (1, 1).
+impl Optics for Perspective {
     #[inline]
-    pub fn ray(&self, film: DVec2) -> Ray {
+    fn ray(&self, film: DVec2, _: DVec2) -> Ray {
         let p = (DVec2::ONE - 2.0 * (film + self.principal_offset)) * self.half;
         let d = DVec3::new(p.x, p.y, 1.0);
         let per_depth = length(d);
@@ -54,9 +53,12 @@ impl Perspective {
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
     }
 
-    /// The inverse of [`Perspective::ray`]: how a point is seen.
+    fn has_image(&self) -> bool {
+        true
+    }
+
     #[inline]
-    pub fn connect(&self, p: DVec3) -> Option<View> {
+    fn connect(&self, p: DVec3, _: DVec2) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);
         if !(local.z > self.near && local.z < self.far) {
             return None;
@@ -71,5 +73,9 @@ impl Perspective {
             film: 0.5 * (DVec2::ONE - d.truncate() / self.half) - self.principal_offset,
             per_area: self.foreshortening.per_area(-towards, p),
         })
+    }
+
+    fn seen_per_area(&self, ray: &Ray, p: DVec3) -> f64 {
+        self.foreshortening.per_area(ray.direction, p)
     }
 }

@@ -1,7 +1,7 @@
 //! The radiance along one ray.
 
-use super::{AnySensor, Sensor, one_pixel};
-use crate::math::{DVec3, Ray};
+use super::{AnySensor, Optics, Sensor, one_pixel};
+use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 
@@ -40,10 +40,10 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     Ok(recorded.with(AnySensor::RadianceMeter(RadianceMeter { origin, direction })))
 }
 
-impl RadianceMeter {
-    /// Always the same ray (world).
+impl Optics for RadianceMeter {
+    /// Always the same.
     #[inline]
-    pub fn ray(&self) -> Ray {
+    fn ray(&self, _: DVec2, _: DVec2) -> Ray {
         Ray::free(self.origin, self.direction)
     }
 }

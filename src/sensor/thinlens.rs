@@ -1,6 +1,6 @@
 //! A camera with a lens.
 
-use super::{AnySensor, Foreshortening, Sensor, View, common, half_width, require_rigid};
+use super::{AnySensor, Foreshortening, Optics, Sensor, View, common, half_width, require_rigid};
 use crate::math::frame::{length, unit};
 use crate::math::{DVec2, DVec3, Ray, Transform, warp};
 use crate::scene::error::SceneError;
@@ -17,7 +17,7 @@ pub const EXAMPLES: &[&str] = &[r#"<sensor type="thinlens"><float name="aperture
 pub struct ThinLens {
     to_world: Transform,
     half: DVec2,
-    pub(super) foreshortening: Foreshortening,
+    foreshortening: Foreshortening,
     aperture_radius: f64,
     focus_distance: f64,
     near: f64,
@@ -54,11 +54,9 @@ pub fn parse(params: &mut Params) -> Result<Sensor, SceneError> {
     Ok(common.with(camera))
 }
 
-impl ThinLens {
-    /// The camera ray (world) through a place of the film, from (0, 0) at its upper left to (1, 1), and by two
-    /// numbers in [0, 1) that choose the place on the lens.
+impl Optics for ThinLens {
     #[inline]
-    pub fn ray(&self, film: DVec2, lens: DVec2) -> Ray {
+    fn ray(&self, film: DVec2, lens: DVec2) -> Ray {
         let p = (DVec2::ONE - 2.0 * film) * self.half;
         let on_lens = (warp::disk_concentric(lens) * self.aperture_radius).extend(0.0);
         // Divided by the focal distance, so that a focus at infinity gives parallel rays and no overflow.
@@ -69,8 +67,15 @@ impl ThinLens {
         Ray { end: (self.far - self.near) * per_depth, ..Ray::free(origin, direction) }
     }
 
-    /// The inverse of [`ThinLens::ray`] for the same place on the lens: how a point is seen.
-    pub fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
+    fn has_lens(&self) -> bool {
+        true
+    }
+
+    fn has_image(&self) -> bool {
+        true
+    }
+
+    fn connect(&self, p: DVec3, lens: DVec2) -> Option<View> {
         let local = self.to_world.inverse.transform_point3(p);
         if !(local.z > self.near && local.z < self.far) {
             return None;
@@ -87,6 +92,10 @@ impl ThinLens {
             film: 0.5 * (DVec2::ONE - place / self.half),
             per_area: self.foreshortening.per_area(-towards, p),
         })
+    }
+
+    fn seen_per_area(&self, ray: &Ray, p: DVec3) -> f64 {
+        self.foreshortening.per_area(ray.direction, p)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::math::{Ball, Bounds, Chosen, DVec2, DVec3, Discrete, Frame, Transform
 use std::sync::Arc;
 
 /// Vertices are rounded to `f32` once, after the transform; all that is computed from them is `f64`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,

@@ -70,7 +70,7 @@ shapes! {
 }
 
 /// The surface of a shape in world space.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum Geometry {
     Mesh(Mesh),
     Patch(Patch),

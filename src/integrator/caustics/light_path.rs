@@ -13,6 +13,7 @@ use crate::integrator::vertex::Vertex;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::sampler::Numbers;
 use crate::scene::{Scene, Side};
+use crate::sensor::Optics;
 use crate::shape::{Hit, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 

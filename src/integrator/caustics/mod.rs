@@ -45,7 +45,7 @@ use crate::emitter::{EmitterPoint, Emitters};
 use crate::math::DVec3;
 use crate::scene::instances::Instances;
 use crate::scene::{Scene, Shape};
-use crate::sensor::Sensor;
+use crate::sensor::{Optics, Sensor};
 pub use emission::Emission;
 pub use light_path::{Landing, Splat};
 

@@ -19,10 +19,20 @@ pub fn inner(document: &Document, parent: &[usize], tag: &str) -> Option<Place> 
     })
 }
 
-/// The numbers of the scene's children that are objects of a kind, or `<ref>`s to such.
-pub fn children(document: &Document, tag: &str) -> Vec<usize> {
-    let is = |child: &Element| child.tag == tag || meant(document, child, tag).is_some();
-    (0..).zip(&document.root.children).filter(|(_, child)| is(child)).map(|(number, _)| number).collect()
+/// The scene's sensors in order, by themselves or within shapes: each with the number of the scene's child that it is
+/// or is in.
+pub fn sensors(document: &Document) -> Vec<(usize, Place)> {
+    const TAG: &str = "sensor";
+    let of = |(number, child): (usize, &Element)| {
+        let place = match child.tag.as_str() {
+            TAG => Some(vec![number]),
+            "shape" => inner(document, &[number], TAG),
+            _ => meant(document, child, TAG)
+                .or_else(|| inner(document, &meant(document, child, "shape")?, TAG)),
+        };
+        place.map(|place| (number, place))
+    };
+    document.root.children.iter().enumerate().filter_map(of).collect()
 }
 
 /// The object of a kind that a `<ref>` means.

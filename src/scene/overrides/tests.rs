@@ -72,6 +72,21 @@ fn film_and_sampler_that_are_referred_to_are_those_that_change() {
 }
 
 #[test]
+fn overrides_reach_a_sensor_within_a_shape() {
+    let overrides = Overrides { seed: Some(7), sampler: Some("independent".into()), ..Overrides::default() };
+    let sensor = r#"<sensor type="irradiancemeter"><film type="hdrfilm" id="f"><integer name="width" value="1"/>
+        <integer name="height" value="1"/></film></sensor>"#;
+    for objects in [
+        format!(r#"<shape type="sphere" id="s">{sensor}</shape>"#),
+        format!(r#"<shape type="sphere">{sensor}</shape>{SENSOR}"#),
+    ] {
+        let sensor = loaded(&objects, &overrides).sensor;
+        assert_eq!((sensor.camera.name(), sensor.sampler.seed), ("irradiancemeter", 7));
+        assert_eq!(sensor.sampler.kind, crate::sampler::SamplerKind::Independent);
+    }
+}
+
+#[test]
 fn another_sensor_may_be_chosen() {
     let sensor = |size: u32| {
         format!(
@@ -79,13 +94,15 @@ fn another_sensor_may_be_chosen() {
             <integer name="height" value="{size}"/></film></sensor>"#
         )
     };
-    let objects = [sensor(2), r#"<shape type="sphere"/>"#.into(), sensor(3), sensor(4)].concat();
+    let meter = r#"<shape type="sphere"><sensor type="irradiancemeter"/></shape>"#;
+    let objects =
+        [sensor(2), r#"<shape type="sphere"/>"#.into(), sensor(3), meter.into(), sensor(4)].concat();
     let size = |sensor| loaded(&objects, &Overrides { sensor, ..Overrides::default() }).sensor.film.size.0;
-    assert_eq!([None, Some(0), Some(1), Some(2)].map(size), [2, 2, 3, 4]);
+    assert_eq!([None, Some(0), Some(1), Some(2), Some(3)].map(size), [2, 2, 3, 1, 4]);
     let mut document =
         crate::scene::xml::read_text("scene.xml", &format!(r#"<scene version="3.0.0">{objects}</scene>"#))
             .unwrap();
-    let overrides = Overrides { sensor: Some(3), ..Overrides::default() };
+    let overrides = Overrides { sensor: Some(4), ..Overrides::default() };
     let refused = super::apply(&mut document, &overrides).unwrap_err().to_string();
-    assert!(refused.contains("no sensor number 3") && refused.contains("0 to 2"), "{refused}");
+    assert!(refused.contains("no sensor number 4") && refused.contains("0 to 3"), "{refused}");
 }

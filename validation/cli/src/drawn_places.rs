@@ -7,7 +7,7 @@ use etalon::math::quadrature::integrate_from_kink;
 use etalon::scene::loader::Loader;
 use etalon::scene::params::Usage;
 use etalon::scene::{registry::construct, xml};
-use etalon::sensor::{AnySensor, Sensor};
+use etalon::sensor::{AnySensor, Optics, SENSORS, Sensor};
 use etalon::spectrum::{ColorMode, Wavelengths};
 use std::f64::consts::PI;
 use validation::chart::{Place, Planar};
@@ -31,12 +31,19 @@ pub struct Lens {
 
 impl Lens {
     pub fn new(snippet: &str) -> Result<Self, String> {
-        parse(snippet, Sensor::parse).map(|sensor| Self { camera: sensor.camera })
+        let read = |element: &xml::Element, loader: &Loader| {
+            construct(SENSORS, element, loader, Usage::Unbounded).map(|sensor: Sensor| sensor.camera)
+        };
+        parse(snippet, read).map(|camera| Self { camera })
     }
 
-    /// The ray's point in the plane of the lens, for sensors that look along z from the origin.
+    /// The ray's point in the plane of the lens, for sensors that look along z from the origin. Directions from a
+    /// surface are drawn as points of a disk below them.
     fn place(&self, lens: DVec2) -> DVec2 {
         let ray = self.camera.ray(DVec2::new(0.3, 0.6), lens);
+        if let AnySensor::IrradianceMeter(_) = self.camera {
+            return DVec2::new(ray.direction.x, ray.direction.y);
+        }
         let p = ray.at(-ray.origin.z / ray.direction.z);
         DVec2::new(p.x, p.y)
     }

@@ -21,7 +21,6 @@ pub fn cases() -> Vec<ClosedForm> {
         )
         .samples(1 << 14),
     );
-    cases.extend(meters());
     let (half, degrees) = (libm::tan(f64::to_radians(0.5 * FOV)), 12.0);
     let (sin, cos) = libm::sincos(f64::to_radians(degrees));
     let (distance, radius) = (6.0, 0.7);
@@ -53,57 +52,6 @@ pub fn cases() -> Vec<ClosedForm> {
         .measure(|image| image.channels.first().map_or(f64::NAN, |c| c.mean.iter().sum::<f64>() / c.mean.len() as f64)),
     );
     cases
-}
-
-/// Sensors that measure one number.
-fn meters() -> Vec<ClosedForm> {
-    let meter =
-        |kind: &str, parameters: &str| format!("<sensor type=\"{kind}\">{parameters}{}</sensor>", film(1, 1));
-    let along = |[x, y, z]: Point| format!("<vector name=\"direction\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>");
-    let oblique = along([0.5, -0.3, -1.0]);
-    let ball = sphere([0.4, -0.2, 1.0], 0.3, &area(1.0));
-    let outline = scene(&[&path(1), &meter("distant", &oblique), &ball]);
-    // Of the rectangle below it the ball hides an ellipse, which lies within.
-    let target = format!(
-        "<shape type=\"rectangle\" name=\"target\">{}</shape>",
-        to_world(&[scale([0.6, 0.5, 1.0]), rotate('z', 30.0), translate([0.9, -0.5, 0.0])])
-    );
-    let below = scene(&[&path(1), &meter("distant", &format!("{oblique}{target}")), &ball]);
-    let cos = 1.0 / (0.25f64 + 0.09 + 1.0).sqrt();
-    let floor = shape("rectangle", &[scale([50.0, 50.0, 1.0])], &diffuse(0.8));
-    let lamp = emitter(
-        "point",
-        &format!("<point name=\"position\" x=\"0\" y=\"0\" z=\"2\"/>{}", grey("intensity", 10.0)),
-    );
-    let origin = "<point name=\"origin\" x=\"1\" y=\"0\" z=\"1\"/>";
-    let one = scene(&[
-        &path(2),
-        &meter("radiancemeter", &format!("{origin}{}", along([0.5, 0.0, -1.0]))),
-        &floor,
-        &lamp,
-    ]);
-    let at = "<point name=\"target\" x=\"1.5\" y=\"0\" z=\"0\"/>";
-    let same = scene(&[&path(2), &meter("distant", &format!("{oblique}{at}")), &floor, &lamp]);
-    // At (1.5, 0, 0): d² = 2.5², cos = 2/2.5.
-    let lit = 0.8 / PI * 10.0 * (2.0 / 2.5) / (2.5 * 2.5);
-    vec![
-        ClosedForm::new(
-            "distant_outline",
-            "πr²/(πR²) with R = √3 r: a ball in the ball around its box",
-            outline,
-            1.0 / 3.0,
-        )
-        .samples(1 << 16),
-        ClosedForm::new(
-            "distant_rectangle",
-            "πr²/(A cos θ): the shadow of a ball on a rectangle of 1.2 m²",
-            below,
-            0.09 * PI / (1.2 * cos),
-        )
-        .samples(1 << 16),
-        ClosedForm::new("radiancemeter_lambert", "ρ/π · I cos θ/d²", one, lit),
-        ClosedForm::new("distant_point", "ρ/π · I cos θ/d², from any side", same, lit),
-    ]
 }
 
 /// A luminous square seen by a film of 3 × 2, for each axis to which the field of view may refer.

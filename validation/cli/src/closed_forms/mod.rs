@@ -17,6 +17,7 @@ pub(crate) mod irradiance;
 mod lambert;
 mod media;
 pub(crate) mod metals;
+mod meters;
 mod mixtures;
 mod plastic;
 mod prism;
@@ -82,6 +83,7 @@ pub const FAMILIES: &[Family<ClosedForm>] = &[
     ("mixtures", mixtures::cases),
     ("media", media::cases),
     ("cameras", cameras::cases),
+    ("meters", meters::cases),
     ("thin_lens", thin_lens::cases),
     ("prism", prism::cases),
     ("colors", colors::cases),

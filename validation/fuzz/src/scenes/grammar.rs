@@ -65,7 +65,7 @@ fn drawn(models: &Models, folder: &str, draw: &mut Draw) -> Option<Scene> {
 const UNLIKE: &[&str] = &["moment", "volpathmis"];
 
 /// Sensors of one pixel, which is too few to compare.
-const METERS: &[&str] = &["radiancemeter", "distant"];
+const METERS: &[&str] = &["radiancemeter", "distant", "irradiancemeter"];
 
 /// Places of objects on the floor, as x and z.
 const SLOTS: &[[f64; 2]] = &[[-1.5, 0.0], [0.0, 0.5], [1.5, 0.0], [-0.7, -1.4], [0.8, -1.4]];
