@@ -9,6 +9,7 @@ use etalon::bsdf::fresnel;
 use etalon::image::{self, Channel, Image, Rgb8};
 use etalon::math::{DVec2, Ray};
 use etalon::scene::Scene;
+use etalon::sensor::Optics;
 use std::error::Error;
 use std::path::Path;
 

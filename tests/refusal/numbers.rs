@@ -315,6 +315,25 @@ fn meters_measure_one_number_along_a_direction() {
 }
 
 #[test]
+fn a_meter_of_irradiance_belongs_to_a_shape() {
+    let scene = |body: &str| format!("<scene version=\"3.0.0\">\n{body}</scene>");
+    let of = |kind: &str, body: &str| {
+        scene(&format!("<shape type=\"disk\">\n<sensor type=\"{kind}\">{body}</sensor></shape>"))
+    };
+    refused(
+        &scene("<sensor type=\"irradiancemeter\"/>"),
+        "<sensor",
+        &["without a shape", "inside a <shape>"],
+    );
+    refused(&of("perspective", ""), "<sensor", &["a sensor `perspective`", "`irradiancemeter`"]);
+    refused(&of("irradiancemeter", "<transform name=\"to_world\"/>"), "to_world", &["no parameter"]);
+    let group = "<shape type=\"shapegroup\"><shape type=\"disk\">\n<sensor type=\"irradiancemeter\"/></shape></shape>";
+    refused(&scene(group), "<sensor", &["cannot contain"]);
+    let two = "<shape type=\"disk\"><sensor type=\"irradiancemeter\"/>\n<sensor type=\"irradiancemeter\" id=\"b\"/></shape>";
+    refused(&scene(two), "id=\"b\"", &["second"]);
+}
+
+#[test]
 fn numbers_are_judged_as_they_are_kept() {
     let grey = |value: &str| {
         format!("<bsdf type=\"diffuse\">\n<rgb name=\"reflectance\" value=\"{value}\"/></bsdf>")

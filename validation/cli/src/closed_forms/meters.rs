@@ -72,7 +72,7 @@ fn form_factors() -> Vec<ClosedForm> {
     let strip = square(&[scale([1.0, WIDTH, 1.0])], &meter);
     // Its front faces +y; both have the edge at y = −WIDTH/2.
     let beside = square(&[rotate('x', -90.0), translate([0.0, -0.5 * WIDTH, 0.5])], &area(1.0));
-    let (radius, height) = (2.7, 0.9);
+    let (radius, height) = (9.0, 0.9);
     let disk =
         shape("disk", &[scale([radius; 3]), rotate('x', 180.0), translate([0.0, 0.0, height])], &area(1.0));
     let ball = sphere([0.0; 3], 0.4, &meter);
@@ -98,7 +98,7 @@ fn form_factors() -> Vec<ClosedForm> {
     ];
     let form = |(name, source, shapes, factor): (&'static str, &'static str, [&String; 2], f64)| {
         let scene = scene(&[&path(1), shapes[0], shapes[1]]);
-        ClosedForm::new(name, source, scene, PI * factor).samples(1 << 18).margin(0.0025)
+        ClosedForm::new(name, source, scene, PI * factor).samples(1 << 19).margin(0.0025)
     };
     lamps.into_iter().map(form).collect()
 }
