@@ -25,6 +25,12 @@ pub struct DiffuseBsdf {
     reflectance: Spectrum,
 }
 
+impl DiffuseBsdf {
+    pub fn of(reflectance: Spectrum) -> Self {
+        Self { reflectance }
+    }
+}
+
 impl Material for Diffuse {
     const NAME: &'static str = "diffuse";
     const ABOUT: &'static str =

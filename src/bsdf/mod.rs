@@ -215,6 +215,8 @@ pub trait Bsdf {
     }
 }
 
+pub use diffuse::DiffuseBsdf;
+
 macro_rules! materials {
     ($($module:ident::$Model:ident),* $(,)?) => {
         $(mod $module;)*

@@ -44,6 +44,17 @@ impl Met<'_> {
         scene.emitters.list[self.emitter].emitter.surface_radiance(self.point, -self.ray.direction, λ)
     }
 
+    /// The radiance, weighted against the emitter samples that were taken where the ray begins.
+    #[inline]
+    pub fn weighted(&self, scene: &Scene, choice: &Choice, arrival: &Arrival, λ: &Wavelengths) -> Spectrum {
+        let emitted = self.radiance(scene, λ);
+        if arrival.delta || emitted.is_zero() {
+            return emitted;
+        }
+        let rival = self.density_of_samples(scene, choice, arrival.emitter_samples);
+        emitted * power_heuristic(arrival.pdf, rival) as f32
+    }
+
     /// The density in sr⁻¹ with which `count` emitter samples at the ray's origin, together, find the point.
     #[inline(always)]
     pub fn density_of_samples(&self, scene: &Scene, choice: &Choice, count: u32) -> f64 {

@@ -2,11 +2,11 @@
 
 use super::arrival::{Arrival, Met, environment_along};
 use super::emitter_sampling::{SampleCounts, sample_emitter};
-use super::mis::power_heuristic;
+use super::meter::Start;
 use super::vertex::Vertex;
 use super::{AnyIntegrator, CameraPath, Counters};
 use crate::bsdf::{Bsdf, Sample};
-use crate::emitter::{Choice, Gathers};
+use crate::emitter::Choice;
 use crate::math::Ray;
 use crate::sampler::PAIRS;
 use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
@@ -52,18 +52,28 @@ impl Direct {
     pub fn radiance<const F: u32>(
         &self,
         scene: &Scene,
-        CameraPath { ray, λ, sampler, covered, .. }: &mut CameraPath,
+        path: &mut CameraPath,
         counters: &mut Counters,
     ) -> Spectrum {
+        let start = Start::of(scene, self.hide_emitters, path).unwrap_or(Start::FROM_CAMERA);
+        let Start { arrival, gathers: before, found } = start;
+        let CameraPath { ray, λ, sampler, covered, .. } = path;
+        let mut radiance = Spectrum::ZERO;
+        if let Some(light) = found {
+            counters.rays += 1;
+            if !scene.accel.occluded(&light.ray) {
+                radiance += light.radiance(scene, λ);
+            }
+        }
         let mut ray = *ray;
         let (hit, shape, point) = loop {
             counters.rays += 1;
             let Some(hit) = scene.accel.closest(&ray) else {
                 let hidden = F & Features::ENVIRONMENT == 0 || self.hide_emitters;
                 return if hidden {
-                    Spectrum::ZERO
+                    radiance
                 } else {
-                    environment_along(scene, &ray, &Gathers::EVERYWHERE, &Arrival::FROM_CAMERA, λ)
+                    radiance + environment_along(scene, &ray, &before, &arrival, λ)
                 };
             };
             let (shape, point) = scene.surface::<F>(&ray, &hit);
@@ -73,12 +83,10 @@ impl Direct {
             ray = Ray::leaving(point.p, ray.direction, f64::INFINITY, hit.primitive);
         };
         *covered = true;
-        let mut radiance = match shape.emitter {
-            None => Spectrum::ZERO,
-            Some(index) => {
-                scene.emitters.list[index as usize].emitter.surface_radiance(&point, -ray.direction, λ)
-            }
-        };
+        if let Some(index) = shape.emitter {
+            let met = Met { ray: &ray, t: hit.t, shape, point: &point, emitter: index as usize };
+            radiance += met.weighted(scene, &Choice::at(before.at(ray.origin)), &arrival, λ);
+        }
         let side = shape.side_towards(point.ns.dot(-ray.direction));
         let frame = side.frame::<F>(&point);
         let bsdf = scene.materials[side.material as usize].at(&point, λ);
@@ -122,9 +130,12 @@ impl Direct {
         counters: &mut Counters,
     ) -> Spectrum {
         counters.rays += 1;
-        let (pdf, delta) = (self.bsdf_samples as f64 * sample.pdf, sample.delta);
+        let arrival = Arrival {
+            pdf: self.bsdf_samples as f64 * sample.pdf,
+            delta: sample.delta,
+            emitter_samples: self.emitter_samples,
+        };
         let Some(hit) = scene.accel.closest(ray) else {
-            let arrival = Arrival { pdf, delta, emitter_samples: self.emitter_samples };
             let seen = F & Features::ENVIRONMENT != 0;
             return if seen {
                 environment_along(scene, ray, choice.at.gathers, &arrival, λ)
@@ -135,11 +146,6 @@ impl Direct {
         let (shape, point) = scene.surface::<F>(ray, &hit);
         let Some(index) = shape.emitter else { return Spectrum::ZERO };
         let met = Met { ray, t: hit.t, shape, point: &point, emitter: index as usize };
-        let emitted = met.radiance(scene, λ);
-        if delta {
-            return emitted;
-        }
-        let rival = met.density_of_samples(scene, choice, self.emitter_samples);
-        emitted * power_heuristic(pdf, rival) as f32
+        met.weighted(scene, choice, &arrival, λ)
     }
 }

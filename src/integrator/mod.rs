@@ -13,6 +13,7 @@ mod emitter_sampling;
 pub mod guide;
 mod lengths;
 pub mod links;
+mod meter;
 mod mis;
 mod moment;
 pub mod path;

@@ -18,7 +18,7 @@ pub struct SampleMaker<'a> {
     kernel: &'a KernelEntry,
     radiance: bool,
     /// Of the sensor.
-    response: f32,
+    response: f64,
     /// Number of channels besides light that the integrator fills.
     extra: usize,
 }
@@ -27,7 +27,7 @@ impl<'a> SampleMaker<'a> {
     pub fn new(scene: &'a Scene, seed: u32, kernel: &'a KernelEntry) -> Self {
         let extra = scene.integrator.extra_channels().len();
         let numbers = RandomSource { kind: scene.sensor.sampler.kind, seed };
-        let response = scene.sensor.camera.response() as f32;
+        let response = scene.sensor.camera.response();
         Self { scene, numbers, kernel, radiance: scene.integrator.has_radiance(), response, extra }
     }
 
@@ -63,7 +63,7 @@ impl<'a> SampleMaker<'a> {
             (self.kernel.run)(self.scene, &self.scene.integrator, &mut paths, counters);
             for ((path, weight), values) in paths.iter().zip(&weights).zip(values.chunks_mut(channels)) {
                 let covered = f64::from(u8::from(path.covered));
-                self.colors(&path.λ, path.radiance * self.response, covered, *weight, &mut values[..colors]);
+                self.colors(&path.λ, path.radiance, covered, *weight, &mut values[..colors]);
             }
         }
         (paths, weights)
@@ -134,6 +134,7 @@ impl<'a> SampleMaker<'a> {
         let (rgb, more) = values.split_at_mut(3);
         let (alpha, bands) = more.split_at_mut(usize::from(film.alpha));
         alpha.fill(covered * weight);
+        let weight = weight * self.response;
         for (value, c) in rgb.iter_mut().zip(λ.to_rgb(radiance)) {
             *value = c * weight;
         }

@@ -6,6 +6,8 @@ pub const START: u32 = 0;
 /// No path goes on beyond this many vertices. Roulette ends paths long before, except where nothing is ever
 /// absorbed; such paths are counted and reported.
 pub const MAX_VERTICES: u32 = 1 << 20;
+/// Instead of a number of edges, for a meter on which a path begins: its numbers are those of a vertex that no path has.
+pub const METER: u32 = MAX_VERTICES + 1;
 /// How many emitter samples a vertex can take.
 pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
 /// Blocks of a guided emitter sample at each vertex.
@@ -25,7 +27,7 @@ const EMITTER_SAMPLES: u32 = 1 << 30;
 const FLIGHTS: u32 = 1 << 31;
 
 const _: () = assert!(
-    VERTICES + MAX_VERTICES <= SHARED_LIGHT_PATHS
+    VERTICES + METER <= SHARED_LIGHT_PATHS
         && GUIDED + MAX_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
         && MAX_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
         && EMITTER_SAMPLES + (MAX_VERTICES * MOST_EMITTER_SAMPLES - 1) < FLIGHTS

@@ -52,6 +52,10 @@ impl Optics for IrradianceMeter {
     fn response(&self) -> f64 {
         PI
     }
+
+    fn lies_on_surface(&self) -> bool {
+        true
+    }
 }
 
 impl IrradianceMeter {

@@ -49,6 +49,11 @@ pub trait Optics {
         1.0
     }
 
+    /// Whether its rays leave the surface whose irradiance it measures, with a density of cos θ/π.
+    fn lies_on_surface(&self) -> bool {
+        false
+    }
+
     /// Whether it makes an image: then light paths can be connected with it, and what is seen has a place on the film.
     fn has_image(&self) -> bool {
         false
@@ -138,6 +143,12 @@ macro_rules! sensors {
             fn response(&self) -> f64 {
                 match self {
                     $(Self::$Type(sensor) => sensor.response()),*
+                }
+            }
+
+            fn lies_on_surface(&self) -> bool {
+                match self {
+                    $(Self::$Type(sensor) => sensor.lies_on_surface()),*
                 }
             }
 

@@ -3,14 +3,16 @@
 use super::chain::ChainSince;
 use super::escapes::Escapes;
 use super::reuse::{Exchange, Shared, Tail};
-use super::shadows::Shadows;
+use super::shadows::{Destination, Shadows};
 use super::{FEW_EMITTERS, Path};
 use crate::emitter::Gathers;
 use crate::integrator::arrival::Arrival;
+use crate::integrator::meter::Start;
 use crate::integrator::wavefront::{STREAM, Wavefront};
 use crate::integrator::{CameraPath, Counters};
 use crate::sampler::{ManyNumbers, PAIRS, blocks};
 use crate::scene::{Features, Scene};
+use crate::sensor::Optics;
 use crate::spectrum::Spectrum;
 
 /// The state of a camera path between two vertices.
@@ -155,6 +157,26 @@ impl Path {
         }
     }
 
+    /// Gathers light at a meter on which all paths begin. For all features at once: other sensors do not pay for it.
+    #[inline(never)]
+    fn begin_on_surface(
+        &self,
+        scene: &Scene,
+        paths: &[CameraPath],
+        states: &mut [State],
+        gathers: &mut [Gathers],
+        shadows: &mut Shadows,
+    ) {
+        for (index, path) in paths.iter().enumerate() {
+            let Some(start) = Start::of(scene, self.lengths.hide_emitters, path) else { continue };
+            let state = &mut states[index];
+            (state.arrival, gathers[index]) = (start.arrival, start.gathers);
+            if let Some(proposal) = start.found {
+                shadows.push(Destination { path: index, shares: false }, state.throughput, proposal);
+            }
+        }
+    }
+
     fn trace_stream<const F: u32>(
         &self,
         scene: &Scene,
@@ -174,6 +196,9 @@ impl Path {
         }
         chains.resize(paths.len(), ChainSince::Nothing);
         wavefront.begin(paths.iter().map(|path| path.ray).enumerate());
+        if scene.sensor.camera.lies_on_surface() {
+            self.begin_on_surface(scene, paths, states, gathers, &mut pending.shadows);
+        }
         // Surroundings in view cover everything.
         let surrounded = !self.lengths.hide_emitters && scene.emitters.environment.is_some();
         paths.iter_mut().for_each(|path| path.covered = surrounded);

@@ -62,6 +62,7 @@ impl VolPath {
             return Spectrum::ZERO;
         }
         let mut walk = Walk::from_camera(self.lengths, scene, path, counters);
+        walk.begin::<F>();
         for edge in 1..=MAX_VERTICES {
             if walk.step::<F>(edge).is_none() {
                 return walk.radiance;

@@ -4,9 +4,9 @@ use super::visibility;
 use crate::bsdf::{Bsdf, Sample, Traits};
 use crate::emitter::{Choice, Gathers};
 use crate::integrator::arrival::{Arrival, Met, environment_along};
-use crate::integrator::emitter_sampling::{SampleCounts, sample_emitter};
+use crate::integrator::emitter_sampling::{Proposal, SampleCounts, sample_emitter};
 use crate::integrator::lengths::Lengths;
-use crate::integrator::mis::power_heuristic;
+use crate::integrator::meter::Start;
 use crate::integrator::roulette::roulette;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::{CameraPath, Counters, Event};
@@ -64,6 +64,19 @@ impl<'a> Walk<'a> {
             gathers: Gathers::EVERYWHERE,
             travelled: 0.0,
             path,
+        }
+    }
+
+    /// Gathers light at the surface on which the path begins, if it does.
+    pub fn begin<const F: u32>(&mut self) {
+        let Some(Start { arrival, gathers, found }) =
+            Start::of(self.scene, self.lengths.hide_emitters, self.path)
+        else {
+            return;
+        };
+        (self.arrival, self.gathers) = (arrival, gathers);
+        if let Some(proposal) = found {
+            self.receive::<F>(proposal, self.medium, blocks::METER);
         }
     }
 
@@ -214,18 +227,8 @@ impl<'a> Walk<'a> {
     fn emission(&mut self, shape: &Shape, index: usize, point: &SurfacePoint) {
         let ray = &Ray { origin: self.from, ..self.ray };
         let met = Met { ray, t: self.travelled, shape, point, emitter: index };
-        let emitted = met.radiance(self.scene, &self.path.λ);
-        if emitted.is_zero() {
-            return;
-        }
-        let weight = if self.arrival.delta {
-            1.0
-        } else {
-            let choice = Choice::at(self.gathers.at(self.from));
-            let rival = met.density_of_samples(self.scene, &choice, self.arrival.emitter_samples);
-            power_heuristic(self.arrival.pdf, rival)
-        };
-        self.radiance += self.throughput * emitted * weight as f32;
+        let choice = Choice::at(self.gathers.at(self.from));
+        self.radiance += self.throughput * met.weighted(self.scene, &choice, &self.arrival, &self.path.λ);
     }
 
     /// Takes an emitter sample from a vertex, on a surface that may part media.
@@ -233,7 +236,7 @@ impl<'a> Walk<'a> {
         &mut self,
         vertex: &Vertex<B>,
         gathers: &Gathers,
-        interface: Option<&Interface>,
+        interface: Option<&'a Interface>,
         u: &Numbers,
         edge: u32,
     ) {
@@ -242,11 +245,16 @@ impl<'a> Walk<'a> {
         let found =
             sample_emitter(self.scene, vertex, &choice, numbers, SampleCounts::ONE, λ, |_, _, _| 0.0);
         let Some((proposal, _)) = found else { return };
-        let ray = proposal.ray;
         let medium = match interface {
-            Some(interface) => interface.towards(ray.direction.dot(vertex.point.ng)),
+            Some(interface) => interface.towards(proposal.ray.direction.dot(vertex.point.ng)),
             None => self.medium,
         };
+        self.receive::<F>(proposal, medium, edge);
+    }
+
+    /// Adds as much of an emitter sample as comes through a medium and what else lies between.
+    fn receive<const F: u32>(&mut self, proposal: Proposal, medium: Option<&'a Medium>, edge: u32) {
+        let ray = proposal.ray;
         let mut numbers = FlightNumbers::independent(&self.path.sampler, blocks::shadow_flight(edge));
         let visible =
             visibility::between::<F>(self.scene, ray, medium, &self.path.λ, &mut numbers, self.counters);

@@ -5,7 +5,7 @@ use crate::stage::*;
 use std::f64::consts::PI;
 
 pub fn cases() -> Vec<ClosedForm> {
-    [radiance(), form_factors(), surrounded()].concat()
+    [radiance(), form_factors(), lit_by_points(), surrounded()].concat()
 }
 
 fn meter(kind: &str, parameters: &str) -> String {
@@ -60,7 +60,7 @@ fn radiance() -> Vec<ClosedForm> {
     ]
 }
 
-/// A luminous surface seen by one with a meter, which meets it by chance alone.
+/// A luminous surface seen by one with a meter.
 fn form_factors() -> Vec<ClosedForm> {
     const GAP: f64 = 0.25;
     const WIDTH: f64 = 0.25;
@@ -72,10 +72,12 @@ fn form_factors() -> Vec<ClosedForm> {
     let strip = square(&[scale([1.0, WIDTH, 1.0])], &meter);
     // Its front faces +y; both have the edge at y = −WIDTH/2.
     let beside = square(&[rotate('x', -90.0), translate([0.0, -0.5 * WIDTH, 0.5])], &area(1.0));
-    let (radius, height) = (9.0, 0.9);
+    let (radius, height) = (2.7, 0.9);
     let disk =
         shape("disk", &[scale([radius; 3]), rotate('x', 180.0), translate([0.0, 0.0, height])], &area(1.0));
     let ball = sphere([0.0; 3], 0.4, &meter);
+    let plate = shape("disk", &[scale([0.5; 3])], &meter);
+    let spot = shape("disk", &[scale([0.02; 3]), rotate('x', 180.0), translate([0.0, 0.0, 1.0])], &area(1.0));
     let lamps = [
         (
             "opposite_squares",
@@ -95,6 +97,12 @@ fn form_factors() -> Vec<ClosedForm> {
             [&ball, &disk],
             0.5 * (1.0 - height / libm::hypot(radius, height)),
         ),
+        (
+            "a_small_lamp",
+            "πL F₁₂ of two disks on one axis (Howell's catalogue, C-41)",
+            [&plate, &spot],
+            of_disks(0.5, 0.02),
+        ),
     ];
     let form = |(name, source, shapes, factor): (&'static str, &'static str, [&String; 2], f64)| {
         let scene = scene(&[&path(1), shapes[0], shapes[1]]);
@@ -111,6 +119,13 @@ fn of_opposite_squares(x: f64) -> f64 {
     2.0 / (PI * x2) * (logarithm + 2.0 * x * (root * libm::atan(x / root) - libm::atan(x)))
 }
 
+/// From a disk of radius r to one of radius s on the same axis, at a distance of 1.
+fn of_disks(r: f64, s: f64) -> f64 {
+    let x = 1.0 + (1.0 + s * s) / (r * r);
+    let ratio = 2.0 * s / r;
+    0.5 * ratio * ratio / (x + (x * x - ratio * ratio).sqrt())
+}
+
 /// From a rectangle of width w to one of height h at a right angle, at their common edge of length 1.
 fn at_an_edge(w: f64, h: f64) -> f64 {
     let (w2, h2) = (w * w, h * h);
@@ -119,6 +134,61 @@ fn at_an_edge(w: f64, h: f64) -> f64 {
     let along = |a: f64| a * libm::log(a * all / ((1.0 + a) * (w2 + h2)));
     let logarithms = libm::log((1.0 + w2) * (1.0 + h2) / all) + along(w2) + along(h2);
     (angles + 0.25 * logarithms) / (PI * w)
+}
+
+/// Lamps that no ray meets.
+fn lit_by_points() -> Vec<ClosedForm> {
+    const HEIGHT: f64 = 0.7;
+    let meter = meter("irradiancemeter", "");
+    let square = shape("rectangle", &[scale([0.5; 3])], &meter);
+    let place = format!("<point name=\"position\" x=\"0\" y=\"0\" z=\"{HEIGHT}\"/>");
+    let lamp = emitter("point", &format!("{place}{}", grey("intensity", 2.0)));
+    // Of a square of side 1 about the foot of the lamp.
+    let solid_angle = 4.0 * libm::atan(0.25 / (HEIGHT * (0.5 + HEIGHT * HEIGHT).sqrt()));
+    let direct = "<integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"3\"/></integrator>";
+    let by = |name: &'static str, integrator: &str| {
+        ClosedForm::new(
+            name,
+            "I Ω/A: the light of a point within the solid angle of a square",
+            scene(&[integrator, &square, &lamp]),
+            2.0 * solid_angle,
+        )
+        .samples(1 << 12)
+    };
+    let sun = emitter(
+        "directional",
+        &format!("<vector name=\"direction\" x=\"0.5\" y=\"-0.3\" z=\"-1\"/>{}", grey("irradiance", 3.0)),
+    );
+    let ball = sphere([0.0; 3], 0.4, &format!("{}{meter}", diffuse(0.3)));
+    vec![
+        by("below_a_point", &path(1)),
+        by("below_a_point_direct", direct),
+        ClosedForm::new(
+            "ball_in_the_sun",
+            "E/4: a ball's shadow over its surface",
+            scene(&[&path(1), &ball, &sun]),
+            0.75,
+        )
+        .samples(1 << 14),
+        ClosedForm::new(
+            "point_through_fog",
+            "I exp(−σd)/d²",
+            scene(&[
+                "<integrator type=\"volpath\"/>",
+                &small_disk_in_fog(),
+                &emitter("point", &format!("{}{}", place.replace("0.7", "2"), grey("intensity", 2.0))),
+            ]),
+            0.5 * libm::exp(-1.4),
+        ),
+    ]
+}
+
+/// In air with an extinction of 0.7 m⁻¹.
+fn small_disk_in_fog() -> String {
+    let black = "<rgb name=\"albedo\" value=\"0\"/>";
+    let fog =
+        format!("<medium name=\"exterior\" type=\"homogeneous\">{}{black}</medium>", grey("sigma_t", 0.7));
+    shape("disk", &[scale([1e-3; 3])], &format!("{}{fog}{}", diffuse(0.0), meter("irradiancemeter", "")))
 }
 
 /// Meters with light from everywhere.
@@ -131,10 +201,6 @@ fn surrounded() -> Vec<ClosedForm> {
     );
     let cube =
         shape("cube", &[scale([0.3, 0.5, 0.2]), rotate('y', 20.0)], &format!("{}{meter}", diffuse(0.0)));
-    let black = "<rgb name=\"albedo\" value=\"0\"/>";
-    let fog =
-        format!("<medium name=\"exterior\" type=\"homogeneous\">{}{black}</medium>", grey("sigma_t", 0.7));
-    let disk = shape("disk", &[scale([1e-3; 3])], &format!("{}{fog}{meter}", diffuse(0.0)));
     let wall = format!(
         "<shape type=\"sphere\"><float name=\"radius\" value=\"2\"/>{}{}</shape>",
         diffuse(0.0),
@@ -158,7 +224,7 @@ fn surrounded() -> Vec<ClosedForm> {
         ClosedForm::new(
             "in_fog",
             "πL exp(−σr) in the midst of a ball: rays begin in what the surface has around it",
-            scene(&["<integrator type=\"volpath\"/>", &disk, &wall]),
+            scene(&["<integrator type=\"volpath\"/>", &small_disk_in_fog(), &wall]),
             PI * libm::exp(-1.4),
         ),
     ]
