@@ -128,7 +128,6 @@ impl Guest<'_> {
             let theirs = reference.image()?;
             // Size and channels of the pictures must agree before anything else.
             let mut ours = Image::from_replicates(&pictures).map_err(|e| e.to_string())?;
-            let shared = Image::shared_noise(&pictures);
             let names =
                 |of: &Image| of.channels.iter().map(|c| c.name.clone()).collect::<Vec<_>>().join(", ");
             let found = names(&ours);
@@ -139,7 +138,6 @@ impl Guest<'_> {
                     names(&theirs)
                 ));
             }
-            let ours = ours.with_variances_times(&shared);
             let settings = Settings { level: self.level, ..references::settings(margin) };
             let comparison = compare(&theirs, &ours, &settings).map_err(|e| e.to_string())?;
             match comparison.uncompared.first() {

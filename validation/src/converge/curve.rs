@@ -75,7 +75,9 @@ pub fn curve(rungs: &[Rung], seed: u64) -> Option<Curve> {
     let each = |statistic: &dyn Fn(&[usize]) -> f64| interval(statistic, Sign::Positive, count, &draws);
     let several = rungs.len() > 1;
     let time_to = |goal: f64, seeds: &[usize]| time(rungs, seeds).at(line(rungs, seeds).samples_to(goal));
-    let target = |goal: f64| several.then(|| each(&|s| time_to(goal, s)));
+    // An error that does not fall with the number of samples reaches no goal.
+    let target =
+        |goal: f64| several.then(|| each(&|s| time_to(goal, s))).filter(|seconds| seconds.value.is_finite());
     let slope = || interval(|s| line(rungs, s).slope, Sign::Any, count, &draws);
     Some(Curve {
         errors: rungs.iter().map(|r| each(&|s| mean(&r.errors, s))).collect(),
@@ -131,7 +133,9 @@ fn jackknife(statistic: impl Fn(&[usize]) -> f64, sign: Sign, all: &[usize]) -> 
         without.iter_mut().for_each(|v| *v = libm::log(*v));
     }
     let degrees = all.len() as f64 - 1.0;
-    let half = student_quantile(0.05, degrees) * degrees * Estimate::of(without).variance.sqrt();
+    let known = without.iter().all(|v| v.is_finite());
+    let deviation = if known { Estimate::of(without).variance.sqrt() } else { f64::INFINITY };
+    let half = student_quantile(0.05, degrees) * degrees * deviation;
     match positive {
         true => Measured { value, low: value * libm::exp(-half), high: value * libm::exp(half) },
         false => Measured { value, low: value - half, high: value + half },
@@ -182,7 +186,11 @@ struct Line {
 }
 
 impl Line {
+    /// How many samples reach an error; infinitely many where it does not fall with their number.
     fn samples_to(&self, error: f64) -> f64 {
+        if self.slope >= 0.0 {
+            return f64::INFINITY;
+        }
         libm::exp((libm::log(error) - self.height) / self.slope)
     }
 }
@@ -213,6 +221,22 @@ mod tests {
         assert!((found.efficiency.value - 250.0).abs() < 1e-9);
         assert!((found.seconds_to[0].unwrap().value - 0.4).abs() < 1e-9);
         assert!((found.seconds_to[1].unwrap().high - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_error_that_rises_reaches_no_goal() {
+        let rung = |samples: u32, errors: [f64; 3]| Rung {
+            samples,
+            errors: errors.to_vec(),
+            seconds: vec![0.01 * f64::from(samples); 3],
+            ..Rung::default()
+        };
+        let rises = curve(&[rung(4, [0.02; 3]), rung(16, [0.006; 3]), rung(64, [0.5; 3])], 0).unwrap();
+        assert!(rises.slope.unwrap().value > 0.0 && rises.seconds_to.iter().all(Option::is_none));
+        // Without the first seed it does not fall.
+        let may = curve(&[rung(4, [0.2, 0.1, 0.1]), rung(64, [0.01, 0.1, 0.1])], 0).unwrap();
+        let seconds = may.seconds_to[0].unwrap();
+        assert!(seconds.value.is_finite() && seconds.high == f64::INFINITY, "{seconds:?}");
     }
 
     #[test]

@@ -260,3 +260,29 @@ fn describe_mean(channel: &ChannelComparison) -> String {
     let (ratio, low, high) = (percent(mean.ratio), percent(mean.interval.low), percent(mean.interval.high));
     format!("mean of channel {}: {ratio:.3} % of the reference ({low:.3} to {high:.3} %)", channel.name)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Channel;
+
+    #[test]
+    fn without_variances_values_within_rounding_are_the_same() {
+        let image = |mean: Vec<f64>| Image {
+            width: 32,
+            height: 32,
+            channels: vec![Channel { name: "Y".into(), mean, variance: None }],
+        };
+        let halves = |left: f64, right: f64| {
+            image((0..1024).map(|i| if i % 32 < 16 { left } else { right }).collect())
+        };
+        let verdict =
+            |other: Image| compare(&halves(1.0, 2.0), &other, &Settings::default()).unwrap().verdict;
+        assert_eq!(verdict(halves(1.0, 2.0)), Verdict::Equivalent);
+        assert_eq!(verdict(halves(1.0 + f64::from(f32::EPSILON), 2.0)), Verdict::Equivalent);
+        // What noise they have is not known.
+        assert_eq!(verdict(halves(1.001, 2.0)), Verdict::Inconclusive);
+        assert_eq!(verdict(halves(2.0, 1.0)), Verdict::Inconclusive);
+        assert_eq!(verdict(halves(f64::NAN, 2.0)), Verdict::Different);
+    }
+}

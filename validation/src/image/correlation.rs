@@ -3,12 +3,13 @@
 
 use super::pair::Pair;
 use super::pixels::score;
+use std::ops::Range;
 
 /// Farthest columns and rows between pixels that share samples: filters reach two pixels to each side.
 const REACH: usize = 4;
 
-/// Edge length in pixels of the tiles from whose mean scores are counted, so that a difference of whole regions is
-/// no correlation of their noise.
+/// Least edge length in pixels of the tiles from whose mean scores are counted, so that a difference of whole regions
+/// is no correlation of their noise. What is left at the end of an image belongs to its last tile.
 const TILE: usize = 16;
 
 /// Scores beyond this count as this, so that neither a firefly nor a true difference dominates.
@@ -44,10 +45,9 @@ impl Correlation {
     /// b being typically `ratio` times as noisy as a.
     pub fn of(pair: &Pair, ratio: Option<f64>) -> Self {
         let mut found = Self { pixels: 0.0, tiles: 0.0, lags: Default::default() };
-        for (top, left) in
-            corners(pair.height).flat_map(|top| corners(pair.width).map(move |left| (top, left)))
+        for (rows, columns) in
+            parts(pair.height).flat_map(|rows| parts(pair.width).map(move |columns| (rows.clone(), columns)))
         {
-            let (rows, columns) = (top..pair.height.min(top + TILE), left..pair.width.min(left + TILE));
             let clamped =
                 |x: usize, y: usize| score(pair.pixel(x, y), ratio).map(|z| z.clamp(-LARGEST, LARGEST));
             let row = |y: usize| columns.clone().map(|x| clamped(x, y)).collect();
@@ -105,8 +105,10 @@ impl Correlation {
     }
 }
 
-fn corners(extent: usize) -> impl Iterator<Item = usize> + Clone {
-    (0..extent).step_by(TILE)
+/// The rows or columns of tiles.
+fn parts(extent: usize) -> impl Iterator<Item = Range<usize>> {
+    let count = (extent / TILE).max(1);
+    (0..count).map(move |part| part * TILE..if part + 1 < count { (part + 1) * TILE } else { extent })
 }
 
 #[cfg(test)]
@@ -128,6 +130,20 @@ mod tests {
             let expected = along * along;
             assert!((found / expected - 1.0).abs() < 0.25, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn the_ends_of_images_belong_to_their_last_tiles() {
+        const PAIRS: u64 = 32;
+        for [width, height] in [[20, 20], [36, 36], [17, 64]] {
+            let scene = vec![1.0; width * height];
+            let image = |number| filtered(width, &scene, &[0.25, 0.5, 0.25], "ends", number);
+            let factor = |pair: u64| of(&image(2 * pair), &image(2 * pair + 1)).shared_noise();
+            let mean = (0..PAIRS).map(factor).sum::<f64>() / PAIRS as f64;
+            assert!((mean / (64.0 / 9.0) - 1.0).abs() < 0.3, "{width} × {height}: {mean}");
+        }
+        assert_eq!(parts(47).collect::<Vec<_>>(), [0..16, 16..47]);
+        assert!(parts(5).eq(std::iter::once(0..5)));
     }
 
     #[test]

@@ -7,8 +7,10 @@
 //! difference. Its standard error is that of the scatter between groups of pixels.
 //!
 //! One pixel among thousands shows in no sum. It is different if it is so by twice as many standard errors as
-//! the corrected level asks of normal noise, where no variance counts for less than the mean of its
-//! neighbourhood's.
+//! the corrected level asks of Student's distribution, where no variance counts for less than the mean of its
+//! neighbourhood's. That distribution's degrees of freedom are those with which the variances of the neighbourhood
+//! scatter as they do (Satterthwaite 1946): few where they come from few samples, and where some pixels meet what
+//! others miss.
 
 use serde::Serialize;
 
@@ -54,13 +56,26 @@ pub(super) struct Limits {
     pub tile_size: usize,
 }
 
-/// A group of neighbouring pixels: their number, and the sums of squared differences less variances, and of
-/// variances.
+/// A group of neighbouring pixels: their number, and the sums of squared differences less variances, of
+/// variances, and of their squares.
 #[derive(Clone, Copy, Default)]
 struct Group {
     count: f64,
     excess: f64,
     variance: f64,
+    squares: f64,
+}
+
+impl Group {
+    fn mean_variance(&self) -> f64 {
+        self.variance / self.count
+    }
+
+    /// The degrees of freedom d of the variances: those of χ² with d degrees scatter by 2/d of their squared mean.
+    fn degrees(&self) -> f64 {
+        let mean = self.mean_variance();
+        2.0 * mean * mean / (self.squares / self.count - mean * mean)
+    }
 }
 
 /// b being typically `ratio` times as noisy as a.
@@ -77,24 +92,31 @@ pub(super) fn compare(pair: &Pair, ratio: Option<f64>, limits: Limits) -> Detail
         group.count += 1.0;
         group.excess += pixel.difference() * pixel.difference() - pixel.variance();
         group.variance += pixel.variance();
+        group.squares += pixel.variance() * pixel.variance();
         (count, sum) = (count + 1.0, sum + pixel.a + pixel.b);
     }
     let scale = 0.5 * sum.abs() / count;
     let mut found = whole(&groups, scale, limits);
 
     let score = |pixel: Pixel, group: Group| {
-        let variance = pixel.variance().max(group.variance / group.count);
+        let variance = pixel.variance().max(group.mean_variance());
         if variance > 0.0 { pixel.difference() / variance.sqrt() } else { 0.0 }
     };
     let scored = informed().map(|(x, y, pixel)| (x, y, pixel, score(pixel, groups[group_of(x, y)])));
     if let Some((x, y, pixel, z)) = scored.max_by(|a, b| a.3.abs().total_cmp(&b.3.abs())) {
         found.worst = Some((pair.place(x, y), z));
-        found.worst_p_value = smallest_of(normal_two_sided(0.5 * z), count as usize);
+        let degrees = groups[group_of(x, y)].degrees();
+        found.worst_p_value = smallest_of(of_one(0.5 * z, degrees), count as usize);
         let beyond = pixel.difference().abs() > limits.margin * scale;
         found.single = !found.different && found.worst_p_value <= limits.corrected && beyond;
         found.different |= found.single;
     }
     found
+}
+
+/// Student's p-value, or that of normal noise where variances do not scatter.
+fn of_one(t: f64, degrees: f64) -> f64 {
+    if degrees > 0.0 && degrees.is_finite() { student_two_sided(t, degrees) } else { normal_two_sided(t) }
 }
 
 /// The side of groups that are many, and no larger than tiles.
@@ -182,6 +204,16 @@ mod tests {
             // At the level of 0.1 % for each of two tests, five of 200 are one in ten thousand.
             assert!(share < 5, "{noise:?} {share}");
         }
+    }
+
+    /// Two values that both met a rare event have no variance of their own, and are many times as large as others.
+    #[test]
+    fn events_that_both_of_two_samples_met_are_no_alarm() {
+        let different = |trial: u64| {
+            let image = |name| render(128, &[1.0; 128 * 128], Noise::Edge, 2, name, trial);
+            compared(&image("met a"), &image("met b")).single
+        };
+        assert_eq!((0..20).filter(|&trial| different(trial)).count(), 0);
     }
 
     #[test]

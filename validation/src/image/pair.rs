@@ -36,6 +36,11 @@ impl Pixel {
         self.variance_a + self.variance_b
     }
 
+    /// Both values are the same but for this relative rounding.
+    pub fn agrees(&self, rounding: f64) -> bool {
+        self.difference().abs() <= rounding * self.a.abs().max(self.b.abs())
+    }
+
     /// Difference in standard errors; 0/0 is 0.
     pub fn z(&self) -> f64 {
         if self.difference() == 0.0 { 0.0 } else { self.difference() / self.variance().sqrt() }
@@ -149,7 +154,7 @@ impl Faults {
         for pair in pairs {
             let exact = pair.pixels().all(|(_, _, pixel)| pixel.variance() == 0.0);
             for (x, y, pixel) in pair.pixels() {
-                let differs = pixel.difference().abs() > rounding * pixel.a.abs().max(pixel.b.abs());
+                let differs = !pixel.agrees(rounding);
                 if let Some(what) = pixel.flaw() {
                     faults.not_finite.push(Flaw { place: pair.place(x, y), what });
                 } else if differs && exact {

@@ -13,6 +13,8 @@ pub enum Noise {
     /// 20 with probability 1/40, else 20/39, as of a light that is rarely hit; standard deviation 3, skewness
     /// 6.
     Firefly,
+    /// 13 with probability 1/128, else 115/127, as of a lamp's edge in a block of few samples; standard deviation 1.1.
+    Edge,
     /// Log-normal, with a deviation of 2.5 of the logarithm: the standard deviation is 23, and half of all
     /// light comes by one sample in 160.
     Lognormal,
@@ -30,6 +32,13 @@ impl Noise {
                     20.0
                 } else {
                     20.0 / 39.0
+                }
+            }
+            Noise::Edge => {
+                if stream.uniform() < 1.0 / 128.0 {
+                    13.0
+                } else {
+                    115.0 / 127.0
                 }
             }
             Noise::Lognormal => libm::exp(2.5 * stream.normal() - 3.125),

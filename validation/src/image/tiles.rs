@@ -222,7 +222,12 @@ fn summarise(
     let smaller =
         |a: &&Tile, b: &&Tile| a.p_value.total_cmp(&b.p_value).then(b.z.abs().total_cmp(&a.z.abs()));
     let noisiest = tiles.iter().map(|tile| tile.standard_error).fold(0.0, f64::max);
-    let verdict = Verdict::all(tiles.iter().map(|tile| tile.verdict));
+    // Where nothing is known of the noise only values that agree leave nothing to ask.
+    let agree = |pair: &Pair| pair.pixels().all(|(_, _, pixel)| pixel.agrees(settings.rounding));
+    let verdict = match tiles.is_empty() && pairs.iter().all(agree) {
+        true => Verdict::Equivalent,
+        false => Verdict::all(tiles.iter().map(|tile| tile.verdict)),
+    };
     let worst = tiles.iter().min_by(smaller).cloned();
     let open = verdict == Verdict::Inconclusive && noisiest.is_finite();
     let tested = tiles.len();

@@ -49,6 +49,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         say(format_args!("{done} of {reseed} runs"));
     }
     let summary = judge(&file)?;
+    if summary.report().outcomes.is_empty() {
+        say(format_args!("the file holds neither p-values nor runs"));
+    }
     summary.report().outcomes.iter().for_each(print);
     write(json.as_deref(), || Ok(to_json(&summary)?))?;
     Ok(summary.report().verdict)

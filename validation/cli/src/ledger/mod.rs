@@ -8,7 +8,8 @@ use crate::crew::ask_all;
 use crate::files;
 use crate::provenance::Provenance;
 use crate::trial::Trial;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::Path;
@@ -34,6 +35,7 @@ enum Line {
         check: String,
         subject: String,
         number: u64,
+        #[serde(deserialize_with = "probability")]
         p: f64,
     },
     /// A run of the suite.
@@ -45,6 +47,11 @@ enum Line {
         /// The outcomes that were called different, with the reason.
         rejected: Vec<String>,
     },
+}
+
+fn probability<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let p = f64::deserialize(from)?;
+    if (0.0..=1.0).contains(&p) { Ok(p) } else { Err(D::Error::custom("expected 0 to 1")) }
 }
 
 /// Summary of a ledger, as a document to be committed.
@@ -128,7 +135,7 @@ pub fn judge(path: &Path) -> Result<Summary, String> {
     let mut checks: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut samples: BTreeMap<usize, usize> = BTreeMap::new();
     let (mut runs, mut rejecting_runs, mut complaints) = (0, 0, vec![]);
-    let mut known = BTreeSet::new();
+    let (mut known, mut known_runs) = (BTreeSet::new(), BTreeSet::new());
     for line in read(path)? {
         match line {
             Line::PValue { check, subject, number, p } => {
@@ -140,6 +147,8 @@ pub fn judge(path: &Path) -> Result<Summary, String> {
                 }
             }
             Line::Run { trials: 0, .. } => {}
+            // And so is a run.
+            Line::Run { run, .. } if !known_runs.insert(run) => {}
             Line::Run { rejected, samples: each, .. } => {
                 runs += 1;
                 *samples.entry(each).or_default() += 1;
@@ -247,6 +256,8 @@ mod tests {
         write(&path, [run(0, vec![]), run(1, vec!["x".into()])].into_iter()).unwrap();
         let summary = judge(&path).unwrap();
         assert_eq!((summary.runs, summary.rejecting_runs, next(&path).unwrap()), (2, 1, 2));
+        write(&path, [run(1, vec!["x".into()])].into_iter()).unwrap();
+        assert_eq!(judge(&path).unwrap().runs, 2);
         // A run of a part of the suite has a number, and says nothing of the suite.
         let part = Line::Run { run: 2, trials: 0, samples: 16, rejected: vec!["x".into()] };
         write(&path, [part].into_iter()).unwrap();
@@ -256,8 +267,10 @@ mod tests {
         std::fs::write(&path, files::text(&path).unwrap() + r#"{"run": 7, "tri"#).unwrap();
         write(&path, [run(3, vec![])].into_iter()).unwrap();
         assert_eq!((judge(&path).unwrap().runs, next(&path).unwrap()), (3, 4));
-        std::fs::write(&path, "{}\n").unwrap();
-        assert!(judge(&path).is_err_and(|error| error.contains(":1: expected a p-value or a run")));
+        for wrong in ["{}", r#"{"check":"a","subject":"b","number":0,"p":1.5}"#] {
+            std::fs::write(&path, wrong.to_owned() + "\n").unwrap();
+            assert!(judge(&path).is_err_and(|error| error.contains(":1: expected a p-value or a run")));
+        }
         std::fs::remove_file(&path).unwrap();
     }
 }
