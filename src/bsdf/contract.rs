@@ -115,6 +115,102 @@ fn materials_of_one_lobe_do_not_choose() {
     assert!(count > 0);
 }
 
+/// What is known of a material decides what is left out where it is: kernels, media, techniques.
+#[test]
+fn samples_are_what_the_traits_say() {
+    each(|name, bsdf, material, _| {
+        let traits = material.traits();
+        for wo in views() {
+            for (lobe, u) in grid(6, 16) {
+                let Some(s) = bsdf.sample(wo, lobe, u) else { continue };
+                let [straight, mirrored] = [-wo, mirror(wo)].map(|w| length(s.wi - w) < 1e-9);
+                let passes = s.wi.z * wo.z < 0.0;
+                assert!(!s.null || traits.has_null && s.delta && straight, "{name}: {wo} {s:?}");
+                assert!(!s.dispersed || traits.dispersive, "{name}: {wo} {s:?}");
+                assert!(!passes || traits.transmits, "{name}: {wo} {s:?}");
+                assert!(!traits.mirrors || passes || s.delta && mirrored, "{name}: {wo} {s:?}");
+                assert!(!traits.refracts || !passes || s.delta, "{name}: {wo} {s:?}");
+                assert!(!traits.only_rough || !passes && !s.delta, "{name}: {wo} {s:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn null_transmission_is_what_samples_bring_straight_on() {
+    const DRAWS: usize = 1 << 12;
+    let mut count = 0;
+    each(|name, bsdf, material, _| {
+        let passes = |i: usize, wo| {
+            let (lobe, u) = lattice(i);
+            bsdf.sample(wo, lobe, u).filter(|s| s.null).map_or(Spectrum::ZERO, |s| s.weight)
+        };
+        for wo in views() {
+            let expected = bsdf.null_transmission(wo);
+            assert!(material.traits().has_null || expected.is_zero(), "{name}: {expected:?}");
+            let found = (0..DRAWS).fold(Spectrum::ZERO, |sum, i| sum + passes(i, wo)) * (1.0 / DRAWS as f32);
+            for (found, expected) in found.0.into_iter().zip(expected.0) {
+                assert!((found - expected).abs() < 2e-3, "{name}: {wo}: {found} {expected}");
+            }
+            count += u32::from(!expected.is_zero());
+        }
+    });
+    assert!(count > 0);
+}
+
+#[test]
+fn what_has_an_albedo_obeys_lamberts_law() {
+    let mut count = 0;
+    each(|name, bsdf, _, _| {
+        let Some(albedo) = bsdf.albedo() else { return };
+        count += 1;
+        for (wo, wi) in views().flat_map(|wo| views().map(move |wi| (wo, wi))).filter(|(wo, _)| wo.z > 0.0) {
+            let found = bsdf.evaluate(wo, wi);
+            let pdf = wi.z.max(0.0) / PI;
+            assert!((found.pdf - pdf).abs() < 1e-12, "{name}: {wo} from {wi}");
+            for (value, albedo) in found.value.0.into_iter().zip(albedo.0) {
+                assert!((f64::from(value) - f64::from(albedo) * pdf).abs() < 1e-6, "{name}: {wo} from {wi}");
+            }
+        }
+    });
+    assert!(count > 0);
+}
+
+/// By which emitters are chosen: what follows the cosine must keep a part.
+#[test]
+fn lobes_leave_a_part_to_the_cosine() {
+    let mut count = 0;
+    each(|name, bsdf, _, _| {
+        for lobe in views().map(|wo| bsdf.lobe(wo)) {
+            assert!((0.0..1.0).contains(&lobe.share) && lobe.alpha2 > 0.0, "{name}: {lobe:?}");
+            assert!(lobe.share == 0.0 || (length(lobe.axis) - 1.0).abs() < 1e-12, "{name}: {lobe:?}");
+            count += u32::from(lobe.share > 0.0);
+        }
+    });
+    assert!(count > 0);
+}
+
+#[test]
+fn only_anisotropic_materials_know_the_tangent() {
+    let mut count = 0;
+    each(|name, bsdf, material, _| {
+        if material.traits().anisotropic {
+            return;
+        }
+        count += 1;
+        let (sin, cos) = libm::sincos(2.1);
+        let turned = |w: DVec3| DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z);
+        for (wo, wi) in views().flat_map(|wo| views().map(move |wi| (wo, wi))) {
+            let [found, other] = [bsdf.evaluate(wo, wi), bsdf.evaluate(turned(wo), turned(wi))];
+            for (a, b) in found.value.0.into_iter().zip(other.value.0) {
+                assert!((a - b).abs() <= 1e-4 * a.abs(), "{name}: {wo} from {wi}: {a} {b}");
+            }
+            assert!((found.pdf - other.pdf).abs() <= 1e-4 * found.pdf, "{name}: {wo} from {wi}");
+        }
+    });
+    assert!(count > 0);
+}
+
 /// A material without any density gets the number that chooses the lobe from those of the direction.
 #[test]
 fn materials_without_density_draw_no_direction() {

@@ -112,7 +112,8 @@ fn mean_cosines_are_known() {
             (AnyPhase::Blend(_), Some("0.25")) => {
                 0.75 * (0.25 * -0.5 + 0.75 * mean_cosine_of_a_table("1, 0, 2"))
             }
-            _ => 0.0,
+            (AnyPhase::Isotropic(_) | AnyPhase::Rayleigh(_), _) | (AnyPhase::Blend(_), Some("0")) => 0.0,
+            (AnyPhase::Tabulated(_), None) | (AnyPhase::Blend(_), _) => panic!("{name}: add its mean cosine"),
         };
         assert!((cosine - expected).abs() < 1e-6, "{name}: {cosine}, not {expected}");
         found.push(expected);

@@ -2,13 +2,16 @@
 //! too, because a scene file may give either wherever it gives a colour.
 //!
 //! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line
-//! to [`TEXTURES`]. One that varies over a surface in a new way also is a variant of [`AnyTexture`], whose
-//! methods then ask what it answers.
+//! to `entries!`. One that varies over a surface in a new way also is a variant of [`AnyTexture`], whose methods the
+//! compiler then asks for, each with what it answers. Textures within it are read with the `usage` it is read with
+//! itself. `contract.rs` tests all examples.
 
 pub mod bitmap;
 mod blackbody;
 mod checkerboard;
 mod color;
+#[cfg(test)]
+mod contract;
 mod d65;
 mod irregular;
 mod lookup;
@@ -175,7 +178,8 @@ impl AnyTexture {
         }
     }
 
-    /// The mean over the surface and the spectrum: a weight for choosing between lobes and lights.
+    /// The mean over the surface and the spectrum, of pictures that of the luminance: a weight for choosing between
+    /// lobes and lights.
     pub fn mean(&self) -> f64 {
         match self {
             Self::Constant(function) => function.mean(),
