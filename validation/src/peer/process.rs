@@ -160,6 +160,8 @@ fn read_lines(stdout: ChildStdout, answers: &SyncSender<Result<String, String>>)
             Ok(_) if line.len() as u64 == LONGEST_LINE => {
                 Err(format!("a line is longer than {LONGEST_LINE} bytes"))
             }
+            // What ended in the midst of a line has not answered.
+            Ok(_) if line.pop() != Some(b'\n') => return,
             Ok(_) => String::from_utf8(line).map_err(|_| "it is not UTF-8".to_string()),
             Err(error) => Err(error.to_string()),
         };
