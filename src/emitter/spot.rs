@@ -3,7 +3,7 @@
 use super::{AnyEmitter, DirectSample, Radiance, point, require_constant};
 use crate::math::cone::Cone;
 use crate::math::frame::unit;
-use crate::math::function::{acos, cos, tan};
+use crate::math::function::{atan2, cos, tan};
 use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
@@ -48,7 +48,8 @@ impl Spot {
     pub fn sample(&self, p: DVec3, λ: &Wavelengths) -> Option<DirectSample> {
         let (wi, distance, falloff) = point::arriving(p, self.place())?;
         let local = unit(self.to_world.inverted().vector(-wi));
-        let angle = acos(local.z.clamp(-1.0, 1.0));
+        // By the sine too: a cosine does not tell small angles.
+        let angle = atan2((local.x * local.x + local.y * local.y).sqrt(), local.z);
         if angle >= self.cutoff {
             return None;
         }
@@ -111,6 +112,24 @@ mod tests {
             Radiance::Known(radiance) => radiance.0[0],
             Radiance::Mapped(_) => panic!("a spot has no map"),
         })
+    }
+
+    /// Half way into the rim of a cone of a millionth of a degree there is half of the light.
+    #[test]
+    fn narrow_cones_have_their_rim() {
+        let text = r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="spot"><rgb name="intensity" value="3"/>
+            <float name="cutoff_angle" value="1e-6"/><float name="beam_width" value="0"/></emitter></scene>"#;
+        let scene = load_text("spot.xml", text, ColorMode::Rgb).unwrap();
+        let AnyEmitter::Spot(spot) = &scene.emitters.list[0].emitter else { panic!("no spot") };
+        for (share, expected) in [(0.0, Some(3.0)), (0.5, Some(1.5)), (0.75, Some(0.75)), (1.001, None)] {
+            let place = DVec3::new(0.6, 0.8, 0.0) * (share * 1e-6f64.to_radians()) + DVec3::Z;
+            let found = spot.sample(place, &Wavelengths::rgb()).map(|light| match light.radiance {
+                Radiance::Known(radiance) => radiance.0[0],
+                Radiance::Mapped(_) => f32::NAN,
+            });
+            assert_eq!(found.is_none(), expected.is_none(), "{share}");
+            assert!(found.zip(expected).is_none_or(|(a, b)| (a - b).abs() < 1e-5), "{share}: {found:?}");
+        }
     }
 
     #[test]
