@@ -136,8 +136,10 @@ fn widen(samples: &FlatSamples) -> Vec<f64> {
 /// Moves each `variance.X` (or `part.variance.X`) into channel X. A variance without its channel stays a
 /// channel.
 fn pair_variances(channels: Vec<Channel>) -> Vec<Channel> {
-    let owner =
-        |name: &str| name.find(VARIANCE).map(|at| format!("{}{}", &name[..at], &name[at + VARIANCE.len()..]));
+    let owner = |name: &str| {
+        let at = name.match_indices(VARIANCE).find(|(at, _)| *at == 0 || name[..*at].ends_with('.'))?.0;
+        Some(format!("{}{}", &name[..at], &name[at + VARIANCE.len()..]))
+    };
     let names: Vec<String> = channels.iter().map(|channel| channel.name.clone()).collect();
     let owned = |channel: &Channel| owner(&channel.name).is_some_and(|owner| names.contains(&owner));
     let (variances, mut means): (Vec<Channel>, Vec<Channel>) = channels.into_iter().partition(owned);
@@ -206,6 +208,17 @@ mod tests {
         assert_eq!(names(&[("image", "R"), ("accumulators", "R.00")]), ["R"]);
         assert_eq!(names(&[("image", "R"), ("mask", "A")]), ["image.R", "mask.A"]);
         assert_eq!(names(&[("rgba", "R")]), ["R"]);
+    }
+
+    #[test]
+    fn variances_belong_to_the_channels_that_they_name() {
+        let channel = |name: &str| Channel { name: name.into(), mean: vec![1.0], variance: None };
+        let names = ["R", "variance.R", "layer.R", "layer.variance.R", "coR", "covariance.R", "variance.X"];
+        let found = pair_variances(names.map(channel).to_vec());
+        let told = found.iter().map(|c| (c.name.as_str(), c.variance.is_some())).collect::<Vec<_>>();
+        let expected =
+            [("R", true), ("layer.R", true), ("coR", false), ("covariance.R", false), ("variance.X", false)];
+        assert_eq!(told, expected);
     }
 
     #[test]
