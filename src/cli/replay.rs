@@ -4,6 +4,7 @@ use super::size::parse_pixel;
 use super::{Outcome, SceneArguments, say};
 use etalon::integrator::{CameraPath, kernel_for};
 use etalon::render::sample::SampleMaker;
+use etalon::sensor::Optics;
 use std::process::ExitCode;
 
 /// Prints one sample as it was rendered, bit for bit: what it adds to each channel, and the vertices of its
@@ -48,6 +49,10 @@ impl Arguments {
             say!("  radiance so far {:?}", event.radiance.0);
         }
         say!("radiance {:?}", radiance.0);
+        let response = scene.sensor.camera.response();
+        if response != 1.0 {
+            say!("response {response:?} sr");
+        }
         match maker.place_in_pixels(self.sample) {
             None => say!("filter weight {:?}", replay.weight),
             Some([x, y]) => {
