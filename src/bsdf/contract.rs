@@ -20,6 +20,11 @@ fn views() -> impl Iterator<Item = DVec3> {
     VIEWS.into_iter().map(|(theta, phi)| direction(theta.to_radians(), phi.to_radians()))
 }
 
+/// All views from all views.
+fn pairs() -> impl Iterator<Item = (DVec3, DVec3)> {
+    views().flat_map(|wo| views().map(move |wi| (wo, wi)))
+}
+
 /// Parses a snippet, or says why it cannot be.
 fn parse(snippet: &str, mode: ColorMode) -> Result<AnyMaterial, String> {
     let text = format!("<scene version=\"3.0.0\">{snippet}</scene>");
@@ -89,7 +94,7 @@ fn opaque_materials_gather_light_from_one_side() {
             return;
         }
         count += 1;
-        for (wo, wi) in views().flat_map(|wo| views().map(move |wi| (wo, wi))) {
+        for (wo, wi) in pairs() {
             let value = bsdf.evaluate(wo, wi).value;
             assert!(wo.z * wi.z > 0.0 || value.is_zero(), "{name}: {wo} from {wi}: {value:?}");
         }
@@ -164,7 +169,7 @@ fn what_has_an_albedo_obeys_lamberts_law() {
     each(|name, bsdf, _, _| {
         let Some(albedo) = bsdf.albedo() else { return };
         count += 1;
-        for (wo, wi) in views().flat_map(|wo| views().map(move |wi| (wo, wi))).filter(|(wo, _)| wo.z > 0.0) {
+        for (wo, wi) in pairs().filter(|(wo, _)| wo.z > 0.0) {
             let found = bsdf.evaluate(wo, wi);
             let pdf = wi.z.max(0.0) / PI;
             assert!((found.pdf - pdf).abs() < 1e-12, "{name}: {wo} from {wi}");
@@ -200,7 +205,7 @@ fn only_anisotropic_materials_know_the_tangent() {
         count += 1;
         let (sin, cos) = libm::sincos(2.1);
         let turned = |w: DVec3| DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z);
-        for (wo, wi) in views().flat_map(|wo| views().map(move |wi| (wo, wi))) {
+        for (wo, wi) in pairs() {
             let [found, other] = [bsdf.evaluate(wo, wi), bsdf.evaluate(turned(wo), turned(wi))];
             for (a, b) in found.value.0.into_iter().zip(other.value.0) {
                 assert!((a - b).abs() <= 1e-4 * a.abs(), "{name}: {wo} from {wi}: {a} {b}");

@@ -97,39 +97,30 @@ mod tests {
     use crate::load_text;
     use crate::spectrum::ColorMode;
 
-    /// What arrives at places one away from a spot at the origin that shines along z, by the angle from the
-    /// axis.
-    fn arriving(beam_width: f64, degrees: f64) -> Option<f32> {
+    /// What arrives at places one away from a spot at the origin that shines along z, by the angle from the axis.
+    fn arriving(cutoff: f64, beam_width: f64, degrees: f64) -> Option<f32> {
         let text = format!(
             r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="spot"><rgb name="intensity" value="3"/>
-                <float name="cutoff_angle" value="20"/><float name="beam_width" value="{beam_width}"/></emitter></scene>"#
+                <float name="cutoff_angle" value="{cutoff}"/><float name="beam_width" value="{beam_width}"/></emitter></scene>"#
         );
         let scene = load_text("spot.xml", &text, ColorMode::Rgb).unwrap();
         let AnyEmitter::Spot(spot) = &scene.emitters.list[0].emitter else { panic!("no spot") };
-        let angle = degrees.to_radians();
-        let found = spot.sample(DVec3::new(angle.sin(), 0.0, angle.cos()), &Wavelengths::rgb());
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let found = spot.sample(DVec3::new(0.6 * sin, 0.8 * sin, cos), &Wavelengths::rgb());
         found.map(|light| match light.radiance {
             Radiance::Known(radiance) => radiance.0[0],
             Radiance::Mapped(_) => panic!("a spot has no map"),
         })
     }
 
-    /// Half way into the rim of a cone of a millionth of a degree there is half of the light.
-    #[test]
-    fn narrow_cones_have_their_rim() {
-        let text = r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="spot"><rgb name="intensity" value="3"/>
-            <float name="cutoff_angle" value="1e-6"/><float name="beam_width" value="0"/></emitter></scene>"#;
-        let scene = load_text("spot.xml", text, ColorMode::Rgb).unwrap();
-        let AnyEmitter::Spot(spot) = &scene.emitters.list[0].emitter else { panic!("no spot") };
-        for (share, expected) in [(0.0, Some(3.0)), (0.5, Some(1.5)), (0.75, Some(0.75)), (1.001, None)] {
-            let place = DVec3::new(0.6, 0.8, 0.0) * (share * 1e-6f64.to_radians()) + DVec3::Z;
-            let found = spot.sample(place, &Wavelengths::rgb()).map(|light| match light.radiance {
-                Radiance::Known(radiance) => radiance.0[0],
-                Radiance::Mapped(_) => f32::NAN,
-            });
-            assert_eq!(found.is_none(), expected.is_none(), "{share}");
-            assert!(found.zip(expected).is_none_or(|(a, b)| (a - b).abs() < 1e-5), "{share}: {found:?}");
-        }
+    /// Asks what arrives with a cutoff, a beam and an angle from the axis, in degrees.
+    fn arrives(cutoff: f64, beam_width: f64, degrees: f64, expected: Option<f32>) {
+        let found = arriving(cutoff, beam_width, degrees);
+        let alike = match (found, expected) {
+            (Some(found), Some(expected)) => (found - expected).abs() < 1e-6 * expected,
+            (found, expected) => found == expected,
+        };
+        assert!(alike, "cutoff {cutoff}, beam {beam_width}, {degrees} degrees: {found:?}");
     }
 
     #[test]
@@ -142,12 +133,15 @@ mod tests {
             (30.0, 19.0, Some(3.0)),
             (30.0, 21.0, None),
         ] {
-            let found = arriving(beam_width, degrees);
-            let alike = match (found, expected) {
-                (Some(found), Some(expected)) => (found - expected).abs() < 1e-6 * expected,
-                (found, expected) => found == expected,
-            };
-            assert!(alike, "beam {beam_width}, {degrees} degrees: {found:?}");
+            arrives(20.0, beam_width, degrees, expected);
+        }
+    }
+
+    /// Half way into the rim of a cone of a millionth of a degree there is half of the light.
+    #[test]
+    fn narrow_cones_have_their_rim() {
+        for (share, expected) in [(0.0, Some(3.0)), (0.5, Some(1.5)), (0.75, Some(0.75)), (1.001, None)] {
+            arrives(1e-6, 0.0, share * 1e-6, expected);
         }
     }
 }

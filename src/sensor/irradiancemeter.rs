@@ -5,7 +5,6 @@ use crate::math::{DVec2, DVec3, Frame, Ray, Transform, warp};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use crate::shape::{AreaSample, Geometry, Outline, Patch};
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 pub const NAME: &str = "irradiancemeter";
@@ -46,11 +45,6 @@ impl Optics for IrradianceMeter {
 
     fn has_lens(&self) -> bool {
         true
-    }
-
-    /// E = ∫ L cos θ dω is π times the mean of L over directions of density cos θ/π.
-    fn response(&self) -> f64 {
-        PI
     }
 
     fn lies_on_surface(&self) -> bool {

@@ -28,6 +28,7 @@ use crate::scene::xml::Element;
 pub use field_of_view::{half_width, require_rigid};
 use foreshortening::Foreshortening;
 use recorded::{common, one_pixel};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What a camera or a meter does. What only cameras do is by default what a meter does instead.
@@ -44,14 +45,15 @@ pub trait Optics {
     /// Tells the box around the scene, which may be empty.
     fn look_at(&mut self, _bounds: Bounds) {}
 
-    /// What light along its rays is multiplied by: in sr for a meter of irradiance.
-    fn response(&self) -> f64 {
-        1.0
-    }
-
     /// Whether its rays leave the surface whose irradiance it measures, with a density of cos θ/π.
     fn lies_on_surface(&self) -> bool {
         false
+    }
+
+    /// What light along its rays is multiplied by: in sr for a meter of irradiance, for E = ∫ L cos θ dω is π times the
+    /// mean of L over directions of density cos θ/π.
+    fn response(&self) -> f64 {
+        if self.lies_on_surface() { PI } else { 1.0 }
     }
 
     /// Whether it makes an image: then light paths can be connected with it, and what is seen has a place on the film.
@@ -137,12 +139,6 @@ macro_rules! sensors {
             fn look_at(&mut self, bounds: Bounds) {
                 match self {
                     $(Self::$Type(sensor) => sensor.look_at(bounds)),*
-                }
-            }
-
-            fn response(&self) -> f64 {
-                match self {
-                    $(Self::$Type(sensor) => sensor.response()),*
                 }
             }
 
