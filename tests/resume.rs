@@ -252,7 +252,11 @@ fn the_command_that_is_printed_goes_on() {
     let folder = Folder::new();
     let child = begun(&folder, folder.start(&[&SAVED[..], &["--time", "3"]].concat()));
     signal(&child, "-INT");
-    let error = text(&child.wait_with_output().unwrap().stderr);
+    let output = child.wait_with_output().unwrap();
+    let (error, document) = (text(&output.stderr), json(&output));
+    // What there is can be made again, too.
+    let so_far = document["samples_per_pixel"].to_string();
+    assert_eq!(document["reproduce"], format!("--spp {so_far}"));
     let command = error.split('\n').find_map(|line| line.strip_prefix("go on with: etalon ")).expect(&error);
     let mut etalon = Command::new(env!("CARGO_BIN_EXE_etalon"));
     let output = etalon.current_dir(folder.0.path()).args(command.split(' ')).output().unwrap();
@@ -299,6 +303,25 @@ fn a_time_and_an_error_become_a_count_that_makes_the_image_again() {
     }
     folder.refused(&["-o", "new.exr", "--time", "1", "--spp", "4"], &["cannot be used with"]);
     folder.refused(&["-o", "new.exr", "--target-error", "0"], &["expected a number above 0"]);
+}
+
+/// Nothing could go on from a short image in the place of a whole one.
+#[cfg(unix)]
+#[test]
+fn without_a_checkpoint_ctrl_c_touches_no_file() {
+    let folder = Folder::new();
+    folder.done(&["-o", "out.exr", "--spp", "4", "--quiet"]);
+    let before = folder.bytes("out.exr");
+    for shown in [&[][..], &["--preview", "127.0.0.1:1"]] {
+        let child = folder.start(&[&["-o", "out.exr", "--spp", "1000000"], shown].concat());
+        std::thread::sleep(Duration::from_millis(500));
+        signal(&child, "-INT");
+        let output = child.wait_with_output().unwrap();
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{error}");
+        assert!(error.contains("interrupted; no file was touched"), "{error}");
+        assert!(folder.bytes("out.exr") == before && names(folder.0.path()) == ["out.exr", "scene.xml"]);
+    }
 }
 
 #[test]

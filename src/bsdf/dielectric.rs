@@ -5,6 +5,7 @@
 
 use super::fresnel::{self, Refraction};
 use super::ior::{self, Index};
+use super::sides::relative_eta;
 use super::tints::Tints;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, mirror};
 use crate::math::{DVec2, DVec3};
@@ -118,7 +119,7 @@ impl DielectricBsdf {
 
     /// All lanes have the same index, or only one lane is left.
     fn sample_together(&self, wo: DVec3, lobe: f64) -> Option<Sample> {
-        let eta = seen(self.eta, wo);
+        let eta = relative_eta(self.eta, wo);
         let face = self.interface(wo.z.abs(), eta);
         if lobe < face.reflectance {
             return Some(Sample::delta(mirror(wo), self.reflectance, face.reflectance, 1.0));
@@ -130,7 +131,7 @@ impl DielectricBsdf {
     /// P) in lane 0, whose wavelength is distributed as all lanes together are: the mean over lanes stays
     /// unbiased.
     fn sample_apart(&self, wo: DVec3, lobe: f64, lanes: &[f64; LANES]) -> Option<Sample> {
-        let faces = lanes.map(|eta| self.interface(wo.z.abs(), seen(eta, wo)));
+        let faces = lanes.map(|eta| self.interface(wo.z.abs(), relative_eta(eta, wo)));
         let mean = |f: fn(&Refraction) -> f64| faces.iter().map(f).sum::<f64>() / LANES as f64;
         let reflected = mean(|face| face.reflectance);
         if lobe < reflected {
@@ -140,15 +141,9 @@ impl DielectricBsdf {
         let transmitted = mean(|face| face.transmittance);
         let mut weight = Spectrum::ZERO;
         weight.0[0] = (LANES as f64 * faces[0].transmittance / transmitted) as f32;
-        let sample = self.refracted(wo, seen(lanes[0], wo), weight, transmitted)?;
+        let sample = self.refracted(wo, relative_eta(lanes[0], wo), weight, transmitted)?;
         Some(Sample { dispersed: true, ..sample })
     }
-}
-
-/// η far / η near for light that leaves to `wo`, from η inside / η outside.
-#[inline]
-pub(super) fn seen(eta: f64, wo: DVec3) -> f64 {
-    if wo.z > 0.0 { eta } else { 1.0 / eta }
 }
 
 impl Bsdf for DielectricBsdf {
@@ -216,7 +211,7 @@ mod tests {
                 }
                 for (i, lane) in reflected.into_iter().enumerate() {
                     let eta = Dispersion::named("sf11").unwrap().eta(λ.nm[i]);
-                    let face = fresnel::dielectric(wo.z.abs(), seen(eta, wo));
+                    let face = fresnel::dielectric(wo.z.abs(), relative_eta(eta, wo));
                     assert!((lane - face.reflectance).abs() < 2e-4, "{wo} {i}");
                     transmitted += if i == 0 { face.transmittance } else { 0.0 };
                 }

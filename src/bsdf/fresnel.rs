@@ -58,9 +58,15 @@ pub fn schlick(cos: f64, eta: f64) -> Refraction {
     let r0 = (eta - 1.0) / (eta + 1.0);
     let r0 = r0 * r0;
     let thin_cos = if eta >= 1.0 { cos } else { exact.cos_transmitted };
-    let m = 1.0 - thin_cos;
-    let reflectance = r0 + (1.0 - r0) * (m * m) * (m * m) * m;
+    let reflectance = r0 + (1.0 - r0) * schlick_weight(thin_cos);
     Refraction { reflectance, transmittance: 1.0 - reflectance, cos_transmitted: exact.cos_transmitted }
+}
+
+/// (1 − cos θ)⁵, the weight of total reflection in Schlick's approximation.
+#[inline]
+pub fn schlick_weight(cos: f64) -> f64 {
+    let rest = (1.0 - cos).clamp(0.0, 1.0);
+    rest * rest * (rest * rest) * rest
 }
 
 /// The direction refracted at a normal `m` on ω's side; `cos` = ω·m, `eta` = η far / η near.

@@ -1,6 +1,7 @@
 //! The reflectance of a metal: the parameters that `conductor` and `roughconductor` share.
 
 use super::fresnel;
+use super::tints::tint;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::shape::SurfacePoint;
@@ -48,11 +49,8 @@ impl Metal {
             None if has_eta || has_k => Some((eta, k)),
             None => None,
         };
-        let about = "factor upon the reflection; physically 1";
-        Ok(Self {
-            index,
-            reflectance: params.texture("specular_reflectance", 1.0, Usage::Reflectance, about)?,
-        })
+        let reflectance = tint(params, "specular_reflectance", "factor upon the reflection; physically 1")?;
+        Ok(Self { index, reflectance })
     }
 
     #[inline(always)]

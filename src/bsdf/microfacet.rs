@@ -170,8 +170,13 @@ impl Distribution {
     /// density of `wi` when `m` is sampled. The value still lacks its Fresnel factor.
     #[inline]
     pub fn reflection(&self, wo: DVec3, wi: DVec3, m: DVec3) -> (f64, f64) {
+        let cos = wo.dot(m);
+        // Along the surface, half-way between opposite directions, m is left to rounding.
+        if cos <= 0.0 {
+            return (0.0, 0.0);
+        }
         let (shown, drawn) = self.shown_and_drawn(wo, wi, m);
-        (shown / (4.0 * wo.z), drawn / (4.0 * wo.dot(m)))
+        (shown / (4.0 * wo.z), drawn / (4.0 * cos))
     }
 }
 

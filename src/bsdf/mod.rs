@@ -12,6 +12,7 @@ mod lobe;
 mod metal;
 pub mod microfacet;
 mod shading_normal;
+mod sides;
 mod slope;
 mod tints;
 mod transmittance;

@@ -2,9 +2,11 @@
 //! that reflect and let through without bending (Burley 2015, "Extending the Disney BRDF to a BSDF with
 //! Integrated Subsurface Scattering", section 5.3), in the form that Mitsuba gives it.
 
+use super::fresnel::schlick_weight;
 use super::microfacet::{Distribution, reflect};
-use super::principled::matte::{self, Base, Matte, fifth, schlick, share_at};
-use super::roughdielectric::upward;
+use super::principled::base::{self, Base, share_at};
+use super::principled::matte::{Matte, schlick};
+use super::sides::upward;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, warp};
@@ -52,7 +54,7 @@ impl Material for PrincipledThin {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = Base::parse(params)?;
-        let mut share = |name, about| matte::share(params, name, 0.0, about);
+        let mut share = |name, about| base::share(params, name, 0.0, about);
         let spec_trans = share("spec_trans", "share of microfacets; the rest is matte")?;
         let spec_tint = share("spec_tint", "how far reflection has the base's colour")?;
         let about = "twice the share of matte light that goes through";
@@ -65,7 +67,7 @@ impl Material for PrincipledThin {
                 return Err(params.error(name, format!("{value} is out of range"), expected));
             }
         }
-        let mut rate = |name, about| matte::rate(params, name, about);
+        let mut rate = |name, about| base::rate(params, name, about);
         let rates = [
             rate("diffuse_reflectance_sampling_rate", "how readily matte reflection is sampled")?,
             rate("diffuse_transmittance_sampling_rate", "how readily matte transmission is sampled")?,
@@ -140,7 +142,7 @@ impl PrincipledThinBsdf {
         if self.spec_tint == 0.0 {
             return exact;
         }
-        let weight = fifth(if self.eta > 1.0 { cos } else { face.cos_transmitted });
+        let weight = schlick_weight(if self.eta > 1.0 { cos } else { face.cos_transmitted });
         let r0 = (self.eta - 1.0) / (self.eta + 1.0);
         exact + schlick(self.hue * (r0 * r0) as f32, weight) * self.spec_tint as f32
     }

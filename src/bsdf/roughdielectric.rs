@@ -3,8 +3,8 @@
 //! Reflection at facets half-way between the directions, refraction at facets along the generalised half
 //! vector h = ωo + ηωi, whose Jacobian is η²|ωi·m|/|h|² because ωo·m + ηωi·m = ±|h|.
 
-use super::dielectric::seen;
 use super::microfacet::{Distribution, Roughness, reflect};
+use super::sides::{relative_eta, upward};
 use super::tints::Tints;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;
@@ -118,7 +118,7 @@ impl Bsdf for RoughDielectricBsdf {
             return Evaluation::ZERO;
         }
         // A surface seen from inside is that seen from outside with the indices exchanged.
-        let eta = seen(self.eta, wo);
+        let eta = relative_eta(self.eta, wo);
         let (wo, wi) = (upward(wo, wo), upward(wi, wo));
         let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
         let m = unit(if h.z < 0.0 { -h } else { h });
@@ -131,7 +131,7 @@ impl Bsdf for RoughDielectricBsdf {
         if wo.z == 0.0 {
             return None;
         }
-        let (eta, viewer) = (seen(self.eta, wo), wo);
+        let (eta, viewer) = (relative_eta(self.eta, wo), wo);
         let wo = upward(wo, viewer);
         let m = self.facets.widened(wo.z).sample(wo, u);
         let cos = wo.dot(m);
@@ -148,10 +148,4 @@ impl Bsdf for RoughDielectricBsdf {
         let sample = Sample::with_density(upward(wi, viewer), self.tint(wi) * (value / pdf) as f32, pdf);
         (pdf > 0.0).then_some(Sample { eta: if reflected { 1.0 } else { eta }, ..sample })
     }
-}
-
-/// `w` turned about the surface if the viewer is below it.
-#[inline]
-pub fn upward(w: DVec3, viewer: DVec3) -> DVec3 {
-    if viewer.z < 0.0 { -w } else { w }
 }

@@ -1,6 +1,7 @@
 //! `etalon explain`
 
-use super::{Outcome, SceneArguments, say, tax};
+use super::scene_arguments::SceneArguments;
+use super::{Outcome, say, tax};
 use etalon::integrator::{KernelEntry, Roulette, kernel_for};
 use etalon::sampler::SamplerKind;
 use etalon::scene::{Features, Scene};

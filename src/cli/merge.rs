@@ -23,6 +23,7 @@ impl Arguments {
     pub fn run(self) -> Outcome {
         files::check_outputs(&[], &[Some(&self.output), self.png.as_ref()])?;
         // A merged file may take the place of a part, a picture may not.
+        files::check_replacing(&self.parts, &self.output)?;
         files::check_outputs(&self.parts, &[self.png.as_ref()])?;
         let merged = image::merge_files(self.parts)?;
         // Both can be made before one is written.

@@ -2,10 +2,11 @@
 
 mod go_on;
 
+use super::scene_arguments::SceneArguments;
 use super::size::{parse_positive, parse_samples, parse_share, parse_window};
 use super::summary::{self, Summary};
 use super::watch::Watch;
-use super::{INTERRUPTED, NOT_FINITE, Outcome, SceneArguments, UNATTAINED, quoted, say};
+use super::{INTERRUPTED, NOT_FINITE, Outcome, UNATTAINED, say};
 use etalon::files::{self, FileError};
 use etalon::film::Window;
 use etalon::image::{self, Image};
@@ -306,7 +307,7 @@ impl Arguments {
         eprintln!("warning: {} samples are not finite; the first:", report.non_finite);
         for found in &report.first_non_finite {
             let ((x, y), sample) = (found.pixel, found.sample);
-            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", quoted(&self.scene.words()));
+            eprintln!("  etalon replay {} --pixel {x},{y} --sample {sample}", self.scene.words());
         }
     }
 }

@@ -1,7 +1,8 @@
 //! `etalon replay`
 
+use super::scene_arguments::SceneArguments;
 use super::size::parse_pixel;
-use super::{Outcome, SceneArguments, say};
+use super::{Outcome, say};
 use etalon::integrator::{CameraPath, kernel_for};
 use etalon::render::sample::SampleMaker;
 use etalon::sensor::Optics;

@@ -89,7 +89,7 @@ impl Summary<'_> {
             say!("the {:.4} % that were asked for are {words}", 100.0 * target);
         }
         if self.chosen {
-            say!("the same image again: --spp {}", self.asked.end);
+            say!("the same image again: --spp {}", self.samples().end);
         }
         Ok(())
     }
@@ -124,7 +124,7 @@ impl Summary<'_> {
             document["resumed_at"] = begun.into();
         }
         if self.chosen {
-            document["reproduce"] = format!("--spp {}", self.asked.end).into();
+            document["reproduce"] = format!("--spp {}", samples.end).into();
         }
         if let Some((pilot, seconds)) = &self.pilot {
             document["pilot"] = serde_json::json!({

@@ -111,12 +111,14 @@ impl<'a> Watch<'a> {
         let saver = |own| Saver::new(own, self.arguments, settings, begun.channels.len());
         let mut saver = self.checkpoint.as_ref().map(saver);
         let interrupted = &self.interrupted;
-        let partial = self.beside(bar, false, || {
+        // What nothing could go on from is not worth a file in the place of a whole one.
+        let kept = self.checkpoint.is_some();
+        let partial = self.beside(bar, !kept, || {
             render_passes(scene, settings, begun, self.progress, |partial| {
                 if let Some(preview) = &preview {
                     preview.show(partial);
                 }
-                let ends = interrupted.load(Ordering::Relaxed);
+                let ends = kept && interrupted.load(Ordering::Relaxed);
                 let last = partial.samples.end == settings.samples.end;
                 if let Some(saver) = &mut saver
                     && (ends || saver.is_due() && !last)

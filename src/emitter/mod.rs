@@ -1,7 +1,8 @@
 //! Emitters.
 //!
 //! *How to add one*: write `emitter/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line to
-//! [`EMITTERS`] and a variant to [`AnyEmitter`].
+//! [`EMITTERS`] and a variant to [`AnyEmitter`], whose methods the compiler then asks for: how it is sampled, what it
+//! shines where it is met, with which density that would have been sampled, and what may be expected of it.
 
 pub(crate) mod area;
 mod constant;
@@ -156,7 +157,8 @@ impl AnyEmitter {
     pub fn surface_radiance(&self, point: &SurfacePoint, w: DVec3, λ: &Wavelengths) -> Spectrum {
         match self {
             Self::Area(area) => area.radiance(point, w, λ),
-            _ => Spectrum::ZERO,
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => Spectrum::ZERO,
+            Self::Directional(_) | Self::Constant(_) | Self::Envmap(_) => Spectrum::ZERO,
         }
     }
 
@@ -165,7 +167,8 @@ impl AnyEmitter {
     pub fn surface_pdf(&self, shape: &Geometry, ray: &Ray, t: f64, point: &SurfacePoint) -> f64 {
         match self {
             Self::Area(area) => area.pdf(shape, ray, t, point),
-            _ => 0.0,
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => 0.0,
+            Self::Directional(_) | Self::Constant(_) | Self::Envmap(_) => 0.0,
         }
     }
 
@@ -174,7 +177,8 @@ impl AnyEmitter {
     pub fn view(&self, direction: DVec3) -> View {
         let place = match self {
             Self::Envmap(map) => Some(map.place(direction)),
-            _ => None,
+            Self::Area(_) | Self::Point(_) | Self::Spot(_) | Self::Projector(_) => None,
+            Self::Directional(_) | Self::Constant(_) => None,
         };
         View { direction, place }
     }
@@ -185,7 +189,11 @@ impl AnyEmitter {
         match (self, &view.place) {
             (Self::Constant(constant), _) => Some(constant.radiance(λ)),
             (Self::Envmap(map), Some(place)) => Some(map.radiance(place, λ)),
-            _ => None,
+            (Self::Envmap(_), None) => None,
+            (
+                Self::Area(_) | Self::Point(_) | Self::Spot(_) | Self::Projector(_) | Self::Directional(_),
+                _,
+            ) => None,
         }
     }
 
@@ -196,7 +204,11 @@ impl AnyEmitter {
         match (self, &view.place) {
             (Self::Constant(_), _) => Constant::pdf(view.direction, n),
             (Self::Envmap(map), Some(place)) => map.pdf(n, place),
-            _ => 0.0,
+            (Self::Envmap(_), None) => 0.0,
+            (
+                Self::Area(_) | Self::Point(_) | Self::Spot(_) | Self::Projector(_) | Self::Directional(_),
+                _,
+            ) => 0.0,
         }
     }
 
@@ -229,12 +241,21 @@ impl AnyEmitter {
 
     /// Whether it surrounds the scene.
     pub fn is_environment(&self) -> bool {
-        matches!(self, Self::Constant(_) | Self::Envmap(_))
+        match self {
+            Self::Constant(_) | Self::Envmap(_) => true,
+            Self::Area(_) | Self::Point(_) | Self::Spot(_) | Self::Projector(_) | Self::Directional(_) => {
+                false
+            }
+        }
     }
 
     /// Whether it needs texture coordinates.
     pub fn varies(&self) -> bool {
-        matches!(self, Self::Area(area) if area.varies())
+        match self {
+            Self::Area(area) => area.varies(),
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => false,
+            Self::Directional(_) | Self::Constant(_) | Self::Envmap(_) => false,
+        }
     }
 
     /// The name of its model in scene files.

@@ -21,7 +21,7 @@ const EVEN: f64 = 0.1;
 /// All emitters of a scene.
 #[derive(Debug, Default)]
 pub struct Emitters {
-    pub list: Vec<Entry>,
+    pub list: Vec<SceneEmitter>,
     /// The one that surrounds the scene.
     pub environment: Option<usize>,
     /// Those within the scene; of each leaf, by its number, the emitter.
@@ -34,7 +34,7 @@ pub struct Emitters {
 
 /// An emitter, and the shape it belongs to.
 #[derive(Debug)]
-pub struct Entry {
+pub struct SceneEmitter {
     pub emitter: AnyEmitter,
     pub shape: Option<u32>,
 }
@@ -106,7 +106,7 @@ impl Distant {
 }
 
 impl Emitters {
-    pub fn new<'a>(list: Vec<Entry>, shape: impl Fn(u32) -> &'a Geometry) -> Self {
+    pub fn new<'a>(list: Vec<SceneEmitter>, shape: impl Fn(u32) -> &'a Geometry) -> Self {
         let (mut near, mut leaves, mut far, mut places) = (vec![], vec![], vec![], vec![]);
         for (index, entry) in (0..).zip(&list) {
             match entry.emitter.expected(entry.shape.map(&shape)) {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// not promised.
 ///
 /// # Errors
-/// With the reason why it could not be: no folder, no permission, a folder in its place.
+/// With the reason why it could not be: no folder, no permission, a folder or a write-protected file in its place.
 pub fn check_writable(path: &Path) -> Result<(), FileError> {
     let target = target(path);
     let cannot = |why: String| FileError::writing(path, why);
@@ -23,7 +23,12 @@ pub fn check_writable(path: &Path) -> Result<(), FileError> {
     if is_special(&target) {
         return Ok(());
     }
-    // Neither the file nor what another process may be writing beside it is touched.
+    // Neither the file nor what another process may be writing beside it is touched. A protected file could be renamed
+    // over, but whoever protects it does not want that.
+    match File::options().write(true).open(&target) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(cannot(error.to_string())),
+        _ => {}
+    }
     let partial = partial(&target);
     if is_special(&partial) {
         return Err(cannot(format!("{} is in the way", partial.display())));
@@ -35,6 +40,22 @@ pub fn check_writable(path: &Path) -> Result<(), FileError> {
     };
     let tried = in_use.and_then(|()| create_unique(&target, "probe"));
     tried.and_then(|(_, probe)| fs::remove_file(probe)).map_err(|error| cannot(error.to_string()))
+}
+
+/// Finds out whether a file could take the place of one of those that it is made of, which are read before: whether
+/// what is written beside it until it is whole is none of them.
+///
+/// # Errors
+/// If it is.
+pub fn check_replacing(inputs: &[PathBuf], output: &Path) -> Result<(), FileError> {
+    let partial = partial(&target(output));
+    match inputs.iter().find(|input| target(input) == partial) {
+        Some(input) => Err(FileError::new(
+            input,
+            format_args!("it has the name under which {} is written", output.display()),
+        )),
+        None => Ok(()),
+    }
 }
 
 /// Finds out whether those of `outputs` that are given could all be written, each in a place of its own and

@@ -4,7 +4,7 @@ mod check;
 #[cfg(test)]
 mod tests;
 
-pub use check::{check_outputs, check_writable};
+pub use check::{check_outputs, check_replacing, check_writable};
 
 use std::fmt;
 use std::fs::{self, File, TryLockError};
@@ -54,8 +54,8 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 ///
 /// The bytes go to the sibling `path.partial`, which is flushed to the disk and then renamed. Who writes it
 /// holds a lock on it, so that of several processes with the same output each leaves a whole file and the
-/// last one stays. On an error the partial file is removed and an existing file at `path` stays as it was. A
-/// link is followed; a device or pipe, which cannot be renamed over, is written directly.
+/// last one stays. The new file has the mode of the old one. On an error the partial file is removed and an
+/// existing file at `path` stays as it was. A link is followed; a device or pipe, which cannot be renamed over, is written directly.
 pub(crate) fn write_file_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -76,12 +76,22 @@ pub(crate) fn write_file_unless(
         return File::create(&target).and_then(|file| buffered(&file, write)).map_err(writing);
     }
     let (file, partial) = claim(&target).map_err(writing)?;
+    if let Ok(replaced) = fs::metadata(&target) {
+        // Who may not change its mode at least keeps the bytes.
+        let _ = file.set_permissions(replaced.permissions());
+    }
     let written = buffered(&file, write).and_then(|()| file.sync_all()).map_err(writing);
-    let renamed = || fs::rename(&partial, &target).map_err(writing);
+    let renamed = || fs::rename(&partial, &target).map(|()| flush_folder(&target)).map_err(writing);
     written.and_then(|()| may_replace()).and_then(|()| renamed()).inspect_err(|_| {
         // The first error is the one to report; that the partial file may stay behind is secondary.
         let _ = fs::remove_file(&partial);
     })
+}
+
+/// Puts a new name on the disk, so that it outlives the machine: whoever wrote the file may now remove what it came
+/// from. Not every file system can.
+fn flush_folder(target: &Path) {
+    let _ = File::open(folder(target)).and_then(|folder| folder.sync_all());
 }
 
 /// Makes a write beyond the largest file that the process may write an error like that of a full disk: the

@@ -137,3 +137,34 @@ fn links_and_devices_are_written_through() -> std::io::Result<()> {
     assert!(!fs::metadata(&null)?.is_file());
     Ok(())
 }
+
+#[cfg(unix)]
+#[test]
+fn a_file_keeps_its_mode_and_its_protection() -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("out.exr");
+    let mode = |path: &Path| fs::metadata(path).map(|found| found.permissions().mode() & 0o777);
+    fs::write(&path, "old")?;
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o600))?;
+    assert_eq!(write_file(&path, b"new"), Ok(()));
+    assert_eq!((fs::read(&path)?, mode(&path)?), (b"new".to_vec(), 0o600));
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o444))?;
+    // Nothing is protected from root.
+    let is_protected = File::options().write(true).open(&path).is_err();
+    assert_eq!(check_writable(&path).is_err(), is_protected);
+    assert_eq!(fs::read_dir(folder.path())?.count(), 1);
+    Ok(())
+}
+
+#[test]
+fn what_is_read_is_not_what_is_written_meanwhile() -> io::Result<()> {
+    let folder = tempfile::tempdir()?;
+    let [out, part, other] = ["out.exr", "out.exr.partial", "b.exr"].map(|name| folder.path().join(name));
+    fs::write(&part, "a part of a render")?;
+    assert_eq!(check_replacing(&[other.clone(), out.clone()], &out), Ok(()));
+    let error = check_replacing(&[other, part.clone()], &out).unwrap_err();
+    assert_eq!(error.path, part);
+    assert!(error.cause.contains("is written"), "{error}");
+    Ok(())
+}

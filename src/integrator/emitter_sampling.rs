@@ -1,6 +1,6 @@
 //! Direct light by sampling the emitters.
 
-use super::mis::power_heuristic_of_three;
+use super::mis::power_heuristic_of_ratios;
 use super::vertex::Vertex;
 use crate::bsdf::Bsdf;
 use crate::emitter::{Choice, DirectSample, EmitterPoint, MapPlace, Radiance};
@@ -88,7 +88,7 @@ pub fn sample_emitter<B: Bsdf>(
         1.0
     } else {
         let own = samples.emitter * pdf;
-        power_heuristic_of_three(samples.bsdf * scattered.pdf / own, light_paths(index, &light, own))
+        power_heuristic_of_ratios(samples.bsdf * scattered.pdf / own, light_paths(index, &light, own))
     };
     let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
     let on_surfaces = entry.shape.is_some() && vertex.primitive != Ray::FREE;

@@ -44,11 +44,7 @@ impl Start {
         let ng = scene.surface::<{ Features::INSTANCES }>(ray, &here).1.ng;
         let n = if ng.dot(ray.direction) < 0.0 { -ng } else { ng };
         let point = SurfacePoint::plain(ray.origin, n, n);
-        let side = Side {
-            material: 0,
-            turned: false,
-            traits: Traits { has_density: true, one_lobe: true, ..Traits::default() },
-        };
+        let side = Side::without_material(Traits { has_density: true, one_lobe: true, ..Traits::default() });
         let (frame, white) = (Frame::about(n), DiffuseBsdf::of(λ.ones()));
         let vertex = Vertex::new(&point, ray.from, &frame, &white, &side, n);
         let gathers = vertex.gathers(scene, vertex.wo);

@@ -1,7 +1,7 @@
 //! Integrators: estimators of the radiance along camera rays.
 //!
 //! *How to add one*: write `integrator/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`; add its line
-//! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`], whose methods then ask what it answers: how it finds
+//! to [`INTEGRATORS`] and a variant to [`AnyIntegrator`], whose methods the compiler then asks for: how it finds
 //! radiance, and which channels it adds. One that is around another answers by [`AnyIntegrator::nested`].
 
 mod aov;

@@ -4,9 +4,13 @@
 /// quarter of all light in a cube of glass, and such a path never finds anything.
 const LONG: u32 = 64;
 
-/// From this many edges on, no path is sure to survive at all, or it would not end before
-/// [`MAX_VERTICES`](super::MAX_VERTICES) where nothing is absorbed and nothing leads out.
+/// From this many edges on, no path is sure to survive at all, or it would not end where nothing is absorbed and nothing
+/// leads out.
 pub const ENDLESS: u32 = 1 << 16;
+
+/// From this many edges on, survival is less likely still, so that paths end before
+/// [`MAX_VERTICES`](super::MAX_VERTICES).
+const LAST: u32 = 15 * ENDLESS;
 
 /// Which paths go through Russian roulette.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,9 +60,13 @@ impl Roulette {
 /// out, paths have 2·`LONG` edges on average, and a path that comes through a light guide by 200 reflections
 /// weighs ten times as much, not thousands of times, as it would with a constant probability. Scenes with
 /// long light guides need a larger `rr_depth`.
+///
+/// In thick white media light is scattered so often: of what enters a half-space, H(μ)/√(πn) has not left after n
+/// scatterings, 0.6 % after `ENDLESS`. By a constant probability nothing of that would be seen in practice.
 fn most(edges: u32, specular: bool) -> f64 {
     match edges {
-        ENDLESS.. => 0.95,
+        LAST.. => 0.95,
+        ENDLESS.. => 1.0 - 2.0 / f64::from(edges),
         LONG.. if specular => 1.0 - 2.0 / f64::from(edges),
         _ => 1.0,
     }
@@ -83,12 +91,13 @@ pub fn roulette(carried: f64, edges: u32, specular: bool, u: f64) -> Option<f32>
 
 #[cfg(test)]
 mod tests {
-    use super::{ENDLESS, LONG, Roulette, roulette};
+    use super::{ENDLESS, LAST, LONG, Roulette, roulette};
 
     #[test]
     fn survivors_stand_for_all() {
         for carried in [0.001, 0.3, 0.75, 0.999, 1.0, 2.0] {
-            for (edges, specular) in [(5, false), (100, false), (100, true), (ENDLESS, false)] {
+            for (edges, specular) in [(5, false), (100, false), (100, true), (ENDLESS, false), (LAST, false)]
+            {
                 let sum: f64 = (0..1 << 16)
                     .filter_map(|i| roulette(carried, edges, specular, (f64::from(i) + 0.5) / 65536.0))
                     .map(f64::from)
@@ -118,7 +127,12 @@ mod tests {
             assert_eq!(roulette(rounded, edges, false, nearly), Some(1.0));
         }
         assert!([LONG, 1 << 10, 1 << 20].iter().all(|edges| roulette(1.0, *edges, true, nearly).is_none()));
-        assert!(roulette(1.0, ENDLESS, false, nearly).is_none());
+        assert!([ENDLESS, LAST].iter().all(|edges| roulette(1.0, *edges, false, 1.0 - 1e-6).is_none()));
+        // And from where even matter without loss ends paths, to twice as many, four.
+        let factors =
+            (ENDLESS..2 * ENDLESS).map(|edges| f64::from(roulette(1.0, edges, false, 0.0).unwrap()));
+        let weight: f64 = factors.product();
+        assert!((weight / 4.0 - 1.0).abs() < 0.05, "{weight}");
         // What survivors of ten times as many edges weigh, which is one over their chance.
         let factors = (LONG..10 * LONG).map(|edges| f64::from(roulette(1.0, edges, true, 0.0).unwrap()));
         let weight: f64 = factors.product();

@@ -89,7 +89,7 @@ impl Heterogeneous {
     ) -> (Option<f64>, Spectrum) {
         let mut weight = Spectrum::ONE;
         let collision = self.collisions(ray, numbers, |t, majorant, numbers| {
-            let real = self.extinction(ray, t, λ) * (1.0 / majorant);
+            let real = self.extinction(ray, t, λ).map(|rate| rate / majorant);
             let p = shares.mean(real);
             let is_real = numbers.draw() < f64::from(p);
             let factor = if is_real { real * (1.0 / p) } else { real.map(|r| (1.0 - r) / (1.0 - p)) };

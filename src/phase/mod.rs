@@ -99,10 +99,18 @@ pub struct PhaseAt<'a> {
     p: DVec3,
 }
 
+/// The cosine of the angle between where light comes from, −ωi, and where it goes: from |ωo ± ωi|² = 2 ∓ 2 cos, whichever
+/// is the smaller, so that it is not beyond ±1 by rounding, and exact there.
+#[inline]
+fn cos_turned(wo: DVec3, wi: DVec3) -> f64 {
+    let (sum, difference) = ((wo + wi).length_squared(), (wo - wi).length_squared());
+    if sum < difference { 1.0 - 0.5 * sum } else { 0.5 * difference - 1.0 }
+}
+
 impl Bsdf for PhaseAt<'_> {
     #[inline]
     fn evaluate(&self, wo: DVec3, wi: DVec3) -> Evaluation {
-        let pdf = self.phase.density(self.p, -wo.dot(wi));
+        let pdf = self.phase.density(self.p, cos_turned(wo, wi));
         Evaluation { value: Spectrum::splat(pdf as f32), pdf }
     }
 
@@ -114,5 +122,26 @@ impl Bsdf for PhaseAt<'_> {
         // ωo is the third axis, and light that is not turned comes from the other side.
         let wi = DVec3::new(r * cos_around, r * sin_around, -cos);
         Some(Sample::with_density(wi, Spectrum::ONE, self.phase.density(self.p, cos)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A narrow lobe is asked straight on and straight back along directions whose squared length is not quite one.
+    #[test]
+    fn light_that_is_not_turned_has_the_density_of_its_peak() {
+        for x in [0.0, 1.0, 0.3, -2.7, 1e-4] {
+            for y in [1.0, -0.2, 3.1] {
+                let wo = DVec3::new(x, y, 0.7).normalize_or_zero();
+                assert_eq!(cos_turned(wo, -wo), 1.0);
+                assert_eq!(cos_turned(wo, wo), -1.0);
+                let across = wo.any_orthonormal_vector();
+                assert!(cos_turned(wo, across).abs() < 1e-15);
+                let wi = (across - 3.0 * wo).normalize_or_zero();
+                assert!((cos_turned(wo, wi) - 3.0 / 10f64.sqrt()).abs() < 1e-15);
+            }
+        }
     }
 }

@@ -112,7 +112,7 @@ pub fn render_passes(
             .install(|| Splats::trace(&maker, settings.window, &pass, progress))
             .ok_or(RenderError::Stopped)?;
         partial.report.count(&splats.counters);
-        partial.light_paths.add(&splats.noise);
+        splats.noise.iter().for_each(|noise| partial.light_paths.add(noise));
         if let Some(spread) = &mut spread {
             let Partial { sums, means, .. } = &mut partial;
             let report = pool.install(|| spread.add(&pass, &splats, sums, means, progress));

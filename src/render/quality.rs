@@ -1,6 +1,7 @@
 //! How well an image is known, from its pixels' variances.
 
 use super::batch_means::Scatter;
+use super::light_path_noise::Excess;
 use super::passes::Partial;
 use crate::film::Window;
 use crate::image::{Attribute, Image, Provenance};
@@ -40,7 +41,7 @@ impl Correlation {
 
     /// That which an image tells: at least as much as there is, for it does not say whether it was rendered
     /// in spectra.
-    fn told(provenance: Option<&Provenance>) -> Self {
+    pub fn told(provenance: Option<&Provenance>) -> Self {
         let attribute = |name| provenance.and_then(|provenance| provenance.extra.get(name));
         let pixels = if let Some(Attribute::Integer(pixels)) = attribute(REUSE) { *pixels as u32 } else { 1 };
         let gain = if let Some(Attribute::Real(gain)) = attribute(SPREAD) { f64::from(*gain) } else { 1.0 };
@@ -71,7 +72,8 @@ pub struct Quality {
     /// Standard error of the image's mean, relative to its absolute value.
     pub relative_standard_error_of_mean: f64,
     /// How many pixels, were they all alike, would make as uncertain a variance: (Σ v)²/Σ v². Of pixels that
-    /// share, how many squares of them; of samples that count for several, how many pixels had them alone.
+    /// share, how many squares of them; of samples that count for several, how many pixels had them alone. What light
+    /// paths give pixels in common counts with its own uncertainty.
     pub effective_pixels: f64,
     /// That number, if all were alike.
     pub pixels: usize,
@@ -138,6 +140,14 @@ impl Noise {
         self.squares += other.squares;
     }
 
+    /// Adds what pixels have in common by light paths, whose estimate is uncertain too: at worst together with those of
+    /// the pixels' variances.
+    fn add_common(&mut self, Excess { of_sum, deviation }: Excess) {
+        self.of_sum += of_sum;
+        let together = self.fourth.sqrt() + deviation;
+        self.fourth = together * together;
+    }
+
     /// What is known of the pixels of a window, and of their mean from `scatter` where that is the greater.
     pub fn quality(&self, window: Window, scatter: Option<Scatter>) -> Quality {
         let pixels = window.pixels();
@@ -145,8 +155,12 @@ impl Noise {
         let mean = self.sum.map(|sum| sum / pixels as f64);
         // Properties of what is seen, unlike light, may be negative.
         let scale = mean.iter().sum::<f64>().abs() / channels;
-        let effective_pixels =
-            if self.fourth > 0.0 { self.of_sum * self.of_sum / self.fourth } else { self.squares };
+        // No more than there are, however well known it is what they have in common.
+        let effective_pixels = if self.fourth > 0.0 {
+            (self.of_sum * self.of_sum / self.fourth).min(self.squares)
+        } else {
+            self.squares
+        };
         let (of_sum, uncertainty) = match scatter.filter(|scatter| scatter.of_sum > self.of_sum) {
             Some(Scatter { of_sum, degrees }) => (of_sum, 2.0 / degrees),
             None => (self.of_sum, 1.0 / effective_pixels),
@@ -189,7 +203,7 @@ impl Quality {
         let mut noise = Noise::of(window, Correlation::of(scene), channels);
         let light_paths = samples * u64::from(scene.techniques.light_paths());
         if light_paths > 0 {
-            noise.of_sum += partial.light_paths.excess(light_paths, samples);
+            noise.add_common(partial.light_paths.excess(light_paths, samples));
         }
         noise.quality(window, partial.means.scatter())
     }

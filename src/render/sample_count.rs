@@ -125,14 +125,19 @@ pub fn for_time(
         }
     })?;
     let spent = begin.elapsed().as_secs_f64();
-    let count = pilot.samples.end as f64 * ((seconds - spent) / spent).max(0.0);
-    let count = (count.min(MOST as f64) as u64 / BLOCK * BLOCK).max(BLOCK);
     Ok(Pilot {
-        count,
+        count: affordable(pilot.samples.end, spent, seconds),
         samples: pilot.samples.end,
         rays: pilot.report.rays,
         quality: Quality::of(&pilot, scene, settings.window),
     })
+}
+
+/// How many samples of a pixel there is time for: whole blocks, and one at least, where so many took `spent` of the
+/// seconds.
+fn affordable(samples: u64, spent: f64, seconds: f64) -> u64 {
+    let count = samples as f64 * ((seconds - spent) / spent).max(0.0);
+    (count.min(MOST as f64) as u64 / BLOCK * BLOCK).max(BLOCK)
 }
 
 fn run(

@@ -34,8 +34,9 @@ pub struct Splats {
     begin: u64,
     /// All channels of each splat.
     values: Vec<f64>,
-    /// What they do to the noise of the window's mean.
-    pub noise: LightPathNoise,
+    /// What they do to the noise of the window's mean: in pieces, and in an order, that do not depend on where passes
+    /// begin.
+    pub noise: Vec<LightPathNoise>,
     pub counters: Counters,
 }
 
@@ -98,9 +99,9 @@ impl Splats {
         let count = first[window.pixels()];
         let (mut samples, mut values) = (vec![0; count], vec![0.0; count * channels]);
         let mut next = first.clone();
-        let (mut noise, mut counters) = (LightPathNoise::default(), Counters::default());
+        let (mut noise, mut counters) = (vec![], Counters::default());
         for part in parts {
-            part.noise.iter().for_each(|of_sample| noise.add(of_sample));
+            noise.extend_from_slice(&part.noise);
             for (i, pixel) in part.pixels.iter().enumerate() {
                 let at = next[*pixel as usize];
                 next[*pixel as usize] += 1;

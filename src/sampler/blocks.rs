@@ -14,6 +14,8 @@ pub const MOST_EMITTER_SAMPLES: u32 = 1 << 10;
 pub const GUIDED_OF_VERTEX: u32 = 1 << 5;
 /// Blocks of a light path for a group of pixels: one for its emitter, one for each vertex.
 pub const SHARED_OF_PATH: u32 = 1 << 4;
+/// How many light paths a group of pixels can have.
+pub const MOST_SHARED_LIGHT_PATHS: u32 = 64;
 
 /// First block of the vertices of a path.
 const VERTICES: u32 = 1;
@@ -28,9 +30,12 @@ const FLIGHTS: u32 = 1 << 31;
 
 const _: () = assert!(
     VERTICES + METER <= SHARED_LIGHT_PATHS
+        // The number of a light path among those of all samples exceeds 32 bits by less than there are of a sample.
+        && SHARED_LIGHT_PATHS + MOST_SHARED_LIGHT_PATHS * SHARED_OF_PATH <= GUIDED
         && GUIDED + MAX_VERTICES * GUIDED_OF_VERTEX <= EMITTER_SAMPLES
         && MAX_VERTICES * MOST_EMITTER_SAMPLES <= EMITTER_SAMPLES
         && EMITTER_SAMPLES + (MAX_VERTICES * MOST_EMITTER_SAMPLES - 1) < FLIGHTS
+        && 2 * METER <= u32::MAX - FLIGHTS
 );
 
 /// The vertex of a path at the end of edge number `edges`, which is at least 1.

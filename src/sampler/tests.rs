@@ -123,3 +123,14 @@ fn pixels_of_two_seeds_are_alike_here_and_there() {
         assert!((160..=352).contains(&shared), "{a} {b}: {shared}");
     }
 }
+
+/// Numbers of light paths exceed 32 bits after some thousand samples of a pixel.
+#[test]
+fn light_paths_do_not_repeat_after_four_billions() {
+    for kind in [SamplerKind::Independent, SamplerKind::Sobol] {
+        let source = RandomSource { kind, seed: 1 };
+        let first = |number: u64| source.light_path(number).block(blocks::START);
+        let all = [5, 5 + (1 << 32), 5 + (2 << 32)].map(|number| format!("{:?}", first(number)));
+        assert!(all[0] != all[1] && all[1] != all[2] && all[0] != all[2], "{all:?}");
+    }
+}

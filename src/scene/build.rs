@@ -130,10 +130,7 @@ fn declared<'a, 'd>(root: &'d Element, loader: &'a Loader<'d>) -> Result<Declare
     for child in &root.children {
         let element = loader.resolve(child)?;
         match element.tag.as_str() {
-            "shape" => {
-                objects.shape(element)?;
-                sensors.extend(objects.sensor.take());
-            }
+            "shape" => sensors.extend(objects.shape(element)?),
             "emitter" => objects.emitter(element)?,
             "sensor" => sensors.push(Sensor::parse(element, loader)?),
             "integrator" => integrators.push(element),

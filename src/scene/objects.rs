@@ -8,7 +8,8 @@ use super::registry::construct;
 use super::xml::{Attribute, Element};
 use super::{Interface, Shape, Side};
 use crate::bsdf::{AnyMaterial, Material, Traits};
-use crate::emitter::{AnyEmitter, EMITTERS, area, select};
+use crate::emitter::select::SceneEmitter;
+use crate::emitter::{AnyEmitter, EMITTERS, area};
 use crate::math::bounds::half_extent;
 use crate::math::ray::NO_PRIMITIVE;
 use crate::math::{DVec3, Transform};
@@ -28,10 +29,8 @@ pub struct Objects<'a, 'd> {
     primitives: u64,
     pub materials: Vec<AnyMaterial>,
     /// Sides already built, by material element, so that shapes share them.
-    known: BTreeMap<*const Element, [Side; 2]>,
-    pub emitters: Vec<select::Entry>,
-    /// What measures on the shape that was read last.
-    pub sensor: Option<Sensor>,
+    known_sides: BTreeMap<*const Element, [Side; 2]>,
+    pub emitters: Vec<SceneEmitter>,
     /// Sides of surfaces without a material: grey ones, and black ones for those that emit.
     default_sides: [Option<[Side; 2]>; 2],
 }
@@ -54,9 +53,8 @@ impl<'a, 'd> Objects<'a, 'd> {
             known_groups: BTreeMap::new(),
             primitives: 0,
             materials: vec![],
-            known: BTreeMap::new(),
+            known_sides: BTreeMap::new(),
             emitters: vec![],
-            sensor: None,
             default_sides: [None; 2],
         }
     }
@@ -71,17 +69,21 @@ impl<'a, 'd> Objects<'a, 'd> {
         self.shapes.iter().chain(self.instances.shapes())
     }
 
-    /// Reads a `<shape>` with its material and its emitter, a group, or an instance.
-    pub fn shape(&mut self, element: &'d Element) -> Result<(), SceneError> {
+    /// Reads a `<shape>` with its material and its emitter, a group, or an instance. Returns what measures on it.
+    pub fn shape(&mut self, element: &'d Element) -> Result<Option<Sensor>, SceneError> {
         let mut params = Params::new(element, self.loader, Usage::Unbounded)?;
         match declared(&mut params)? {
             Declared::Geometry(geometry) => self.surface(geometry, params),
-            Declared::Group => self.group(element, params).map(drop),
-            Declared::Instance(to_world) => self.instance(to_world, element, params),
+            Declared::Group => self.group(element, params).map(|_| None),
+            Declared::Instance(to_world) => self.instance(to_world, element, params).map(|()| None),
         }
     }
 
-    fn surface(&mut self, mut geometry: Geometry, mut params: Params<'_, 'd>) -> Result<(), SceneError> {
+    fn surface(
+        &mut self,
+        mut geometry: Geometry,
+        mut params: Params<'_, 'd>,
+    ) -> Result<Option<Sensor>, SceneError> {
         let sensor = params.object("sensor", "what measures the light that the surface receives")?;
         let Attachments { sides, emitter, interface, chart } =
             self.attachments(&mut geometry, &mut params)?;
@@ -94,7 +96,7 @@ impl<'a, 'd> Objects<'a, 'd> {
                     let message = format!("a shape cannot be a `{}` emitter", emitter.name());
                     return Err(SceneError::at(&element.span, message, "expected an `area` emitter"));
                 }
-                self.emitters.push(select::Entry { emitter, shape: Some(self.shapes.len() as u32) });
+                self.emitters.push(SceneEmitter { emitter, shape: Some(self.shapes.len() as u32) });
                 Some(self.emitters.len() as u32 - 1)
             }
         };
@@ -108,9 +110,9 @@ impl<'a, 'd> Objects<'a, 'd> {
         self.count(geometry.primitives(), params.element)?;
         let shape = Shape { geometry, first_primitive, sides, emitter, interface };
         let read = |element| Sensor::of_shape(element, self.loader, &shape);
-        self.sensor = sensor.map(read).transpose()?;
+        let sensor = sensor.map(read).transpose()?;
         self.shapes.push(shape);
-        Ok(())
+        Ok(sensor)
     }
 
     /// What is attached to a surface.
@@ -249,12 +251,12 @@ impl<'a, 'd> Objects<'a, 'd> {
 
     /// Reads a material, once, and returns the two sides of a surface with it.
     pub fn material(&mut self, element: &'d Element) -> Result<[Side; 2], SceneError> {
-        if let Some(sides) = self.known.get(&(element as *const Element)) {
+        if let Some(sides) = self.known_sides.get(&(element as *const Element)) {
             return Ok(*sides);
         }
         let material = AnyMaterial::parse(element, self.loader)?;
         let sides = self.add(material);
-        self.known.insert(element, sides);
+        self.known_sides.insert(element, sides);
         Ok(sides)
     }
 
@@ -282,7 +284,7 @@ impl<'a, 'd> Objects<'a, 'd> {
         if emitter.is_environment() && self.emitters.iter().any(|e| e.emitter.is_environment()) {
             return Err(SceneError::at(&element.span, "a second environment", "expected only one"));
         }
-        self.emitters.push(select::Entry { emitter, shape: None });
+        self.emitters.push(SceneEmitter { emitter, shape: None });
         Ok(())
     }
 }

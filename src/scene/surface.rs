@@ -63,7 +63,7 @@ impl Interface {
 /// The material of one side of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
-    /// Index of the material.
+    /// Index of the material; beyond all if there is none.
     pub material: u32,
     /// Whether the material is seen as if from its front: the local frame is turned around.
     pub turned: bool,
@@ -71,6 +71,11 @@ pub struct Side {
 }
 
 impl Side {
+    /// That of something that scatters so without being a material of the scene, as a medium does or what measures light.
+    pub const fn without_material(traits: Traits) -> Self {
+        Self { material: u32::MAX, turned: false, traits }
+    }
+
     /// The frame of the material at a point: about the shading normal, and upside down on a turned side, where
     /// it is left-handed.
     #[inline(always)]

@@ -2,7 +2,7 @@
 //! too, because a scene file may give either wherever it gives a colour.
 //!
 //! *How to add one*: write `texture/<name>.rs` with `NAME`, `ABOUT`, `EXAMPLES` and `parse`, and add its line
-//! to `entries!`. One that varies over a surface in a new way also is a variant of [`AnyTexture`], whose methods the
+//! to `textures!`. One that varies over a surface in a new way also is a variant of [`AnyTexture`], whose methods the
 //! compiler then asks for, each with what it answers. Textures within it are read with the `usage` it is read with
 //! itself. `contract.rs` tests all examples.
 
@@ -47,7 +47,7 @@ pub enum AnyTexture {
     MeshAttribute(Box<MeshAttribute>),
 }
 
-macro_rules! entries {
+macro_rules! textures {
     ($($module:ident),* $(,)?) => {
         /// Every texture and constant spectrum.
         pub static TEXTURES: &[Entry<AnyTexture>] = &[$(Entry {
@@ -58,7 +58,7 @@ macro_rules! entries {
         }),*];
     };
 }
-entries!(
+textures!(
     bitmap,
     checkerboard,
     mesh_attribute,

@@ -89,7 +89,11 @@ fn cells(voxels: &Voxels, params: &Params) -> Cells {
         (_, ColorMode::Rgb) => Cells::Rgb(colors.to_vec()),
         (_, ColorMode::Spectral) => {
             let spectrum = |rgb: &[f32; 3]| {
-                let (scale, color) = color_scale(rgb.map(f64::from));
+                // Spectra of amounts may exceed their largest component; what reflected so would make light of nothing.
+                let (scale, color) = match params.usage {
+                    Usage::Reflectance => (1.0, *rgb),
+                    _ => color_scale(rgb.map(f64::from)),
+                };
                 (params.loader.upsampler.fit(color), scale)
             };
             Cells::Spectral(colors.iter().map(spectrum).collect())
@@ -271,6 +275,27 @@ mod tests {
                         assert!(f64::from(found) <= bound, "{wrap} {lo} {size}: {found} above {bound}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn colours_that_reflect_are_the_spectra_of_such_colours() {
+        let volume = grid(3, "", ColorMode::Spectral).unwrap();
+        let document = xml::read_text("colour.xml", "<volume version=\"3.0.0\"/>").unwrap();
+        let loader = Loader::new(&document, ColorMode::Spectral).unwrap();
+        for hero in [0.1, 0.4, 0.9, 0.999] {
+            let λ = Wavelengths::sample_visible(hero);
+            for cell in 0..3 {
+                let rgb = [0, 1, 2].map(|c| ((3 * cell + c) * 7 % 24) as f32 / 23.0);
+                let middle = DVec3::new((f64::from(cell) + 0.5) / 3.0, 0.25, 0.125);
+                let (found, expected) =
+                    (volume.eval(middle, &λ), loader.upsampler.fit(rgb).eval_lanes(&λ.nm));
+                assert!(found.max() <= 1.0, "{rgb:?}: {found:?}");
+                assert!(
+                    found.0.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6),
+                    "{rgb:?}: {found:?}"
+                );
             }
         }
     }

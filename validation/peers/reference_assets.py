@@ -224,6 +224,11 @@ def hues(size=4):
     return np.stack([0.15 + 0.8 * x, 0.2 + 0.7 * y, 0.9 - 0.7 * z], axis=-1)
 
 
+def shades(size=4):
+    """Greys of an albedo that change along each axis."""
+    return hues(size).mean(axis=-1, keepdims=True)
+
+
 def main():
     import mitsuba as mi
     mi.set_variant("scalar_rgb")
@@ -232,6 +237,7 @@ def main():
     VOLUMES.mkdir(parents=True, exist_ok=True)
     write_volume(VOLUMES / "puff.vol", puff(), (-2.6, 0.15, -0.7), (-1.2, 1.6, 0.75))
     write_volume(VOLUMES / "hues.vol", hues())
+    write_volume(VOLUMES / "shades.vol", shades())
     write_obj(MESHES / "vase.obj", vase())
     write_seamed_obj(MESHES / "barrel.obj")
     write_ply(MESHES / "ball.ply", icosphere())

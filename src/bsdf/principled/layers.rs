@@ -1,10 +1,10 @@
 //! The principled model at a point.
 
 use super::Gtr1;
-use super::matte::{Matte, fifth, schlick};
-use crate::bsdf::dielectric::seen;
+use super::matte::{Matte, schlick};
+use crate::bsdf::fresnel::schlick_weight;
 use crate::bsdf::microfacet::{Distribution, Shape, reflect};
-use crate::bsdf::roughdielectric::upward;
+use crate::bsdf::sides::{relative_eta, upward};
 use crate::bsdf::{Bsdf, Evaluation, Lobe, Sample, fresnel, rescale};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3, warp};
@@ -45,7 +45,7 @@ impl Meeting {
     /// From any two directions: a viewer below the surface counts as one above it, with the indices
     /// exchanged.
     fn new(wo: DVec3, wi: DVec3, eta: f64) -> Self {
-        let eta = seen(eta, wo);
+        let eta = relative_eta(eta, wo);
         let (wo, wi) = (upward(wo, wo), upward(wi, wo));
         let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
         Self::at(wo, wi, unit(if h.z < 0.0 { -h } else { h }), eta)
@@ -60,7 +60,7 @@ impl Meeting {
 impl PrincipledBsdf {
     /// (1 − cos θ)⁵ for Schlick's approximation, with the angle on the thinner side.
     fn schlick_weight(&self, at: &Meeting) -> f64 {
-        fifth(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
+        schlick_weight(if at.eta > 1.0 { at.wo.dot(at.m) } else { at.face.cos_transmitted })
     }
 
     /// Reflectance of microfacets for light from outside: exactly as glass, by Schlick's approximation where
@@ -101,11 +101,11 @@ impl PrincipledBsdf {
         let [diffuse, coat] = self.chances;
         let specular = self.specular_chance * (1.0 - self.clear * at.face.transmittance);
         let matte = self.matte.value([at.wo.z, at.wi.z], at.wi.dot(at.m));
+        let cos = at.wo.dot(at.m);
+        let of_coat = if cos > 0.0 { self.coat.pdf(at.m) / (4.0 * cos) } else { 0.0 };
         Evaluation {
             value: self.fresnel(at) * shown as f32 + matte + Spectrum::splat(self.coat(at) as f32),
-            pdf: diffuse * warp::cosine_hemisphere_pdf(at.wi)
-                + coat * self.coat.pdf(at.m) / (4.0 * at.wo.dot(at.m))
-                + specular * drawn,
+            pdf: diffuse * warp::cosine_hemisphere_pdf(at.wi) + coat * of_coat + specular * drawn,
         }
     }
 
@@ -163,7 +163,7 @@ impl Bsdf for PrincipledBsdf {
         if !self.shows(wo) {
             return None;
         }
-        let (viewer, wo, eta) = (wo, upward(wo, wo), seen(self.eta, wo));
+        let (viewer, wo, eta) = (wo, upward(wo, wo), relative_eta(self.eta, wo));
         let outside = viewer.z > 0.0;
         let [diffuse, coat] = if outside { self.chances } else { [0.0; 2] };
         let above = |wi: DVec3| Meeting::at(wo, wi, unit(wo + wi), eta);

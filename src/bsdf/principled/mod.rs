@@ -7,6 +7,7 @@
 //! metal or glass does and let through what `spec_trans` says. Nothing holds their sum below 1: with much
 //! sheen or coat on a white base it sends out more than it gets.
 
+pub mod base;
 mod gtr1;
 mod layers;
 pub mod matte;
@@ -17,9 +18,9 @@ use crate::scene::params::Params;
 use crate::shape::SurfacePoint;
 use crate::spectrum::Wavelengths;
 use crate::texture::AnyTexture;
+use base::{Base, share_at};
 use gtr1::Gtr1;
 pub use layers::PrincipledBsdf;
-use matte::{Base, share_at};
 
 /// The parameters of the model.
 pub struct Principled {
@@ -70,7 +71,7 @@ impl Material for Principled {
 
     fn parse(params: &mut Params) -> Result<Self, SceneError> {
         let base = Base::parse(params)?;
-        let mut share = |name, about| matte::share(params, name, 0.0, about);
+        let mut share = |name, about| base::share(params, name, 0.0, about);
         let metallic =
             share("metallic", "share of metal, which has no other lobes than microfacets and coat")?;
         let spec_trans = share("spec_trans", "share of glass in what is no metal; the rest is matte")?;
@@ -78,7 +79,7 @@ impl Material for Principled {
         let clearcoat = share("clearcoat", "brightness of a second, colourless reflection")?;
         let clearcoat_gloss = share("clearcoat_gloss", "α of the coat: 0.1 at 0, 0.001 at 1")?;
         let eta = index(params, spec_trans.constant() != Some(0.0))?;
-        let mut rate = |name, about| matte::rate(params, name, about);
+        let mut rate = |name, about| base::rate(params, name, about);
         let rates = Rates {
             diffuse: rate(
                 "diffuse_reflectance_sampling_rate",

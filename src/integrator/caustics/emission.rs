@@ -1,6 +1,7 @@
 //! Sampling of a light path's first edge.
 
 use super::aim::{Aim, BALLS, bundled};
+use crate::emitter::select::SceneEmitter;
 use crate::emitter::{AnyEmitter, EmitterPoint, Emitters};
 use crate::math::{Ball, Chosen, DVec3, Discrete, Ray};
 use crate::sampler::{EmitterNumbers, Numbers};
@@ -53,7 +54,7 @@ impl Emission {
     }
 
     fn aimed(emitters: &Emitters, shapes: &[Shape], aim: Aim) -> Option<Self> {
-        let power = |entry: &crate::emitter::select::Entry| match (&entry.emitter, entry.shape) {
+        let power = |entry: &SceneEmitter| match (&entry.emitter, entry.shape) {
             (AnyEmitter::Area(area), Some(shape)) => area.power(&shapes[shape as usize].geometry),
             _ => 0.0,
         };

@@ -7,7 +7,7 @@ use crate::emitter::EmitterPoint;
 use crate::integrator::Counters;
 use crate::integrator::emitter_sampling::density_of_finding;
 use crate::integrator::links::{SpecularChain, density_of};
-use crate::integrator::mis::power_heuristic_of_three;
+use crate::integrator::mis::power_heuristic_of_ratios;
 use crate::integrator::roulette::roulette;
 use crate::integrator::vertex::Vertex;
 use crate::math::{DVec2, DVec3, Ray};
@@ -245,7 +245,7 @@ impl Caustics {
             return;
         }
         let by_emitter = linked.map_or(path.by_emitter, |linked| linked / scattered.pdf);
-        let shared = power_heuristic_of_three(1.0 / ratio, by_emitter / ratio);
+        let shared = power_heuristic_of_ratios(1.0 / ratio, by_emitter / ratio);
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));
         let radiance = path.throughput * path.emitted * scattered.value;
         let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);

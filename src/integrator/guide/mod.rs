@@ -96,7 +96,7 @@ pub struct GuidedSample<'a> {
 }
 
 /// Takes a guided emitter sample: the radiance that leaves the vertex, with its MIS weight.
-pub fn sample_emitters<B: Bsdf>(
+pub fn sample_guided<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
     GuidedSample { directions, sampler, depth, most }: GuidedSample,

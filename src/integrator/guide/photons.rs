@@ -4,6 +4,7 @@ use super::{LONGEST_CHAIN, onward};
 use crate::integrator::Counters;
 use crate::integrator::caustics::Emission;
 use crate::integrator::links::{SpecularChain, density_of};
+use crate::integrator::mis::power_heuristic;
 use crate::math::{DVec3, INV_PI, Origin};
 use crate::sampler::{RandomSource, SamplerKind, blocks};
 use crate::scene::{Features, Scene};
@@ -43,7 +44,7 @@ pub fn photon(scene: &Scene, emission: &Emission, number: u32) -> Option<Photon>
                 // As of a matte surface; for others it is not known in which direction they scatter.
                 Some(found / (chain.chance * point.ng.dot(w).abs() * INV_PI))
             });
-            let left = linked.map_or(1.0, |linked| 1.0 / (1.0 + linked * linked));
+            let left = linked.map_or(1.0, |linked| power_heuristic(1.0, linked));
             let some = edges > 1 && power > 0.0 && power.is_finite();
             return some.then_some(Photon { p: point.p, w, power, left });
         }

@@ -10,10 +10,10 @@
 //! by false position. Light for x comes from about the image of x: with the distance s from the surface, rays
 //! near the axis meet s r/(2s + r) below it.
 
-use super::lens::Lens;
+use super::glass_ball::GlassBall;
 use crate::math::{Ball, DVec2, DVec3, length, root};
 
-/// Factor by which a lens may bring more light than its solid angle suggests: behind it, at a diameter from
+/// Factor by which a ball of glass may bring more light than its solid angle suggests: behind it, at a diameter from
 /// its centre, all light is taken to come by it. (Four times this factor gave no less noise.)
 const GATHERED: f64 = 4.0;
 
@@ -26,17 +26,17 @@ pub enum Form {
         height: f64,
     },
     Ball(Ball),
-    /// See [`lens`](super::lens).
-    Lens(Lens),
+    /// See [`glass_ball`](super::glass_ball).
+    GlassBall(GlassBall),
 }
 
-/// A mirror or a lens.
+/// A mirror or a ball of glass.
 #[derive(Clone, Debug)]
 pub struct Element {
     pub form: Form,
     /// Bounding ball.
     pub around: Ball,
-    /// Approximate share of the light that it reflects (a lens: transmits), on the side of the normal (of a
+    /// Approximate share of the light that it reflects (a ball of glass: transmits), on the side of the normal (of a
     /// ball: outside) and on the other.
     pub strength: [f64; 2],
     /// Its primitives, numbered over the whole scene, in ascending order.
@@ -48,20 +48,20 @@ impl Element {
         self.primitives.binary_search(&primitive).is_ok()
     }
 
-    pub fn lens(&self) -> Option<&Lens> {
+    pub fn glass_ball(&self) -> Option<&GlassBall> {
         match &self.form {
-            Form::Lens(lens) => Some(lens),
+            Form::GlassBall(glass_ball) => Some(glass_ball),
             _ => None,
         }
     }
 
     /// Whether light goes through it without a reflection.
     pub fn gathers(&self) -> bool {
-        self.lens().is_some_and(|lens| lens.inner == 0)
+        self.glass_ball().is_some_and(|glass_ball| glass_ball.inner == 0)
     }
 
     /// The point as from which emitters are sampled for x: the image of x in the mirror, or the centre of a
-    /// lens, which gathers what meets it. `None` if x is inside a ball.
+    /// ball of glass, which gathers what meets it. `None` if x is inside a ball.
     pub fn image(&self, x: DVec3) -> Option<DVec3> {
         match self.form {
             Form::Plane { n, height } => Some(x - n * (2.0 * (n.dot(x) - height))),
@@ -72,13 +72,13 @@ impl Element {
                 let below = s * radius / (2.0 * s + radius);
                 (s > 0.0).then(|| centre + from_centre * ((radius - below) / distance))
             }
-            Form::Lens(Lens { ball: Ball { centre, radius }, .. }) => {
+            Form::GlassBall(GlassBall { ball: Ball { centre, radius }, .. }) => {
                 (length(x - centre) > radius).then_some(centre)
             }
         }
     }
 
-    /// The point of the mirror in which x sees y; `None` if there is none, or if this is a lens.
+    /// The point of the mirror in which x sees y; `None` if there is none, or if this is a ball of glass.
     pub fn reflection(&self, x: DVec3, y: DVec3) -> Option<DVec3> {
         match self.form {
             Form::Plane { n, height } => {
@@ -92,7 +92,7 @@ impl Element {
             Form::Ball(Ball { centre, radius }) => {
                 on_unit_ball((x - centre) / radius, (y - centre) / radius).map(|n| centre + n * radius)
             }
-            Form::Lens(_) => None,
+            Form::GlassBall(_) => None,
         }
     }
 
@@ -101,7 +101,8 @@ impl Element {
     pub fn weight(&self, x: DVec3) -> f64 {
         let behind = match self.form {
             Form::Plane { n, height } => n.dot(x) < height,
-            Form::Ball(Ball { centre, radius }) | Form::Lens(Lens { ball: Ball { centre, radius }, .. }) => {
+            Form::Ball(Ball { centre, radius })
+            | Form::GlassBall(GlassBall { ball: Ball { centre, radius }, .. }) => {
                 length(x - centre) <= radius
             }
         };

@@ -5,7 +5,7 @@
 
 use super::bent::{NOT_REFLECTED, REFLECTED};
 use super::element::{Element, Form};
-use super::lens::Lens;
+use super::glass_ball::GlassBall;
 use super::{Connector, SpecularChain};
 use crate::bsdf::{AnyMaterial, Bsdf, Material, Visitor};
 use crate::math::frame::unit;
@@ -27,17 +27,17 @@ const FLAT: f64 = 16.0 * f32::EPSILON as f64;
 /// Most reflections inside a ball of glass: each keeps about a twentieth of the light.
 const MOST_INNER: u32 = 1;
 
-/// Mirrors, or lenses, of which each emitter sample uses at most one.
+/// Mirrors, or balls of glass, of which each emitter sample uses at most one.
 #[derive(Debug)]
 pub struct Elements(Vec<Element>);
 
 impl Elements {
-    /// The elements that reflect light, balls of glass with inner reflections among them, and the lenses that
+    /// The elements that reflect light, balls of glass with inner reflections among them, and the balls of glass that
     /// it goes straight through.
     pub fn of(shapes: &[Shape], materials: &[AnyMaterial], mode: ColorMode) -> [Self; 2] {
         let elements = shapes.iter().flat_map(|shape| of_shape(shape, materials, mode));
-        let (lenses, mirrors): (Vec<_>, _) = elements.partition(Element::gathers);
-        [mirrors, lenses].map(Self::largest)
+        let (glass_balls, mirrors): (Vec<_>, _) = elements.partition(Element::gathers);
+        [mirrors, glass_balls].map(Self::largest)
     }
 
     fn largest(mut elements: Vec<Element>) -> Self {
@@ -85,8 +85,8 @@ impl Elements {
 
     /// Index of the one whose links lead by such surfaces.
     pub fn of_chain(&self, chain: &SpecularChain) -> Option<usize> {
-        self.0.iter().position(|element| match element.lens() {
-            Some(lens) => chain.is_through(element.primitives[0], lens.inner),
+        self.0.iter().position(|element| match element.glass_ball() {
+            Some(glass_ball) => chain.is_through(element.primitives[0], glass_ball.inner),
             None => chain.mirror.is_some_and(|primitive| {
                 // A ball is no mirror from inside.
                 chain.reflections == 1 && element.has(primitive) && !chain.is_through(primitive, 1)
@@ -133,13 +133,16 @@ fn of_shape(shape: &Shape, materials: &[AnyMaterial], mode: ColorMode) -> Vec<El
             // Only from outside: from inside it is a concave mirror.
             let Turned { reflected, eta } = turned[usize::from(sphere.inward)];
             let mirror = whole(Form::Ball(ball), ball, [reflected, 0.0], first);
-            let lenses =
-                eta.into_iter().flat_map(|eta| (0..=MOST_INNER).map(move |inner| Lens { ball, eta, inner }));
+            let glass_balls = eta
+                .into_iter()
+                .flat_map(|eta| (0..=MOST_INNER).map(move |inner| GlassBall { ball, eta, inner }));
             let through = |inner: u32| {
                 (0..inner).fold((1.0 - reflected) * (1.0 - reflected), |part, _| part * reflected)
             };
-            let lenses = lenses.map(|lens| whole(Form::Lens(lens), ball, [through(lens.inner), 0.0], first));
-            lenses.chain([mirror]).collect()
+            let glass_balls = glass_balls.map(|glass_ball| {
+                whole(Form::GlassBall(glass_ball), ball, [through(glass_ball.inner), 0.0], first)
+            });
+            glass_balls.chain([mirror]).collect()
         }
         Geometry::Patch(patch) => vec![plane(patch, first)],
         Geometry::Cube(cube) => cube.faces().iter().zip(first..).map(|(face, i)| plane(face, i)).collect(),

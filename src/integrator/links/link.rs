@@ -8,7 +8,7 @@
 use super::SAME;
 use super::bent::Bent;
 use super::element::Element;
-use super::lens::Starts;
+use super::glass_ball::Starts;
 use super::surfaces::{End, Surface, Surfaces};
 use crate::integrator::Counters;
 use crate::math::frame::unit;
@@ -65,7 +65,7 @@ fn apart(a: DVec3, b: DVec3) -> bool {
 }
 
 impl<'a> Search<'a> {
-    /// For links from a point on a primitive to another point, by a mirror or a lens if one is given; `None`
+    /// For links from a point on a primitive to another point, by a mirror or a ball of glass if one is given; `None`
     /// if there is nothing but air between them, or something else than refracting interfaces, or more
     /// surfaces than `most`.
     pub fn new(
@@ -77,22 +77,22 @@ impl<'a> Search<'a> {
         counters: &mut Counters,
     ) -> Option<Self> {
         let mut surfaces = Surfaces::none();
-        let mut lens = None;
+        let mut glass_ball = None;
         let first = match by {
             None => {
                 surfaces.read(scene, from, to, None, counters)?;
-                if surfaces.are_lens(scene) {
+                if surfaces.are_glass_ball(scene) {
                     return None;
                 }
                 to
             }
-            Some(element) => match element.lens() {
+            Some(element) => match element.glass_ball() {
                 Some(found) => {
                     let glass = Surface::Glass(element.primitives[0]);
                     surfaces.push(glass)?;
                     (0..found.inner).try_for_each(|_| surfaces.push(Surface::Mirror(element)))?;
                     surfaces.push(glass)?;
-                    lens = Some(found);
+                    glass_ball = Some(found);
                     found.ball.centre
                 }
                 None => {
@@ -113,12 +113,12 @@ impl<'a> Search<'a> {
         if !(1..=most).contains(&surfaces.list().len()) {
             return None;
         }
-        let starts = match lens {
-            Some(lens) => lens.ways(from.p, to),
+        let starts = match glass_ball {
+            Some(glass_ball) => glass_ball.ways(from.p, to),
             None => Starts::one(unit(first - from.p)),
         };
         let distance = length(first - from.p) + length(to - first);
-        Some(Self { scene, from, to, surfaces, starts, exact: lens.is_some(), distance })
+        Some(Self { scene, from, to, surfaces, starts, exact: glass_ball.is_some(), distance })
     }
 
     /// How many surfaces a link leads by.

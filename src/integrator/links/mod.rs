@@ -6,7 +6,7 @@
 //! the sampled point of the emitter, and [`Link`] finds it: manifold next-event estimation (Hanika, Droske &
 //! Fascione 2015), for interfaces that only refract, and at most one mirror that is flat or a ball
 //! (`element.rs`). Through a ball of glass there may be several chains, and all of them are found
-//! (`lens.rs`). Chains through glass, by a mirror and through a ball are techniques that have no path in
+//! (`glass_ball.rs`). Chains through glass, by a mirror and through a ball are techniques that have no path in
 //! common.
 //!
 //! **The density.** A point y of the emitter with density pₐ(y) by area stands for the direction ω in which
@@ -29,13 +29,13 @@ mod bent;
 mod chain;
 mod element;
 mod elements;
-mod lens;
+mod glass_ball;
 mod link;
 mod surfaces;
 
 use super::Counters;
 use super::emitter_sampling::Proposal;
-use super::mis::power_heuristic_of_three;
+use super::mis::power_heuristic_of_ratios;
 use super::vertex::Vertex;
 use crate::bsdf::{AnyMaterial, Bsdf};
 use crate::emitter::{AnyEmitter, Choice, EmitterPoint, Gathers, Radiance};
@@ -105,7 +105,7 @@ pub struct Links {
     /// Boxes around shapes that refract; where there are many, one around all.
     glass: Vec<(DVec3, DVec3)>,
     mirrors: Elements,
-    lenses: Elements,
+    glass_balls: Elements,
     /// Whether all vertices sample links, not only those where light paths cannot help.
     pub everywhere: bool,
 }
@@ -120,23 +120,23 @@ impl Links {
             let all = glass.iter().copied().reduce(union);
             glass = all.into_iter().collect();
         }
-        let [mirrors, lenses] = Elements::of(shapes, materials, mode);
+        let [mirrors, glass_balls] = Elements::of(shapes, materials, mode);
         let shining = shapes.iter().any(|shape| shape.emitter.is_some());
         let something = !glass.is_empty() || !mirrors.is_empty();
-        (something && shining).then_some(Self { glass, mirrors, lenses, everywhere: false })
+        (something && shining).then_some(Self { glass, mirrors, glass_balls, everywhere: false })
     }
 
     /// The techniques for emitter samples at a point: through glass alone, through a ball, and by a mirror,
     /// the ball and the mirror chosen by a number in [0, 1).
     pub fn connectors(&self, p: DVec3, choice: f64) -> impl Iterator<Item = Connector<'_>> {
         let through = (!self.glass.is_empty()).then_some(Connector::THROUGH);
-        let one = [&self.lenses, &self.mirrors].map(|elements| elements.choose(p, choice));
+        let one = [&self.glass_balls, &self.mirrors].map(|elements| elements.choose(p, choice));
         through.into_iter().chain(one.into_iter().flatten())
     }
 
     /// The technique whose links from a point lead by such surfaces, if there is one.
     fn connector(&self, p: DVec3, chain: &SpecularChain) -> Option<Connector<'_>> {
-        for elements in [&self.lenses, &self.mirrors] {
+        for elements in [&self.glass_balls, &self.mirrors] {
             if let Some(index) = elements.of_chain(chain) {
                 return Some(elements.connector(p, index)).filter(|connector| connector.chance > 0.0);
             }
@@ -205,11 +205,10 @@ pub struct LinkSample<'a> {
     pub most: usize,
 }
 
-/// Takes an emitter sample by specular chains: passes the contribution of each link, with its MIS weight, to
-/// `found`, up to visibility behind the last surface. `light_paths`
-/// gives, for a link, the density of its direction when scattering, and a point of the emitter, the density
-/// of light paths over that of scattering, for the whole path.
-pub fn sample_emitter<B: Bsdf>(
+/// Takes an emitter sample by specular chains: passes the contribution of each link, with its MIS weight, to `found`, up
+/// to visibility behind the last surface. `light_paths(link, pdf, end)` is the density of light paths over that of
+/// scattering, for the whole path by the link to that point of the emitter, where scattering has the density `pdf`.
+pub fn sample_by_links<B: Bsdf>(
     scene: &Scene,
     vertex: &Vertex<B>,
     LinkSample { connector, numbers, count, most }: LinkSample,
@@ -251,7 +250,7 @@ pub fn sample_emitter<B: Bsdf>(
         let scattering = scattered.pdf * link.chance;
         let end = EmitterPoint { emitter: index, p: to, n: light.n };
         let by_light_path = scattering * light_paths(&link, scattered.pdf, end);
-        let weight = power_heuristic_of_three(scattering / pdf, by_light_path / pdf);
+        let weight = power_heuristic_of_ratios(scattering / pdf, by_light_path / pdf);
         found(Proposal {
             ray: Ray { end: link.last.end - early, ..link.last },
             radiance: scattered.value * link.transmittance * radiance * (weight / pdf) as f32,

@@ -45,12 +45,12 @@ impl<'a> Surfaces<'a> {
         Some(())
     }
 
-    /// Whether they are those of a lens, in and out: there may be several such links, and another technique
+    /// Whether they are those of a ball of glass, in and out: there may be several such links, and another technique
     /// finds all of them.
-    pub fn are_lens(&self, scene: &Scene) -> bool {
+    pub fn are_glass_ball(&self, scene: &Scene) -> bool {
         match *self.list() {
             [Surface::Glass(a), Surface::Glass(b)] if a == b => {
-                scene.techniques.links.as_ref().is_some_and(|links| links.lenses.have(a))
+                scene.techniques.links.as_ref().is_some_and(|links| links.glass_balls.have(a))
             }
             _ => false,
         }

@@ -83,11 +83,11 @@ fn curved() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// The ways through glass alone, by a lens if there is one.
+/// The ways through glass alone, by a ball of glass if there is one.
 fn links(scene: &Scene, x: DVec3, y: DVec3) -> Vec<Link> {
-    let lenses = scene.techniques.links.iter().map(|links| &links.lenses);
-    let lenses = lenses.flat_map(|lenses| (0..lenses.len()).map(|i| Some(lenses.get(i))));
-    [None].into_iter().chain(lenses).flat_map(|element| by(scene, x, y, element)).collect()
+    let balls = scene.techniques.links.iter().map(|links| &links.glass_balls);
+    let balls = balls.flat_map(|balls| (0..balls.len()).map(|i| Some(balls.get(i))));
+    [None].into_iter().chain(balls).flat_map(|element| by(scene, x, y, element)).collect()
 }
 
 fn link(scene: &Scene, x: DVec3, y: DVec3) -> Option<Link> {
@@ -183,10 +183,10 @@ fn both_sides_agree_on_the_density() {
         let Some(index) = scene.emitters.list.iter().position(|e| e.shape.is_some()) else { panic!() };
         let entry = &scene.emitters.list[index];
         let geometry = entry.shape.map(|i| &scene.shapes[i as usize].geometry);
-        let Links { lenses, mirrors, .. } = scene.techniques.links.as_ref().expect("there is glass");
+        let Links { glass_balls, mirrors, .. } = scene.techniques.links.as_ref().expect("there is glass");
         // By nothing else, through a ball, and with a reflection within.
-        let inner = (0..mirrors.len()).filter(|i| mirrors.get(*i).lens().is_some());
-        let elements = (0..lenses.len()).map(|i| (lenses, i)).chain(inner.map(|i| (mirrors, i)));
+        let inner = (0..mirrors.len()).filter(|i| mirrors.get(*i).glass_ball().is_some());
+        let elements = (0..glass_balls.len()).map(|i| (glass_balls, i)).chain(inner.map(|i| (mirrors, i)));
         let techniques: Vec<_> = [None].into_iter().chain(elements.map(Some)).collect();
         for (which, (x, _)) in techniques.iter().flat_map(|which| pairs().map(move |pair| (which, pair))) {
             let Connector { by: element, chance } =
@@ -204,7 +204,7 @@ fn both_sides_agree_on_the_density() {
             };
             let found = by(&scene, x, y, element);
             several += usize::from(found.len() > 1);
-            let inner = element.and_then(Element::lens).map_or(0, |lens| lens.inner);
+            let inner = element.and_then(Element::glass_ball).map_or(0, |ball| ball.inner);
             reflected += inner * found.len() as u32;
             for link in &found {
                 let expected = chance * density(light.pdf, light.wi, light.distance, link, light.n);

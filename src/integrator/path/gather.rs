@@ -147,14 +147,14 @@ impl<'s, B: Bsdf, const F: u32> Gather<'s, '_, B, F> {
                     let numbers = u.emitter_sample();
                     let sample = LinkSample { connector, numbers, count: f64::from(count), most };
                     let found = |proposal| shadows.push(to, throughput, proposal);
-                    links::sample_emitter(scene, vertex, sample, λ, light_paths, counters, found);
+                    links::sample_by_links(scene, vertex, sample, λ, light_paths, counters, found);
                 }
             }
         }
         if let Some(directions) = specular.seen {
             let (sampler, depth, most) = (self.sampler, state.depth, most as u32);
             let sample = GuidedSample { directions, sampler, depth, most };
-            let found = guide::sample_emitters(scene, vertex, sample, λ, counters);
+            let found = guide::sample_guided(scene, vertex, sample, λ, counters);
             let sum = if shares { &mut shared.radiance } else { radiance };
             *sum += throughput * found;
         }

@@ -14,7 +14,7 @@ use super::caustics::DEFAULT_RATIO;
 use super::lengths::Lengths;
 use super::links::LinkPolicy;
 use super::roulette::Roulette;
-use crate::sampler::blocks::MOST_EMITTER_SAMPLES;
+use crate::sampler::blocks::{MOST_EMITTER_SAMPLES, MOST_SHARED_LIGHT_PATHS};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
 use reuse::AUTO;
@@ -124,7 +124,8 @@ pub fn parse(params: &mut Params) -> Result<AnyIntegrator, SceneError> {
         ));
     }
     let about = "light paths of each group of pixels that share: no more than there are pixels; −1 means none, or, where a pilot decides on `reuse`, what it finds best (an extension)";
-    let shared_light_paths = params.integer("shared_light_paths", -1, -1..=64, about)?;
+    let shared_light_paths =
+        params.integer("shared_light_paths", -1, -1..=i64::from(MOST_SHARED_LIGHT_PATHS), about)?;
     // The range bounds what a pilot decides about.
     let too_many = reuse != AUTO && shared_light_paths > i64::from(reuse);
     if too_many || reuse == 1 && shared_light_paths > 0 {

@@ -9,7 +9,7 @@ use super::stream::{InFlight, Pending};
 use crate::emitter::{Choice, EmitterPoint};
 use crate::integrator::MAX_VERTICES;
 use crate::integrator::arrival::Met;
-use crate::integrator::mis::power_heuristic_of_three;
+use crate::integrator::mis::power_heuristic_of_ratios;
 use crate::integrator::wavefront::Arrived;
 use crate::integrator::{Counters, Event};
 use crate::math::Ray;
@@ -115,7 +115,7 @@ impl Path {
             }
             _ => 0.0,
         };
-        let weight = power_heuristic_of_three(by_emitter, by_light_path) as f32;
+        let weight = power_heuristic_of_ratios(by_emitter, by_light_path) as f32;
         let light = state.throughput * emitted * weight;
         if F & Features::REUSE == 0 || !state.shares {
             path.radiance += light;

@@ -105,8 +105,9 @@ fn paths_end_where_nothing_is_absorbed() {
                 <emitter type="point"/></scene>"#
         );
         let (image, report) = rendered(&text, 1);
-        // In each of 16 pixels a ray and a shadow ray an edge; of the edges after so many, twenty on average.
-        assert!(report.cut == 0 && report.rays < 16 * 2 * u64::from(ENDLESS + 1000), "{report:?}");
+        // In each of 16 pixels a ray and a shadow ray an edge; after so many edges as many more on average, but with long
+        // tails.
+        assert!(report.cut == 0 && report.rays < 16 * 2 * 4 * u64::from(ENDLESS), "{report:?}");
         assert!(image.channel("G").unwrap().mean.iter().all(|v| v.is_finite()));
     }
 }

@@ -153,7 +153,7 @@ impl<'a> Walk<'a> {
         let wo = -self.ray.direction;
         let (point, frame) = (SurfacePoint::plain(p, wo, wo), Frame::about(wo));
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
-        let side = Side { material: 0, turned: false, traits };
+        let side = Side::without_material(traits);
         let phase = medium.phase.at(p);
         let vertex = Vertex::new(&point, Ray::FREE, &frame, &phase, &side, wo);
         let gathers = Gathers::EVERYWHERE;

@@ -2,6 +2,7 @@ use super::*;
 use crate::load_text;
 use crate::render::Progress;
 use crate::render::passes::render_passes;
+use crate::scene::trial::ball_of_glass;
 use crate::spectrum::ColorMode;
 use std::fs;
 use std::ops::ControlFlow;
@@ -55,6 +56,24 @@ fn a_render_goes_on_as_if_nothing_had_happened() {
     let (expected, expected_report) = (whole.image(&scene, &settings), whole.report);
     assert_eq!(image, expected);
     assert_eq!((report.rays, report.samples), (expected_report.rays, expected_report.samples));
+}
+
+/// Of a caustic, whose error is not that of its pixels alone.
+#[test]
+fn what_pixels_have_in_common_goes_on_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("c");
+    let caustic = r#"<integrator type="path"><float name="light_paths" value="1"/></integrator>"#;
+    let scene = load_text("scene.xml", &ball_of_glass(caustic), ColorMode::Rgb).expect("it loads");
+    let settings = Settings::of(&scene, 0..64);
+    let begun = go_on(&scene, &settings, Partial::new(&scene, &settings), 2);
+    save(&path, &scene, &settings, &begun, || Ok(())).expect("written");
+    let (resumed, _) = load(&path, &scene, &settings).expect("it loads");
+    assert!(begun.light_paths != LightPathNoise::default() && resumed.light_paths == begun.light_paths);
+    let resumed = go_on(&scene, &settings, resumed, 100);
+    let whole = go_on(&scene, &settings, Partial::new(&scene, &settings), 100);
+    // To the bit, wherever passes began.
+    assert_eq!(resumed.light_paths, whole.light_paths);
 }
 
 /// Pixels hold what is not finite apart; sums over the whole image are of it as well.

@@ -1,8 +1,11 @@
 use super::*;
-use crate::load_text;
+use crate::render::light_path_noise::Excess;
 use crate::render::{Progress, Settings, render};
+use crate::scene::Overrides;
 use crate::scene::trial::ball_of_glass;
 use crate::spectrum::ColorMode;
+use crate::{load, load_text};
+use std::path::Path;
 
 /// Pixels that share within squares of this edge.
 fn squares(edge: u32) -> Correlation {
@@ -115,4 +118,45 @@ fn pixels_that_share_wavelengths_are_known_to_be_correlated() {
     let told = seen.iter().map(|q| q.relative_standard_error_of_mean.powi(2)).sum::<f64>() / 128.0;
     // The scatter's square is uncertain by √(2/127), an eighth.
     assert!((0.7..1.4).contains(&(told / scatter)), "{told} {scatter}");
+}
+
+#[test]
+fn what_light_paths_give_in_common_is_as_uncertain_as_they_make_it() {
+    let window = Window { x: 0, y: 0, width: 10, height: 10 };
+    let quality = |excess: Option<Excess>| {
+        let channel = (0..100).map(|_| (1.0, 2.0));
+        let mut noise = Noise::of(window, Correlation::NONE, [channel]);
+        excess.into_iter().for_each(|excess| noise.add_common(excess));
+        noise.quality(window, None)
+    };
+    let alone = quality(None);
+    assert_eq!((alone.effective_pixels, alone.uncertainty), (100.0, 0.01));
+    // As much again, and known to a tenth of it as the rest is.
+    let common = quality(Some(Excess { of_sum: 200.0, deviation: 20.0 }));
+    assert!(
+        (common.relative_standard_error_of_mean / alone.relative_standard_error_of_mean - 2f64.sqrt()).abs()
+            < 1e-12
+    );
+    assert!((common.effective_pixels - 100.0).abs() < 1e-9);
+    // Exactly known it makes no pixels, and by a single light path nearly none.
+    assert_eq!(quality(Some(Excess { of_sum: 200.0, deviation: 0.0 })).effective_pixels, 100.0);
+    let rare = quality(Some(Excess { of_sum: 1e4, deviation: 1e4 }));
+    assert!((1.0..1.1).contains(&rare.effective_pixels) && rare.heavy_tailed());
+}
+
+/// A room lit through a pane: a light path goes from wall to wall, and brings light to a pixel at each.
+#[test]
+fn errors_of_light_paths_are_known_to_be_common() {
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/convergence/pane.xml");
+    let overrides = Overrides { size: Some((24, 18)), light_paths: Some(1.0), ..Overrides::default() };
+    let scene = load(&room, &[], ColorMode::Rgb, &overrides).expect("it loads");
+    let settings = Settings::of(&scene, 0..32);
+    let (image, report) = render(&scene, &settings, &Progress::default()).expect("it renders");
+    let (told, of_pixels) = (report.quality.expect("it has samples"), Quality::of_image(&image));
+    assert!(
+        told.relative_standard_error_of_mean > 1.1 * of_pixels.relative_standard_error_of_mean,
+        "{told:?} {of_pixels:?}"
+    );
+    assert!((told.relative_standard_error / of_pixels.relative_standard_error - 1.0).abs() < 1e-5);
+    assert!(told.effective_pixels <= told.pixels as f64);
 }

@@ -122,6 +122,17 @@ fn the_image_draws_other_samples_than_the_pilot() {
 }
 
 #[test]
+fn the_pilots_time_is_part_of_the_time() {
+    // Half a second of ten for 8 samples: 152 more are as dear.
+    assert_eq!(affordable(8, 0.5, 10.0), 152);
+    assert_eq!(
+        [affordable(8, 0.75, 10.0), affordable(8, 9.0, 10.0), affordable(8, 11.0, 10.0)],
+        [96, BLOCK, BLOCK]
+    );
+    assert_eq!(affordable(MOST, 1.0, 1e9), MOST);
+}
+
+#[test]
 fn a_time_becomes_whole_blocks() {
     let scene = scene(LIT);
     for seconds in [1e-9, 0.05] {

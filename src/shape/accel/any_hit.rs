@@ -1,7 +1,7 @@
 //! The order of a search for any hit.
 
 use super::node::NodeRef;
-use super::waiting::{Order, Waiting};
+use super::stack::{Query, TraversalStack};
 use crate::math::simd::{F32x8, U32x8};
 
 /// A node's children are visited in their order. Where a ray enters them does not matter, for it ends with
@@ -9,14 +9,14 @@ use crate::math::simd::{F32x8, U32x8};
 /// predict.
 pub struct AnyHit;
 
-impl Order for AnyHit {
+impl Query for AnyHit {
     const ANY: bool = true;
     type Kept = NodeRef;
     const NOTHING: NodeRef = NodeRef::EMPTY;
 
     #[inline(always)]
     fn enter(
-        waiting: &mut Waiting<Self>,
+        waiting: &mut TraversalStack<Self>,
         length: &mut usize,
         hits: u32,
         _entries: F32x8,

@@ -5,7 +5,7 @@
 //! section 3). Size is an axis too: so the walls of a room are separated from what stands in it, whose boxes
 //! they would enlarge.
 
-use super::fold::LEAF;
+use super::collapse::LEAF;
 use glam::Vec4;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;

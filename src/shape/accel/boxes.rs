@@ -2,7 +2,7 @@
 //! is in a leaf.
 
 use super::Instance;
-use super::fold::{Content, LEAF, kind};
+use super::collapse::{Content, LEAF, kind};
 use super::items::Item;
 use super::space::Space;
 use super::splits::{Pieces, cut, is_thin};

@@ -1,22 +1,22 @@
 //! From shapes to blocks and boxes.
 //!
-//! A binary tree is [grown](super::grow) from the top, obvhs tries a few nodes elsewhere (Meister & Bittner
+//! A binary tree is [grown](super::binned_sah) from the top, obvhs tries a few nodes elsewhere (Meister & Bittner
 //! 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization"), and [`Plan`] folds it into nodes
 //! of eight.
 
+use super::binned_sah::grow;
 use super::block::Block;
 use super::boxes::Boxes;
-use super::fold::{LEAF, Plan};
-use super::grow::grow;
+use super::collapse::{LEAF, Plan};
+use super::interleaved::is_scattered;
 use super::items::{Item, Items};
 use super::layout::{Layout, MixedLeaf};
 use super::node::{Node, NodeRef};
+use super::outside_choice::{FEW, Kind, Limits, Trying};
 use super::shaft::{Few, Plane};
 use super::space::Space;
 use super::triangles::{NEAR, Triangles};
-use super::trying::{FEW, Kind, Limits, Trying};
-use super::turns::is_scattered;
-use super::{Accel, Instance, Mixed, Tried};
+use super::{Accel, Instance, Mixed, OutsideTree};
 use crate::math::bounds::{around, half_extent};
 use crate::math::{Bounds, DVec3};
 use crate::pages::Pages;
@@ -46,7 +46,7 @@ impl Accel {
 
     pub(super) fn limited(shapes: &[&Geometry], mut instances: Vec<Instance>, limits: Limits) -> Self {
         let trying = Trying::decide(shapes, &instances, limits);
-        let Items { in_tree, tried, primitives, bounds, of_tree, of_triangles } =
+        let Items { in_tree, outside_tree, primitives, bounds, of_tree, of_triangles } =
             Items::list(shapes, &mut instances, trying.as_ref());
         // A ground that is far larger than all else must not widen the boxes of a tree that it is not in.
         let inner = if in_tree.is_empty() { bounds } else { of_tree };
@@ -64,13 +64,13 @@ impl Accel {
             spheres: vec![],
             cylinders: vec![],
             mixed: vec![],
-            tried: Tried::default(),
+            outside_tree: OutsideTree::default(),
             instances,
             primitives,
             bounds,
             near: NEAR * 2.0 * half_extent(of_triangles).max(0.0),
         };
-        accel.keep(shapes, &tried);
+        accel.keep(shapes, &outside_tree);
         if !in_tree.is_empty() {
             let boxes = Boxes::new(shapes, &accel.instances, &in_tree, &space);
             // An instance is a leaf of its own.
@@ -85,25 +85,25 @@ impl Accel {
     }
 
     /// Stores the primitives outside the tree, by kind, so that blocks are full.
-    fn keep(&mut self, shapes: &[&Geometry], tried: &[Vec<Item>; Kind::COUNT]) {
+    fn keep(&mut self, shapes: &[&Geometry], outside_tree: &[Vec<Item>; Kind::COUNT]) {
         for kind in [Kind::InnerPatch, Kind::OuterPatch, Kind::Cube, Kind::Sphere, Kind::Cylinder] {
-            for block in tried[kind as usize].chunks(4) {
+            for block in outside_tree[kind as usize].chunks(4) {
                 self.store(shapes, block.iter().copied());
             }
         }
-        let triangles = &tried[Kind::Triangle as usize];
+        let triangles = &outside_tree[Kind::Triangle as usize];
         self.triangles = Pages::zeroed(triangles.len().div_ceil(4));
         for (block, items) in self.triangles.iter_mut().zip(triangles.chunks(4)) {
             *block = triangles_of(shapes, items.iter().copied());
         }
-        self.tried = Tried {
-            inner_patches: tried[Kind::InnerPatch as usize].len().div_ceil(4),
+        self.outside_tree = OutsideTree {
+            inner_patches: outside_tree[Kind::InnerPatch as usize].len().div_ceil(4),
             patches: self.patches.len(),
             cubes: self.cubes.len(),
             spheres: self.spheres.len(),
             cylinders: self.cylinders.len(),
             triangles: self.triangles.len(),
-            few: self.few(shapes, &tried.concat()),
+            few: self.few(shapes, &outside_tree.concat()),
         };
     }
 

@@ -1,7 +1,7 @@
 //! The order of a search for the closest hit.
 
 use super::node::NodeRef;
-use super::waiting::{Order, Waiting};
+use super::stack::{Query, TraversalStack};
 use crate::math::simd::F32x8;
 
 /// A node's nearest child is visited first: nodes wait with the distance (in unit coordinates, never
@@ -29,7 +29,7 @@ impl Entered {
     }
 }
 
-impl Order for ClosestHit {
+impl Query for ClosestHit {
     const ANY: bool = false;
     type Kept = Entered;
     const NOTHING: Entered = Entered(0);
@@ -37,7 +37,7 @@ impl Order for ClosestHit {
     /// All children are likely to be visited.
     #[inline(always)]
     fn enter(
-        waiting: &mut Waiting<Self>,
+        waiting: &mut TraversalStack<Self>,
         length: &mut usize,
         hits: u32,
         entries: F32x8,

@@ -4,7 +4,7 @@
 //! of its own, and the group is searched as if it were the scene. Each instance offers its closest hit, so by
 //! (distance, primitive) nothing depends on the order in which instances are searched.
 
-use super::waiting::Order;
+use super::stack::Query;
 use super::{Accel, Search};
 use crate::math::bounds::{around, corners};
 use crate::math::ray::{Ends, position_error};
@@ -77,7 +77,7 @@ impl Instance {
 
     /// Offers the first primitive along the ray, or any one before its end.
     #[inline(never)]
-    pub(super) fn intersect<O: Order>(&self, search: &mut Search) {
+    pub(super) fn intersect<O: Query>(&self, search: &mut Search) {
         let (local, stretch) = self.enter(search.ray, search.best.t);
         let mut offer = |hit: Option<Hit>| {
             if let Some(hit) = hit {

@@ -1,7 +1,7 @@
 //! The list of what is searched, in the tree and beside it.
 
 use super::Instance;
-use super::trying::{Kind, Trying};
+use super::outside_choice::{Kind, Trying};
 use crate::math::Bounds;
 use crate::math::bounds::{NOTHING, union};
 use crate::pages::Pages;
@@ -43,7 +43,7 @@ pub struct Items {
     /// In large pages, for leaves look them up all over.
     pub in_tree: Pages<Item>,
     /// What every ray tests, by kind.
-    pub tried: [Vec<Item>; Kind::COUNT],
+    pub outside_tree: [Vec<Item>; Kind::COUNT],
     /// How many primitives there are.
     pub primitives: u32,
     /// World bounds of everything, of what the tree holds, and of meshes.
@@ -57,7 +57,7 @@ impl Items {
     pub fn list(shapes: &[&Geometry], instances: &mut [Instance], trying: Option<&Trying>) -> Self {
         let mut items = Self {
             in_tree: Pages::zeroed(0),
-            tried: Default::default(),
+            outside_tree: Default::default(),
             primitives: 0,
             bounds: NOTHING,
             of_tree: NOTHING,
@@ -67,7 +67,7 @@ impl Items {
         for (shape, geometry) in shapes.iter().enumerate() {
             let run = items.number(shape as u32, geometry);
             match trying.and_then(|trying| trying.kind(shapes, shape)) {
-                Some(kind) => items.tried[kind as usize].extend((0..run.items).map(|i| run.item(i))),
+                Some(kind) => items.outside_tree[kind as usize].extend((0..run.items).map(|i| run.item(i))),
                 None => {
                     items.of_tree = union(items.of_tree, geometry.bounds());
                     in_tree.push(run);

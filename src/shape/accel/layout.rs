@@ -1,6 +1,6 @@
 //! The nodes of eight of a planned tree, and their order in memory.
 
-use super::fold::{Decision, Plan};
+use super::collapse::{Decision, Plan};
 use super::node::{Node, NodeRef};
 use rayon::prelude::*;
 use std::collections::VecDeque;

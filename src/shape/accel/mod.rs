@@ -8,34 +8,43 @@
 //!
 //! A handful of primitives needs no tree at all, and a handful of other shapes beside many triangles stays
 //! out of theirs.
+//!
+//! - *Building* (`build`): what there is (`items`), some of it chosen to stay outside the tree (`outside_choice`), thin
+//!   triangles cut (`splits`), a binary tree grown from the top (`binned_sah` by `bins` over `boxes`), which
+//!   collapses (`collapse`) into nodes of eight, laid out in memory by `layout`.
+//! - *Traversal*: one ray (`traversal`, with a `stack` and either question, `any_hit` or `closest_hit`), several
+//!   that take turns (`interleaved`), four side by side (`packet`), what is outside the tree (`outside_tree`), groups
+//!   (`instances`), and the whole hull of many rays (`shaft`, `hull`).
+//! - *Primitives* in `block`s of four: `triangles`, `patches`, `cubes`, `spheres`, `cylinders`.
+//! - Coordinates of the unit cube: `space`; of a `node`.
 
 mod any_hit;
+mod binned_sah;
 mod bins;
 mod block;
 mod boxes;
 mod build;
 mod closest_hit;
+mod collapse;
 mod cubes;
 mod cylinders;
-mod fold;
-mod grow;
 mod hull;
 mod instances;
+mod interleaved;
 mod items;
 mod layout;
 mod node;
+mod outside_choice;
+mod outside_tree;
 mod packet;
 mod patches;
 mod shaft;
 mod space;
 mod spheres;
 mod splits;
+mod stack;
+mod traversal;
 mod triangles;
-mod tried;
-mod trying;
-mod turns;
-mod waiting;
-mod walk;
 
 use super::Hit;
 use crate::math::ray::NO_PRIMITIVE;
@@ -48,14 +57,14 @@ use cubes::Cubes;
 use cylinders::Cylinders;
 pub use instances::Instance;
 use node::Node;
+use outside_tree::OutsideTree;
 use patches::Patches;
 pub use shaft::Shaft;
 use space::Space;
 use spheres::Spheres;
+use stack::{Query, TraversalStack};
+use traversal::{Arrays, Traversal};
 use triangles::{Sheared, Triangles};
-use tried::Tried;
-use waiting::{Order, Waiting};
-use walk::{Arrays, Walk};
 
 /// The leaf of a tree whose primitives are not all triangles.
 #[derive(Clone, Debug, Default)]
@@ -73,7 +82,7 @@ pub struct Accel {
     space: Space,
     /// Nodes of the tree; empty if every ray tests all primitives.
     nodes: Pages<Node>,
-    /// Whether rays are faster in turns; see [`turns`].
+    /// Whether rays are faster in turns; see [`interleaved`].
     scattered: bool,
     triangles: Pages<Triangles>,
     patches: Vec<Patches>,
@@ -81,7 +90,7 @@ pub struct Accel {
     spheres: Vec<Spheres>,
     cylinders: Vec<Cylinders>,
     mixed: Vec<Mixed>,
-    tried: Tried,
+    outside_tree: OutsideTree,
     /// Instances of groups; if there are any, there is a tree.
     instances: Vec<Instance>,
     primitives: u32,
@@ -156,7 +165,7 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn search_all<O: Order>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
+    fn search_all<O: Query>(&self, rays: &[Ray], mut report: impl FnMut(usize, Option<Hit>)) {
         if self.nodes.is_empty() {
             // A loop of its own: one with a walk in it leaves no ray in registers.
             return self.try_together::<O>(rays, |i, search| report(i, search.hit()));
@@ -205,12 +214,12 @@ impl Accel {
 
     /// Whether some primitives are in no tree, though there is one.
     pub fn tries_beside_tree(&self) -> bool {
-        !self.nodes.is_empty() && self.tried.in_packets()
+        !self.nodes.is_empty() && self.outside_tree.in_packets()
     }
 
     #[inline(always)]
-    fn search<O: Order>(&self, search: &mut Search) {
-        if !self.tried.is_empty() {
+    fn search<O: Query>(&self, search: &mut Search) {
+        if !self.outside_tree.is_empty() {
             self.try_all::<O>(search);
         }
         self.search_tree::<O>(search);
@@ -218,19 +227,19 @@ impl Accel {
 
     /// Searches the tree for a hit better than the one found already, if any.
     #[inline]
-    fn search_tree<O: Order>(&self, search: &mut Search) {
+    fn search_tree<O: Query>(&self, search: &mut Search) {
         if self.nodes.is_empty() || O::ANY && search.found() {
             return;
         }
         let arrays = Arrays::new(self);
-        let Some(mut walk) = Walk::new(self, *search) else { return };
-        let mut waiting = Waiting::<O>::new();
+        let Some(mut walk) = Traversal::new(self, *search) else { return };
+        let mut waiting = TraversalStack::<O>::new();
         while walk.step(&arrays, &mut waiting) {}
         *search = walk.search;
     }
 
     #[inline(never)]
-    fn intersect_mixed<O: Order>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
+    fn intersect_mixed<O: Query>(&self, mixed: &Mixed, sheared: &Sheared, search: &mut Search) {
         if let Some(block) = mixed.triangles {
             self.triangles[block as usize].intersect(sheared, search);
         }

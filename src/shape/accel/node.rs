@@ -1,7 +1,7 @@
 //! Nodes with eight children.
 
 use super::space::LocalRay;
-use super::walk::Arrays;
+use super::traversal::Arrays;
 use crate::math::simd::{F32x8, prefetch};
 use bytemuck::{Pod, Zeroable};
 

@@ -114,7 +114,7 @@ impl Accel {
         let hull = Hull::new(&self.space, shaft.bounds, to);
         let mut waiting = std::mem::take(&mut shaft.waiting);
         let mut question = Question { shaft, hull, to, on };
-        let clear = self.tried.few.is_clear(&mut question)
+        let clear = self.outside_tree.few.is_clear(&mut question)
             && (self.nodes.is_empty() || self.tree_is_clear(&mut question, &mut waiting));
         shaft.waiting = waiting;
         clear

@@ -3,7 +3,7 @@
 mod mixed;
 mod vast;
 
-use super::trying::Limits;
+use super::outside_choice::Limits;
 use super::*;
 use crate::math::frame::unit;
 use crate::math::random::{direction, uniform};
@@ -77,8 +77,10 @@ fn the_tree_finds_what_trying_everything_finds() {
     let refs: Vec<&Geometry> = shapes.iter().collect();
     let [tree, flat, both] = [NONE_TRIED, ALL_TRIED, BOTH].map(|few| Accel::limited(&refs, vec![], few));
     assert!(tree.node_count() > 1 && flat.node_count() == 0 && both.node_count() > 1);
-    assert!(tree.tried.patches == 0 && flat.tried.triangles > 0 && both.tried.triangles == 0);
-    assert!(both.tried.patches > 0 && both.tried.spheres > 0);
+    assert!(
+        tree.outside_tree.patches == 0 && flat.outside_tree.triangles > 0 && both.outside_tree.triangles == 0
+    );
+    assert!(both.outside_tree.patches > 0 && both.outside_tree.spheres > 0);
     let mut rng = Pcg32::new(2, 2);
     let mut hits = 0;
     for _ in 0..100_000 {
@@ -289,7 +291,7 @@ fn walls_stand_in_nobodys_way_inside() {
     let room = room();
     let shapes: Vec<&Geometry> = room.iter().collect();
     let accel = Accel::new(&shapes);
-    assert_eq!((accel.tried.inner_patches, accel.patches.len()), (1, 3), "one table top, six walls");
+    assert_eq!((accel.outside_tree.inner_patches, accel.patches.len()), (1, 3), "one table top, six walls");
     let mut rng = Pcg32::new(6, 6);
     let mut seen = [0; 2];
     for _ in 0..20_000 {

@@ -14,7 +14,11 @@ fn grounds_and_skies_are_kept_out_of_a_tree_of_small_things() {
         shapes.push(Geometry::Sphere(Sphere::new(&vast, DVec3::ZERO, 1.5, true)));
         let refs: Vec<&Geometry> = shapes.iter().collect();
         let (accel, whole) = (Accel::new(&refs), Accel::limited(&refs, vec![], ALL_TRIED));
-        assert_eq!((accel.tried.patches, accel.tried.spheres, accel.tried.cubes), (1, 1, 0), "{size}");
+        assert_eq!(
+            (accel.outside_tree.patches, accel.outside_tree.spheres, accel.outside_tree.cubes),
+            (1, 1, 0),
+            "{size}"
+        );
         let small = Accel::new(&refs[..refs.len() - 2]);
         assert!(size > 1e9 || accel.space.scale() == small.space.scale());
         let mut rng = Pcg32::new(1, 1);

@@ -55,6 +55,24 @@ pub fn cases() -> Vec<ClosedForm> {
     let floor = shape("rectangle", &[scale([9.0; 3])], &diffuse(0.5));
     let aside = pointed([-3.0, -7.0, 0.5], [0.0, 0.2, 0.0]);
     let under = scene(&[&volpath(2), &aside, &floor, &veil, &emitter("point", &lamp)]);
+    // One that fills its unit cube, about the camera: what is beyond `far_clip` is still seen through all of it.
+    let within = pointed([0.5, 0.5, 2.0], [0.5, 0.5, 0.0]).replace(
+        "</sensor>",
+        &(float("far_clip", 1.25)
+            + &medium("heterogeneous", &absorbing).replace("interior", "medium")
+            + "</sensor>"),
+    );
+    let clipped = scene(&[&volpath(-1), &within, &sky]);
+    let ball_of = |wears: &str| {
+        let inside = medium("homogeneous", &white_medium);
+        seen(-1, &[&sphere([0.0; 3], 1.0, &(wears.to_string() + &inside)), &sky])
+    };
+    let flint = bsdf(
+        "dielectric",
+        &("<string name=\"cauchy\" value=\"1.7, 0.03, 0\"/>".to_string() + &float("ext_ior", 1.0)),
+    );
+    let frosted =
+        bsdf("roughdielectric", &(float("int_ior", 1.02) + &float("ext_ior", 1.0) + &float("alpha", 0.03)));
     let form = ClosedForm::new;
     vec![
         form("slab", beer, seen(-1, &[&slab(&medium("homogeneous", &absorbing)), &sky]), libm::exp(-SIGMA)),
@@ -72,6 +90,14 @@ pub fn cases() -> Vec<ClosedForm> {
             .spectral()
             .margin(0.0025)
             .samples(1 << 14),
+        // Each time that light is dispersed, one wavelength of those that are left goes on.
+        form("white_ball_in_flint_glass", furnace, ball_of(&flint), white())
+            .spectral()
+            .margin(0.0025)
+            .samples(1 << 16),
+        // Emitter samples of a surface that lets light through, into the medium and out of it.
+        form("white_ball_in_frosted_glass", furnace, ball_of(&frosted), 1.0).margin(0.0025).samples(1 << 14),
+        form("beyond_what_is_seen", beer, clipped, libm::exp(-SIGMA)).margin(0.0025).samples(1 << 19),
         form("white_box", furnace, white_ball("heterogeneous"), 1.0).margin(0.0025).samples(1 << 14),
         form(
             "lamp_behind_a_veil",

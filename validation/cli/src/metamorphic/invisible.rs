@@ -35,6 +35,7 @@ pub fn relations() -> Vec<Relation> {
         same("twosided", &twosided),
         same("twosided_twice", &bsdf("twosided", &(matte.clone() + &matte))),
         large_veil(&null),
+        shell_beside_a_lamp(&null),
         same("blend_of_greys", &blend(0.25, &diffuse(0.6), &diffuse(1.0))),
         same(
             "texture_of_one_colour",
@@ -62,6 +63,21 @@ fn large_veil(wears: &str) -> Relation {
     let veiled = room.clone() + &level(1e5, 0.8, wears);
     let side = |room: &str| vec![Term::new(scene(&[room]))];
     Relation::expectation("large_veil", side(&room), side(&veiled)).longer(32)
+}
+
+/// A floor under a lamp and a sky, and a shell of which nothing is seen, next to the lamp: where a path passes it, the lamp
+/// is much nearer than from where the path was scattered.
+fn shell_beside_a_lamp(wears: &str) -> Relation {
+    let floor = shape("rectangle", &[scale([2.0; 3]), rotate('x', -90.0)], &diffuse(0.6));
+    let lamp =
+        shape("rectangle", &[scale([0.1; 3]), rotate('x', 90.0), translate([0.0, 1.2, 0.0])], &area(20.0));
+    let place = look_at([1.2, 0.3, 2.0], [0.0; 3], [0.0, 1.0, 0.0]);
+    let camera = pinhole(&place, 60.0, &(film(16, 16) + INDEPENDENT));
+    let volpath = "<integrator type=\"volpath\"><integer name=\"max_depth\" value=\"3\"/></integrator>";
+    let room = camera + volpath + &floor + &lamp + &constant(0.5);
+    let veiled = room.clone() + &sphere([0.0; 3], 1.15, wears);
+    let side = |room: &str| vec![Term::new(scene(&[room]))];
+    Relation::expectation("shell_beside_a_lamp", side(&room), side(&veiled)).longer(16)
 }
 
 const ONE_COLOUR: &str = "<texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" value=\"0.7\"/>\

@@ -3,11 +3,12 @@
 
 use super::Format;
 use super::seeds::Seeds;
+use super::watch::Effort;
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Bytes in use now, and the largest number since `reset`, as the counting allocator of the binary reports
 /// them.
@@ -24,9 +25,7 @@ pub struct Meter {
 pub fn work(
     format: &Format,
     seeds: &Seeds,
-    first: u64,
-    count: u64,
-    time: Duration,
+    Effort { first, count, time }: Effort,
     folder: &Path,
     meter: &Meter,
 ) {

@@ -30,7 +30,7 @@ const WITH_FILES: &[&str] = &[
         <float name="scale" value="0.3"/><bsdf type="diffuse"/></bsdf>"#,
     r#"<volume type="gridvolume"><string name="filename" value="volumes/puff.vol"/></volume>"#,
     r#"<medium type="homogeneous"><volume name="albedo" type="gridvolume">
-        <string name="filename" value="volumes/hues.vol"/></volume><float name="sigma_t" value="4"/></medium>"#,
+        <string name="filename" value="volumes/shades.vol"/></volume><float name="sigma_t" value="4"/></medium>"#,
     r#"<medium type="heterogeneous"><volume name="sigma_t" type="gridvolume">
         <string name="filename" value="volumes/puff.vol"/>
         <transform name="to_world"><scale value="2"/><translate x="-2" y="-0.5" z="-0.5"/></transform></volume>

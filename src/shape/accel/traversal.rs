@@ -2,8 +2,8 @@
 
 use super::node::{Leaf, Node, NodeRef};
 use super::space::LocalRay;
+use super::stack::{Query, TraversalStack};
 use super::triangles::{Sheared, Triangles};
-use super::waiting::{Order, Waiting};
 use super::{Accel, Search};
 
 /// The arrays that a walk visits.
@@ -22,16 +22,16 @@ impl<'a> Arrays<'a> {
 
 /// The state of a traversal, without the stack: what is indexed cannot be held in registers, nor what is in
 /// one structure with it.
-pub struct Walk<'a> {
+pub struct Traversal<'a> {
     pub search: Search<'a>,
     local: LocalRay,
     sheared: Sheared,
     next: NodeRef,
-    /// Number of nodes in [`Waiting::few`].
+    /// Number of nodes in [`TraversalStack::few`].
     waiting: usize,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> Traversal<'a> {
     /// `None` if the ray misses the unit cube.
     #[inline(always)]
     pub fn new(accel: &Accel, search: Search<'a>) -> Option<Self> {
@@ -49,7 +49,7 @@ impl<'a> Walk<'a> {
 
     /// Visits one node or leaf; returns false when the traversal is over.
     #[inline(always)]
-    pub fn step<O: Order>(&mut self, arrays: &Arrays, waiting: &mut Waiting<O>) -> bool {
+    pub fn step<O: Query>(&mut self, arrays: &Arrays, waiting: &mut TraversalStack<O>) -> bool {
         let best = self.search.best.t;
         if let Some(index) = self.next.as_node() {
             let node = &arrays.nodes[index];

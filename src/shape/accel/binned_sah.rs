@@ -11,13 +11,13 @@ use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 
 /// Most boxes that one thread divides.
-const LIMB: usize = 1 << 14;
+const OF_ONE_THREAD: usize = 1 << 14;
 
 /// A part of the tree.
 enum Part {
     Fork(Fork),
     /// A subtree as a list of nodes: first the root, then children in pairs.
-    Limb(Vec<Bvh2Node>),
+    Subtree(Vec<Bvh2Node>),
 }
 
 struct Fork {
@@ -32,13 +32,13 @@ impl Part {
     fn below(&self) -> usize {
         match self {
             Self::Fork(fork) => fork.below,
-            Self::Limb(nodes) => nodes.len() - 1,
+            Self::Subtree(nodes) => nodes.len() - 1,
         }
     }
 }
 
 /// Boxes that are not divided yet.
-struct Seeds<'a> {
+struct Undivided<'a> {
     boxes: &'a mut [Aabb],
     /// The item of each box.
     items: &'a mut [u32],
@@ -47,15 +47,15 @@ struct Seeds<'a> {
     place: Place,
 }
 
-impl<'a> Seeds<'a> {
+impl<'a> Undivided<'a> {
     // Not inlined: bins would take room on the stack at every level of the tree.
     #[inline(never)]
     fn halves(self) -> [Self; 2] {
         let (at, places) = divide(self.boxes, self.items, &self.place);
         let (boxes, items) = (self.boxes.split_at_mut(at), self.items.split_at_mut(at));
         [
-            Seeds { boxes: boxes.0, items: items.0, before: self.before, place: places[0] },
-            Seeds { boxes: boxes.1, items: items.1, before: self.before + at, place: places[1] },
+            Undivided { boxes: boxes.0, items: items.0, before: self.before, place: places[0] },
+            Undivided { boxes: boxes.1, items: items.1, before: self.before + at, place: places[1] },
         ]
     }
 
@@ -67,9 +67,9 @@ impl<'a> Seeds<'a> {
 /// The tree over `boxes`, at least one, which are around `items`. Leaves hold up to `most`, and no less where
 /// they can.
 pub fn grow(mut boxes: Pages<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
-    let chunks = boxes.par_chunks(LIMB).map(Place::of);
+    let chunks = boxes.par_chunks(OF_ONE_THREAD).map(Place::of);
     let place = chunks.reduce(|| Place::NOTHING, |one, other| one.and(&other));
-    let part = part(Seeds { boxes: &mut boxes, items: &mut items, before: 0, place }, most);
+    let part = part(Undivided { boxes: &mut boxes, items: &mut items, before: 0, place }, most);
     // Trees of millions of triangles are where memory runs out.
     drop(boxes);
     // Zeros are the system's, so that pages are first touched by the threads that write them.
@@ -80,31 +80,31 @@ pub fn grow(mut boxes: Pages<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
     Bvh2 { nodes, primitive_indices: items, ..Bvh2::default() }
 }
 
-fn part(seeds: Seeds, most: usize) -> Part {
-    if seeds.boxes.len() <= LIMB {
-        return Part::Limb(limb(seeds, most));
+fn part(undivided: Undivided, most: usize) -> Part {
+    if undivided.boxes.len() <= OF_ONE_THREAD {
+        return Part::Subtree(subtree(undivided, most));
     }
-    let bounds = seeds.place.bounds;
-    let [left, right] = seeds.halves();
+    let bounds = undivided.place.bounds;
+    let [left, right] = undivided.halves();
     let (left, right) = rayon::join(|| part(left, most), || part(right, most));
     let below = 2 + left.below() + right.below();
     Part::Fork(Fork { bounds, children: Box::new([left, right]), below })
 }
 
-fn limb(seeds: Seeds, most: usize) -> Vec<Bvh2Node> {
+fn subtree(undivided: Undivided, most: usize) -> Vec<Bvh2Node> {
     // Most leaves are not quite full.
-    let mut nodes = Vec::with_capacity(5 * seeds.boxes.len() / (2 * most) + 1);
+    let mut nodes = Vec::with_capacity(5 * undivided.boxes.len() / (2 * most) + 1);
     nodes.push(Bvh2Node::default());
-    let mut waiting = vec![(0, seeds)];
-    while let Some((to, seeds)) = waiting.pop() {
-        if seeds.boxes.len() <= most {
-            nodes[to] = seeds.leaf();
+    let mut waiting = vec![(0, undivided)];
+    while let Some((to, undivided)) = waiting.pop() {
+        if undivided.boxes.len() <= most {
+            nodes[to] = undivided.leaf();
             continue;
         }
         let children = nodes.len();
-        nodes[to] = Bvh2Node::new(seeds.place.bounds, 0, children as u32);
+        nodes[to] = Bvh2Node::new(undivided.place.bounds, 0, children as u32);
         nodes.extend([Bvh2Node::default(); 2]);
-        let [left, right] = seeds.halves();
+        let [left, right] = undivided.halves();
         waiting.extend([(children + 1, right), (children, left)]);
     }
     nodes
@@ -122,7 +122,7 @@ fn join(part: Part, below: &mut [Bvh2Node], at: usize) -> Bvh2Node {
                 rayon::join(|| join(left, below_left, at + 2), || join(right, below_right, at_right));
             Bvh2Node::new(bounds, 0, at as u32)
         }
-        Part::Limb(limb) => {
+        Part::Subtree(nodes) => {
             let moved = |mut node: Bvh2Node| {
                 if !node.is_leaf() {
                     // The root is not among them.
@@ -130,8 +130,8 @@ fn join(part: Part, below: &mut [Bvh2Node], at: usize) -> Bvh2Node {
                 }
                 node
             };
-            below.iter_mut().zip(&limb[1..]).for_each(|(to, node)| *to = moved(*node));
-            moved(limb[0])
+            below.iter_mut().zip(&nodes[1..]).for_each(|(to, node)| *to = moved(*node));
+            moved(nodes[0])
         }
     }
 }
@@ -146,7 +146,7 @@ mod tests {
     const MOST: usize = 4;
 
     /// Small boxes in the unit cube.
-    fn crumbs(count: usize) -> Vec<Aabb> {
+    fn small_boxes(count: usize) -> Vec<Aabb> {
         let mut rng = Pcg32::new(0, 1);
         let mut uniform = || rng.next_u32() as f32 / 4294967296.0;
         let mut corner = || Vec3A::new(uniform(), uniform(), uniform());
@@ -187,8 +187,8 @@ mod tests {
 
     #[test]
     fn every_box_is_in_one_leaf_and_in_all_nodes_above() {
-        for count in [1, 2, 4, 5, 9, 17, 65, 1000, 3 * LIMB] {
-            let boxes = crumbs(count);
+        for count in [1, 2, 4, 5, 9, 17, 65, 1000, 3 * OF_ONE_THREAD] {
+            let boxes = small_boxes(count);
             let levels = check(&tree(&boxes), &boxes);
             assert!(levels <= 2 + 2 * count.ilog2() as usize, "{levels} levels for {count}");
         }
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn boxes_in_one_place_and_ever_nearer_to_one_are_divided() {
-        let same = vec![crumbs(1)[0]; 3 * LIMB];
+        let same = vec![small_boxes(1)[0]; 3 * OF_ONE_THREAD];
         assert!(check(&tree(&same), &same) <= 16);
         let at = |i: i32| Vec3A::splat(libm::exp2f(-(i % 140) as f32));
         let nearer: Vec<Aabb> = (0..40_000).map(|i| Aabb::new(at(i), at(i))).collect();
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn threads_change_nothing() {
-        let boxes = crumbs(200_000);
+        let boxes = small_boxes(200_000);
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let tree = pool.install(|| tree(&boxes));
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn walls_are_kept_from_what_stands_between_them() {
         let mut boxes: Vec<Aabb> =
-            crumbs(5000).iter().map(|b| Aabb::new(b.min + Vec3A::ONE, b.max + Vec3A::ONE)).collect();
+            small_boxes(5000).iter().map(|b| Aabb::new(b.min + Vec3A::ONE, b.max + Vec3A::ONE)).collect();
         let room = Vec3A::splat(3.0);
         for axis in 0..3 {
             // All of a wall's coordinate along the axis is one number.

@@ -7,8 +7,8 @@
 //! which lie side by side and find what their neighbours have fetched.
 
 use super::node::Node;
-use super::waiting::{Order, Waiting};
-use super::walk::{Arrays, Walk};
+use super::stack::{Query, TraversalStack};
+use super::traversal::{Arrays, Traversal};
 use super::{Accel, Search};
 use crate::math::Ray;
 use crate::shape::Hit;
@@ -45,7 +45,7 @@ impl Accel {
 
     /// Continues searches begun elsewhere, reporting in any order; results are bitwise those of single
     /// traversal.
-    pub(super) fn traverse_in_turns<O: Order>(
+    pub(super) fn traverse_in_turns<O: Query>(
         &self,
         searches: &[Search],
         mut report: impl FnMut(usize, Option<Hit>),
@@ -55,15 +55,15 @@ impl Accel {
         let mut begin = |report: &mut dyn FnMut(usize, Option<Hit>)| {
             coming.by_ref().find_map(|(number, search)| {
                 let done = O::ANY && search.found();
-                let walk = if done { None } else { Walk::new(self, *search) };
+                let walk = if done { None } else { Traversal::new(self, *search) };
                 if walk.is_none() {
                     report(number, search.hit());
                 }
                 Some((number, walk?))
             })
         };
-        let mut waiting: [Waiting<O>; TURNS] = std::array::from_fn(|_| Waiting::new());
-        let mut walks: [Option<(usize, Walk)>; TURNS] = std::array::from_fn(|_| begin(&mut report));
+        let mut waiting: [TraversalStack<O>; TURNS] = std::array::from_fn(|_| TraversalStack::new());
+        let mut walks: [Option<(usize, Traversal)>; TURNS] = std::array::from_fn(|_| begin(&mut report));
         let mut walking = walks.iter().flatten().count();
         while walking > 0 {
             for (slot, waiting) in walks.iter_mut().zip(&mut waiting) {

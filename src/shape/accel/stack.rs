@@ -8,7 +8,7 @@ use crate::math::simd::F32x8;
 pub const FEW: usize = 64;
 
 /// What a ray searches for, and so in which order it visits nodes.
-pub trait Order: Sized {
+pub trait Query: Sized {
     /// Whether any hit will do; else the closest is searched for.
     const ANY: bool;
 
@@ -21,7 +21,7 @@ pub trait Order: Sized {
     /// `entries` where) and pushes the others. `coming` is called beforehand with those that are likely to be
     /// visited.
     fn enter(
-        waiting: &mut Waiting<Self>,
+        waiting: &mut TraversalStack<Self>,
         length: &mut usize,
         hits: u32,
         entries: F32x8,
@@ -35,13 +35,13 @@ pub trait Order: Sized {
 
 /// Nodes that a ray has yet to visit, the last first. The number of those in `few` is kept elsewhere, in a
 /// register.
-pub struct Waiting<O: Order> {
+pub struct TraversalStack<O: Query> {
     pub few: [O::Kept; FEW],
     /// The part of the stack below `few`.
     more: Vec<O::Kept>,
 }
 
-impl<O: Order> Waiting<O> {
+impl<O: Query> TraversalStack<O> {
     #[inline(always)]
     pub fn new() -> Self {
         Self { few: [O::NOTHING; FEW], more: vec![] }
@@ -86,9 +86,9 @@ mod tests {
     use super::super::closest_hit::ClosestHit;
     use super::*;
 
-    fn entering<O: Order>(hits: u32, entries: &[f32; 8], limit: f32) -> Vec<NodeRef> {
+    fn entering<O: Query>(hits: u32, entries: &[f32; 8], limit: f32) -> Vec<NodeRef> {
         let children: [NodeRef; 8] = std::array::from_fn(NodeRef::node);
-        let (mut waiting, mut length) = (Waiting::<O>::new(), 0);
+        let (mut waiting, mut length) = (TraversalStack::<O>::new(), 0);
         let first = O::enter(&mut waiting, &mut length, hits, F32x8::new(entries), &children, |_| {});
         std::iter::once(first).chain(std::iter::from_fn(|| waiting.pop(&mut length, limit))).collect()
     }
@@ -113,8 +113,8 @@ mod tests {
         }
     }
 
-    fn nothing_is_left_behind<O: Order>() {
-        let (mut waiting, mut length) = (Waiting::<O>::new(), 0);
+    fn nothing_is_left_behind<O: Query>() {
+        let (mut waiting, mut length) = (TraversalStack::<O>::new(), 0);
         let children = std::array::from_fn(NodeRef::node);
         for _ in 0..100 {
             O::enter(&mut waiting, &mut length, 0xff, F32x8::splat(0.0), &children, |_| {});
@@ -123,9 +123,9 @@ mod tests {
         assert_eq!(waiting.pop(&mut 0, 1.0), None);
     }
 
-    fn last_in_is_first_out_however_many<O: Order>() {
+    fn last_in_is_first_out_however_many<O: Query>() {
         const MANY: usize = 200;
-        let (mut waiting, mut length) = (Waiting::<O>::new(), 0);
+        let (mut waiting, mut length) = (TraversalStack::<O>::new(), 0);
         let entries = F32x8::new(&[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         for i in 0..MANY {
             let child = std::array::from_fn(|lane| NodeRef::node(8 * i + lane));

@@ -34,7 +34,7 @@ const PLACES: [[f64; 4]; 4] = {
 
 /// A ball that lets light through.
 #[derive(Clone, Copy, Debug)]
-pub struct Lens {
+pub struct GlassBall {
     pub ball: Ball,
     /// The index inside over that outside.
     pub eta: f64,
@@ -70,7 +70,7 @@ impl Starts {
     }
 }
 
-impl Lens {
+impl GlassBall {
     /// The directions in which paths through the ball to y leave x.
     pub fn ways(&self, x: DVec3, y: DVec3) -> Starts {
         let Self { ball: Ball { centre, radius }, eta, inner } = *self;
@@ -208,7 +208,7 @@ mod tests {
     fn all_ways_that_rays_take_are_found() {
         let ball = Ball { centre: DVec3::new(1.0, -2.0, 0.5), radius: 0.25 };
         for (eta, inner) in [(1.5, 0), (1.5, 1), (1.5, 2), (1.33, 1), (2.4, 0), (0.7, 0), (0.7, 1)] {
-            let lens = Lens { ball, eta, inner };
+            let glass_ball = GlassBall { ball, eta, inner };
             let (mut tried, mut missed, mut several) = (0, 0, 0);
             for i in 1..4000 {
                 let x = point(i, X, 4.0);
@@ -219,7 +219,7 @@ mod tests {
                     continue;
                 }
                 let y = p + d * (0.01 + 5.0 * (f64::from(i) * 0.445_1).fract());
-                let ways = lens.ways(ball.centre + x * ball.radius, ball.centre + y * ball.radius);
+                let ways = glass_ball.ways(ball.centre + x * ball.radius, ball.centre + y * ball.radius);
                 let found = ways.list().iter().any(|way| length(*way - unit(aim - x)) < 1e-6);
                 tried += 1;
                 missed += u32::from(!found);
@@ -238,7 +238,7 @@ mod tests {
             let mut found = 0;
             for i in 1..4000 {
                 let (x, y) = (point(i, X, 4.0), point(i, Y, 4.0));
-                for way in (Lens { ball, eta, inner }).ways(x, y).list() {
+                for way in (GlassBall { ball, eta, inner }).ways(x, y).list() {
                     let (p, d) = follow(x, *way, eta, inner);
                     let missed = length((y - p) - d * (y - p).dot(d));
                     assert!(missed < 1e-7 && (y - p).dot(d) > 0.0, "{eta} {inner} {x} {y}: {missed}");

@@ -250,7 +250,7 @@ fn decide_fork(node: &Bvh2Node, (l, of_left): &Decided, (r, of_right): &Decided)
 mod tests {
     use super::*;
     use crate::pages::Pages;
-    use crate::shape::accel::grow::grow;
+    use crate::shape::accel::binned_sah::grow;
     use glam::Vec3A;
     use obvhs::aabb::Aabb;
     use rand_pcg::{Pcg32, rand_core::Rng};
