@@ -1,8 +1,8 @@
 //! Energy over roughness, index and angle: every model that has these parameters, against quadrature, against
 //! energy conservation, and against the known loss of single scattering.
 
+use crate::direction::from;
 use crate::materials::Subject;
-use crate::trial::from;
 use etalon::bsdf::fresnel;
 use validation::checks::{Effort, find};
 use validation::microfacet::{Rough, Slopes};

@@ -3,8 +3,8 @@
 //! [`materials`] applies the checks to every material of the registry, [`limits`] to those near the end of a
 //! parameter, [`sampling`] to all other sampled distributions, and [`peers`] to the BSDFs of other programs;
 //! [`furnace`] measures energy over roughness and index, and [`agreement`] compares values and densities with
-//! Mitsuba's golden ones. [`ledger`] keeps p-values, and [`images`] calibrates the comparison of images on
-//! real renders.
+//! Mitsuba's golden ones. [`ledger`] keeps p-values, [`images`] calibrates the comparison of images on real
+//! renders, and [`intervals`] adds to an image how far its pixels may be from what they expect.
 //!
 //! [`references`] renders the reference scenes and compares them with the images that Mitsuba made;
 //! [`closed_forms`] are scenes with an analytic solution, and [`metamorphic`] pairs of scenes whose images
@@ -20,6 +20,7 @@ pub mod companions;
 pub mod console;
 pub mod converge;
 mod crew;
+pub mod direction;
 pub mod distributions;
 mod documents;
 pub mod drawn_light;
@@ -28,6 +29,7 @@ mod files;
 pub mod furnace;
 pub mod guest;
 pub mod images;
+pub mod intervals;
 pub mod ledger;
 pub mod limits;
 pub mod materials;

@@ -1,5 +1,6 @@
 //! Materials near the end of a parameter's range, and their limits there.
 
+use crate::direction::Direction;
 use crate::materials::Subject;
 use crate::trial::{Source, Trial, trials_of};
 use std::sync::Arc;
@@ -70,7 +71,7 @@ pub fn trials(name: Option<&str>) -> Vec<Trial> {
             let subject = Subject::new(&near)?.near(Subject::new(&limit)?, within);
             Ok(Box::new(subject) as Box<dyn Scatterer>)
         });
-        trials_of(&format!("limit-{name}"), &source, &[35.0, 75.0, 150.0], &["spectral"])
+        trials_of(&format!("limit-{name}"), &source, &[35.0, 75.0, 150.0].map(Direction::At), &["spectral"])
     });
     trials.collect()
 }

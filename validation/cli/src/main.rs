@@ -4,8 +4,8 @@ use clap::Parser;
 use std::error::Error;
 use std::process::ExitCode;
 use validate::{
-    calibrate, console, converge, distributions, guest, images, ledger, museum, report, scenes, stability,
-    table,
+    calibrate, console, converge, distributions, guest, images, intervals, ledger, museum, report, scenes,
+    stability, table,
 };
 use validation::Verdict;
 
@@ -32,6 +32,8 @@ enum Command {
     Ledger(ledger::command::Arguments),
     /// Whether two images have the same expectation
     Images(images::command::Arguments),
+    /// How far each pixel of an image may be from what it expects
+    Intervals(intervals::Arguments),
     /// All of it on one page: tables, plots and pictures
     Report(report::command::Arguments),
     /// Stiff and extreme scenes, each with a stated expectation
@@ -64,6 +66,7 @@ fn run(command: Command) -> Result<Verdict, Box<dyn Error>> {
         Command::Furnace(arguments) => distributions::furnace(arguments),
         Command::Ledger(arguments) => ledger::command::run(arguments),
         Command::Images(arguments) => images::command::run(arguments),
+        Command::Intervals(arguments) => intervals::run(arguments),
         Command::Report(arguments) => report::command::run(arguments),
         Command::Stability(arguments) => stability::command::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),

@@ -1,7 +1,8 @@
 //! Trials of every material × example × check × direction.
 
 use crate::companions::{Companion, Company, companies};
-use crate::trial::{Source, Trial, angles, trials_of};
+use crate::direction::{Direction, directions};
+use crate::trial::{Source, Trial, trials_of};
 use etalon::bsdf::{AnyBsdf, AnyMaterial, Bsdf, MATERIALS, WHITE};
 use etalon::math::DVec2;
 use etalon::scene::loader::Loader;
@@ -144,9 +145,9 @@ pub fn source(snippet: impl Into<String>) -> Source {
     Arc::new(move || Subject::new(&snippet).map(|subject| Box::new(subject) as Box<dyn Scatterer>))
 }
 
-/// The angles at which the material of a snippet is asked. One that cannot be read says so when it is.
-fn angles_of(snippet: &str) -> Vec<f64> {
-    angles(&Subject::new(snippet).map_or(Laws::default(), |subject| subject.laws))
+/// The directions from which the material of a snippet is asked. One that cannot be read says so when it is.
+fn directions_of(snippet: &str) -> Vec<Direction> {
+    directions(&Subject::new(snippet).map_or(Laws::default(), |subject| subject.laws))
 }
 
 /// All trials of the registry's materials, or those of one material.
@@ -156,13 +157,18 @@ pub fn trials(material: Option<&str>) -> Vec<Trial> {
     for entry in MATERIALS.iter().filter(|entry| asked(entry.name)) {
         for (i, snippet) in entry.examples.iter().enumerate() {
             let name = format!("{}[{i}]", entry.name);
-            trials.extend(trials_of(&name, &source(*snippet), &angles_of(snippet), &["limits"]));
+            trials.extend(trials_of(&name, &source(*snippet), &directions_of(snippet), &["limits"]));
         }
     }
     for (name, snippets) in WHITE.iter().filter(|(name, _)| asked(name)) {
         for (i, snippet) in snippets.iter().enumerate() {
             let white: Source = Arc::new(|| Ok(Box::new(Subject::new(snippet)?.white())));
-            trials.extend(trials_of(&format!("{name}[white {i}]"), &white, &angles_of(snippet), &["limits"]));
+            trials.extend(trials_of(
+                &format!("{name}[white {i}]"),
+                &white,
+                &directions_of(snippet),
+                &["limits"],
+            ));
         }
     }
     trials

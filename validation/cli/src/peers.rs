@@ -1,15 +1,13 @@
 //! The checks on another program's scattering distributions, over the protocol of docs/peer-protocol.md.
 
-use std::f64::consts::TAU;
 use std::time::Duration;
 
 use validation::checks::{CHECKS, Effort};
 use validation::peer::{Peer, PeerError, Process, judge};
-use validation::scatterer::{DVec3, direction};
-use validation::statistics::{Stream, seed_for, sidak};
+use validation::statistics::{seed_for, sidak};
 use validation::{Outcome, Report, Scatterer};
 
-use crate::trial::{angles, from};
+use crate::direction::directions;
 
 /// The selection and the effort of checks on a peer.
 pub struct Settings<'a> {
@@ -32,24 +30,17 @@ const STEP_BY_STEP: [&str; 2] = ["jacobian", "moments"];
 /// Checks whose questions the protocol has no words for: other wavelengths, and parameters that tend to a limit.
 const WITHOUT_WORDS: [&str; 2] = ["spectral", "limits"];
 
-/// A direction above the surface, another for every check and every number: faults may be anywhere.
-fn drawn(about: &str, number: u64) -> DVec3 {
-    let mut stream = Stream::named(&format!("direction of {about}"), number);
-    let cos = stream.uniform();
-    direction(cos, TAU * stream.uniform())
-}
-
-/// Starts `command` and runs every check that applies on each of its configurations, for each direction of
-/// [`angles`], and for one that is drawn. `progress` gets each outcome as it becomes known.
+/// Starts `command` and runs every check that applies on each of its configurations, for each of its
+/// [`directions`]. `progress` gets each outcome as it becomes known.
 pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> Result<Report, PeerError> {
     let asked: Vec<_> = CHECKS
         .iter()
         .filter(|check| !STEP_BY_STEP.contains(&check.name) && !WITHOUT_WORDS.contains(&check.name))
         .collect();
-    if let Some(stranger) = settings.check.filter(|name| asked.iter().all(|check| check.name != *name)) {
+    if let Some(unknown) = settings.check.filter(|name| asked.iter().all(|check| check.name != *name)) {
         let names: Vec<_> = asked.iter().map(|check| check.name).collect();
         return Err(PeerError(format!(
-            "no check {stranger:?} of peers, expected one of {}",
+            "no check {unknown:?} of peers, expected one of {}",
             names.join(", ")
         )));
     }
@@ -66,8 +57,8 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
         return Err(PeerError("the peer has no configuration of that name".into()));
     }
     // Every trial shares the suite's level of 1 % (Šidák).
-    let directions: usize = configurations.iter().map(|(_, c)| angles(&c.laws.laws()).len() + 1).sum();
-    let level = sidak(0.01, directions * CHECKS.len());
+    let asked_from: usize = configurations.iter().map(|(_, c)| directions(&c.laws.laws()).len()).sum();
+    let level = sidak(0.01, asked_from * CHECKS.len());
     let mut outcomes = vec![];
     for (index, configuration) in &configurations {
         let effort = Effort {
@@ -78,11 +69,9 @@ pub fn run(command: &str, settings: &Settings, progress: impl Fn(&Outcome)) -> R
             ..Effort::default()
         };
         for check in asked.iter().filter(|check| settings.check.is_none_or(|name| name == check.name)) {
-            let usual =
-                angles(&configuration.laws.laws()).into_iter().map(|angle| (angle.to_string(), from(angle)));
-            let about = format!("{}::{}", configuration.name, check.name);
-            for (direction, wo) in usual.chain([("drawn".to_owned(), drawn(&about, settings.number))]) {
-                let name = format!("{about}::{direction}");
+            for direction in directions(&configuration.laws.laws()) {
+                let name = format!("{}::{}::{direction}", configuration.name, check.name);
+                let wo = direction.vector(&name, settings.number);
                 let seed = seed_for(&name, settings.number);
                 let run = |s: &dyn Scatterer| (check.applies)(s).then(|| check.run(s, wo, seed, &effort));
                 let outcome =

@@ -1,6 +1,7 @@
 //! Trials of all sampled distributions besides materials: light, points on lenses and in filters,
 //! wavelengths, and the warps that they use.
 
+use crate::direction::Direction;
 use crate::trial::{Source, Trial, trials_of};
 use crate::{drawn_light, drawn_places, warps};
 use etalon::emitter::EMITTERS;
@@ -12,7 +13,7 @@ use validation::Scatterer;
 use validation::scatterer::DVec3;
 
 /// Angles in degrees of the directions from which a shape or a map is sampled; trials are named after them.
-const AROUND: [f64; 3] = [20.0, 75.0, 150.0];
+const AROUND: [Direction; 3] = [Direction::At(20.0), Direction::At(75.0), Direction::At(150.0)];
 
 /// Receivers of the light of emitters without a surface: one without a normal, and surfaces with these
 /// normals.
@@ -20,7 +21,7 @@ const RECEIVERS: [(&str, DVec3); 3] =
     [("", DVec3::ZERO), ("-from-above", DVec3::Y), ("-aslant", DVec3::new(0.61, -0.29, 0.74))];
 
 /// The angle for distributions that do not depend on a direction.
-const ONCE: [f64; 1] = [0.0];
+const ONCE: [Direction; 1] = [Direction::At(0.0)];
 
 /// Shapes that cannot be emitters: groups, whose shapes must not emit.
 const GROUPS: [&str; 2] = ["shapegroup", "instance"];

@@ -1,28 +1,13 @@
 //! Trials: a subject, a check and a direction under a name.
 
 use crate::console::say;
+use crate::direction::Direction;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use validation::checks::{CHECKS, Check, Effort};
-use validation::scatterer::{DVec3, Laws, direction};
 use validation::statistics::{Verdict, seed_for};
 use validation::{Outcome, Scatterer};
-
-/// Angles of incidence in degrees; those above 90 are from below.
-const ANGLES: [f64; 5] = [0.0, 35.0, 75.0, 89.0, 150.0];
-
-/// The angles at which a model with these laws is asked: the usual ones, and one at which smooth glass reflects all light,
-/// halfway from the critical angle to the surface, if the model refracts.
-pub fn angles(laws: &Laws) -> Vec<f64> {
-    let index = laws.eta.unwrap_or(1.0);
-    let critical = libm::asin(index.min(1.0 / index)).to_degrees();
-    let beyond = ((critical + 90.0) / 2.0).round();
-    let beyond = if index > 1.0 { 180.0 - beyond } else { beyond };
-    // Between next to equal indices it would be as good as along the surface.
-    let reflects_all = laws.eta.is_some() && critical < 88.0;
-    ANGLES.into_iter().chain(reflects_all.then_some(beyond)).collect()
-}
 
 /// Creates the subject for each trial, so that trials can run in parallel.
 pub type Source = Arc<dyn Fn() -> Result<Box<dyn Scatterer>, String> + Send + Sync>;
@@ -33,25 +18,20 @@ pub struct Trial {
     pub name: String,
     source: Source,
     check: &'static Check,
-    wo: DVec3,
+    from: Direction,
 }
 
-/// The trials of a subject with every check except those that `without` names, at several angles.
-pub fn trials_of(name: &str, source: &Source, angles: &[f64], without: &[&str]) -> Vec<Trial> {
+/// The trials of a subject with every check except those that `without` names, from several directions.
+pub fn trials_of(name: &str, source: &Source, directions: &[Direction], without: &[&str]) -> Vec<Trial> {
     let checks = CHECKS.iter().filter(|check| !without.contains(&check.name));
-    let pairs = checks.flat_map(|check| angles.iter().map(move |&angle| (check, angle)));
-    let trial = |(check, angle): (&'static Check, f64)| Trial {
-        name: format!("{name}::{}::{angle}", check.name),
+    let pairs = checks.flat_map(|check| directions.iter().map(move |&from| (check, from)));
+    let trial = |(check, from): (&'static Check, Direction)| Trial {
+        name: format!("{name}::{}::{from}", check.name),
         source: source.clone(),
         check,
-        wo: from(angle),
+        from,
     };
     pairs.map(trial).collect()
-}
-
-/// The direction at an angle in degrees from the normal, off the coordinate axes.
-pub fn from(degrees: f64) -> DVec3 {
-    direction(etalon::math::function::cos(degrees.to_radians()), 0.7)
 }
 
 impl Trial {
@@ -67,18 +47,32 @@ impl Trial {
         if !(self.check.applies)(subject.as_ref()) {
             return Ok(vec![]);
         }
-        let seeds: Vec<u64> = numbers.map(|number| seed_for(&self.name, number)).collect();
-        let outcomes = self.check.repeat(subject.as_ref(), self.wo, &seeds, effort);
+        let seed = |number: u64| seed_for(&self.name, number);
+        let outcomes = match self.from {
+            Direction::At(_) => {
+                let seeds: Vec<u64> = numbers.map(seed).collect();
+                self.check.repeat(subject.as_ref(), self.from.vector(&self.name, 0), &seeds, effort)
+            }
+            Direction::Drawn => {
+                let ask = |number: u64| {
+                    let wo = self.from.vector(&self.name, number);
+                    self.check.run(subject.as_ref(), wo, seed(number), effort)
+                };
+                numbers.map(ask).collect()
+            }
+        };
         Ok(outcomes.into_iter().map(|outcome| outcome.of(&self.name)).collect())
     }
 
-    /// Runs the check; `None` if it does not apply to the subject. `number` determines the seed.
+    /// Runs the check; `None` if it does not apply to the subject. `number` determines the seed, and the direction if it
+    /// is drawn.
     pub fn run(&self, effort: &Effort, number: u64) -> Result<Option<Outcome>, String> {
         let subject = (self.source)()?;
         if !(self.check.applies)(subject.as_ref()) {
             return Ok(None);
         }
-        let outcome = self.check.run(subject.as_ref(), self.wo, seed_for(&self.name, number), effort);
+        let wo = self.from.vector(&self.name, number);
+        let outcome = self.check.run(subject.as_ref(), wo, seed_for(&self.name, number), effort);
         Ok(Some(outcome.of(&self.name)))
     }
 }

@@ -35,14 +35,14 @@ pub type Renderers = BTreeMap<String, Renderer>;
 /// Reads a file of renderers.
 pub fn load(path: &Path) -> Result<Renderers, String> {
     let all: Renderers = crate::files::toml(path)?;
-    let stranger = |renderer: &Renderer| renderer.mean_of.clone().filter(|name| !all.contains_key(name));
+    let unknown = |renderer: &Renderer| renderer.mean_of.clone().filter(|name| !all.contains_key(name));
     // Files are named after renderers.
     let is_part_of_names = |c: char| c.is_alphanumeric() || "-_+.".contains(c);
-    let fault = |name: &str, renderer: &Renderer| match stranger(renderer) {
+    let fault = |name: &str, renderer: &Renderer| match unknown(renderer) {
         _ if name.starts_with('.') || name.is_empty() || !name.chars().all(is_part_of_names) => {
             Some("no name for files, expected letters, digits, and - _ + . within".to_owned())
         }
-        Some(stranger) => Some(format!("there is no renderer {stranger:?}")),
+        Some(unknown) => Some(format!("there is no renderer {unknown:?}")),
         None => fault_of(&renderer.command),
     };
     match all.iter().find_map(|(name, renderer)| Some((name, fault(name, renderer)?))) {
@@ -57,10 +57,10 @@ fn fault_of(command: &str) -> Option<String> {
     let braces = command.match_indices('{').filter(|(at, _)| !command[..*at].ends_with('$'));
     let names = braces.filter_map(|(at, _)| Some(command[at + 1..].split_once('}')?.0));
     let is_name = |name: &&str| name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
-    let stranger = names.filter(is_name).find(|name| !PLACEHOLDERS.contains(name));
-    if let Some(stranger) = stranger {
+    let unknown = names.filter(is_name).find(|name| !PLACEHOLDERS.contains(name));
+    if let Some(unknown) = unknown {
         return Some(format!(
-            "{{{stranger}}} is no placeholder, expected one of {{{}}} or {{env:NAME:default}}",
+            "{{{unknown}}} is no placeholder, expected one of {{{}}} or {{env:NAME:default}}",
             PLACEHOLDERS.join("}, {")
         ));
     }

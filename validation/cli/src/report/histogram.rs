@@ -1,7 +1,7 @@
 //! Histograms of samples with the counts expected from the density, as an illustration of `chi2`.
 
+use crate::direction::from;
 use crate::materials::Subject;
-use crate::trial::from;
 use validation::Scatterer;
 use validation::quadrature::{Cell, integrate};
 use validation::scatterer::direction;

@@ -64,7 +64,7 @@ mod tests {
     fn sparse_keeps_one_direction_of_each_check() {
         let all = materials::trials(Some("diffuse"));
         let few = thin(all.clone(), true);
-        assert!(all.len() == 5 * few.len() && few.iter().all(|trial| trial.name.ends_with("::35")));
+        assert!(all.len() == 6 * few.len() && few.iter().all(|trial| trial.name.ends_with("::35")));
         assert_eq!(thin(all.clone(), false).len(), all.len());
     }
 }

@@ -130,7 +130,7 @@ impl Line {
     /// What to know before its errors are compared with those of the first renderer.
     pub fn warnings(&self, first: &str) -> Vec<String> {
         let Self { renderer, mean_of, .. } = self;
-        let stranger = self.mean_over_first.filter(|mean| misses(*mean)).map(|mean| {
+        let another = self.mean_over_first.filter(|mean| misses(*mean)).map(|mean| {
             format!(
                 "{renderer} does not render what {first} renders, or finds other light (its mean is {:.3} times as bright): \
                  errors of each are those against its own mean",
@@ -143,7 +143,7 @@ impl Line {
                  noise alone"
             )
         });
-        stranger.into_iter().chain(biased).collect()
+        another.into_iter().chain(biased).collect()
     }
 }
 

@@ -1,13 +1,13 @@
 //! How often the 95 % intervals from the standard errors contain the true value, and what other estimators
-//! would achieve: blocks of other lengths, Student's quantile instead of the normal one. The true value is
-//! the mean over all replicates.
+//! achieve: blocks of other lengths, Student's quantile instead of the normal one, the intervals of `validate
+//! intervals`. The true value is the mean over all replicates.
 //!
 //! Every replicate is rendered in ranges of four samples, from whose means each estimator computes its
 //! variance, so that all of them use the same pictures. Prints a line of JSON for every scene, sampler,
 //! integrator and estimator:
 //!
 //! ```sh
-//! cargo run --release --example coverage -- --replicates 2000 --spp 64 > coverage.jsonl
+//! cargo run --release -p validate --example coverage -- --replicates 2000 --spp 64 > coverage.jsonl
 //! ```
 
 use clap::Parser;
@@ -18,6 +18,8 @@ use etalon::scene::{Overrides, Scene};
 use etalon::spectrum::ColorMode;
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use validation::image::half_widths;
+use validation::statistics::distributions::student_quantile;
 
 const SCENES: [&str; 11] = [
     "scenes/cornell-spheres.xml",
@@ -54,7 +56,7 @@ struct Arguments {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let scenes = if arguments.scenes.is_empty() {
         SCENES.iter().map(|scene| root.join(scene)).collect()
     } else {
@@ -106,7 +108,7 @@ struct Estimator {
     blocks: usize,
     /// Whether the quantile is Student's instead of the normal one.
     student: bool,
-    /// Whether a variance is at least the mean of those within two pixels.
+    /// Whether a variance is at least the mean of its neighbours', as in `validate intervals`.
     smoothed: bool,
 }
 
@@ -123,31 +125,43 @@ fn judge(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String
     let noisy: Vec<bool> =
         (0..count).map(|p| all.iter().any(|r| (mean(&r[p]) - truths[p]).abs() > 1e-6 * truths[p])).collect();
     for Estimator { blocks, student, smoothed } in estimators((arguments.spp / BLOCK) as usize) {
-        let t = if student { quantile(blocks - 1) } else { NORMAL_95 };
-        let (mut held, mut images_held, mut extrapolated_held, mut variances) = (0u64, 0u64, 0u64, [0.0; 2]);
+        let degrees = if student { blocks as f64 - 1.0 } else { f64::INFINITY };
+        let t = student_quantile(0.05, degrees);
+        let (mut held, mut images_held, mut extrapolated_held, mut variances) =
+            (0u64, [0u64; 2], 0u64, [0.0; 2]);
         for replicate in &all {
             let found: Vec<(f64, f64)> = replicate.iter().map(|values| estimate(values, blocks)).collect();
+            let own: Vec<f64> = found.iter().map(|(_, v)| *v).collect();
+            let widths = if smoothed {
+                half_widths(width, &own, degrees, 0.95)
+            } else {
+                own.iter().map(|v| t * v.sqrt()).collect()
+            };
             for p in (0..count).filter(|p| noisy[*p]) {
-                let around = if smoothed { neighbours(&found, width, p) } else { 0.0 };
-                let (m, v) = found[p];
-                held += u64::from((m - truths[p]).abs() <= t * v.max(around).sqrt());
+                held += u64::from((found[p].0 - truths[p]).abs() <= widths[p]);
             }
             let (m, v) = found.iter().fold((0.0, 0.0), |(m, v), pixel| (m + pixel.0, v + pixel.1));
+            // As many pixels, were they all alike, would make as uncertain a variance.
+            let effective_pixels = v * v / own.iter().map(|v| v * v).sum::<f64>();
             let (m, v) = (m / count as f64, v / (count * count) as f64);
             extrapolated_held +=
                 u64::from((m - truth).abs() <= NORMAL_95 * extrapolated(replicate, v, blocks).sqrt());
-            // Pixels are independent, so the image's mean has many more degrees of freedom than one of them.
-            images_held += u64::from((m - truth).abs() <= NORMAL_95 * v.sqrt());
+            for (held, t) in
+                images_held.iter_mut().zip([NORMAL_95, student_quantile(0.05, 2.0 * effective_pixels)])
+            {
+                *held += u64::from((m - truth).abs() <= t * v.sqrt());
+            }
             variances = [variances[0] + v, variances[1] + (m - truth) * (m - truth)];
         }
         let pixels = noisy.iter().filter(|n| **n).count() * all.len();
         println!(
             "{{{about},\"spp\":{},\"replicates\":{},\"blocks\":{blocks},\"student\":{student},\"smoothed\":{smoothed},\
-             \"pixels\":{:.4},\"image\":{:.4},\"image_extrapolated\":{:.4},\"estimated_over_true_variance\":{:.3}}}",
+             \"pixels\":{:.4},\"image\":{:.4},\"image_student\":{:.4},\"image_extrapolated\":{:.4},\"estimated_over_true_variance\":{:.3}}}",
             arguments.spp,
             all.len(),
             held as f64 / pixels.max(1) as f64,
-            images_held as f64 / all.len() as f64,
+            images_held[0] as f64 / all.len() as f64,
+            images_held[1] as f64 / all.len() as f64,
             extrapolated_held as f64 / all.len() as f64,
             variances[0] / variances[1]
         );
@@ -182,14 +196,6 @@ fn extrapolated(replicate: &[Vec<f64>], v: f64, blocks: usize) -> f64 {
     v * libm::pow(ratio, libm::log2(blocks as f64) / 2.0)
 }
 
-/// Mean of the variances within two pixels of the pixel `p`.
-fn neighbours(found: &[(f64, f64)], width: usize, p: usize) -> f64 {
-    let (x, y) = (p % width, p / width);
-    let near = |q: &usize| (q % width).abs_diff(x) <= 2 && (q / width).abs_diff(y) <= 2;
-    let values: Vec<f64> = (0..found.len()).filter(near).map(|q| found[q].1).collect();
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// Mean of the values, and the variance of that mean from the differences between blocks.
 fn estimate(values: &[f64], blocks: usize) -> (f64, f64) {
     let length = values.len() / blocks;
@@ -201,24 +207,3 @@ fn estimate(values: &[f64], blocks: usize) -> (f64, f64) {
 }
 
 const NORMAL_95: f64 = 1.959_963_984_540_054;
-
-/// The two-sided 95 % quantile of Student's distribution, by Cornish and Fisher's expansion with four terms
-/// (Abramowitz and Stegun 26.7.5); below five degrees of freedom it is too inaccurate, and the exact values
-/// are used.
-fn quantile(degrees: usize) -> f64 {
-    let (z, n) = (NORMAL_95, degrees as f64);
-    let z2 = z * z;
-    match degrees {
-        1 => 12.706_204_736,
-        2 => 4.302_652_730,
-        3 => 3.182_446_305,
-        4 => 2.776_445_105,
-        _ => {
-            let g1 = (z2 + 1.0) * z / 4.0;
-            let g2 = ((5.0 * z2 + 16.0) * z2 + 3.0) * z / 96.0;
-            let g3 = (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) * z / 384.0;
-            let g4 = ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) * z / 92160.0;
-            z + g1 / n + g2 / (n * n) + g3 / (n * n * n) + g4 / (n * n * n * n)
-        }
-    }
-}
