@@ -1,9 +1,11 @@
 //! Renders that are killed a hundred times, a full disk, a folder without write permission, a checkpoint of
 //! another version, and the report of samples that are not finite.
 
+mod folder;
+
+use folder::{Folder, text};
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::time::Duration;
 
 const SCENE: &str = r#"<scene version="3.0.0">
@@ -20,50 +22,18 @@ fn uniform(index: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-struct Folder(tempfile::TempDir);
+const ETALON: &str = env!("CARGO_BIN_EXE_etalon");
 
 impl Folder {
-    fn new(scene: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.xml"), scene).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).unwrap()
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
-        command.current_dir(self.0.path()).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command
-    }
-
     fn start(&self, arguments: &[&str]) -> Child {
         let fixed = ["render", "scene.xml", "--threads", "1", "--quiet"];
-        self.command(&[&fixed, arguments].concat()).spawn().unwrap()
+        self.command(ETALON, &[&fixed, arguments].concat()).spawn().unwrap()
     }
 
     fn done(&self, arguments: &[&str]) {
         let output = self.start(arguments).wait_with_output().unwrap();
         assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
     }
-
-    /// The names of the files in the folder.
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// Kills a render `times` times at arbitrary moments, resumes it each time, and compares with an
@@ -92,7 +62,7 @@ fn who_has_read_enough_may_close_the_pipe() {
     for arguments in
         [&["plugins"][..], &["explain", "scene.xml"], &["render", "scene.xml", "--spp", "1", "-o", "a.exr"]]
     {
-        let mut child = folder.command(arguments).spawn().unwrap();
+        let mut child = folder.command(ETALON, arguments).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         let complaint = text(&output.stderr);
@@ -122,7 +92,7 @@ fn refused_within(limit: &str, arguments: &str, words: &[&str]) {
     let names = folder.names();
     let script = format!(
         "{limit}; exec '{}' render scene.xml --quiet --spp 8 -o out.exr --png out.png {arguments}",
-        env!("CARGO_BIN_EXE_etalon")
+        ETALON
     );
     let output = Command::new("sh").current_dir(folder.0.path()).args(["-c", &script]).output().unwrap();
     let error = text(&output.stderr);
@@ -160,7 +130,7 @@ fn a_folder_that_cannot_be_written_is_refused_and_stays_as_it_was() {
     use std::os::unix::process::CommandExt;
     let folder = Folder::new(SCENE);
     let program = folder.path("etalon");
-    fs::copy(env!("CARGO_BIN_EXE_etalon"), &program).unwrap();
+    fs::copy(ETALON, &program).unwrap();
     folder.done(&["--spp", "4", "-o", "out.exr"]);
     let (before, names) = (folder.bytes("out.exr"), folder.names());
     fs::set_permissions(folder.0.path(), fs::Permissions::from_mode(0o555)).unwrap();
@@ -192,8 +162,8 @@ fn no_checkpoint_stays_where_the_summary_cannot_be_printed() {
     let arguments = ["render", "scene.xml", "--spp", "512", "-o", "out.exr", "--checkpoint", "c"];
     for options in [[].as_slice(), &["--json"]] {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-        let mut command =
-            folder.command(&[&arguments, ["--checkpoint-every", "0.001"].as_slice(), options].concat());
+        let mut command = folder
+            .command(ETALON, &[&arguments, ["--checkpoint-every", "0.001"].as_slice(), options].concat());
         let Output { status, stderr, .. } = command.stdout(full).output().unwrap();
         assert_eq!(status.code(), Some(2), "{}", text(&stderr));
         assert_eq!(folder.names(), ["out.exr", "scene.xml"], "{options:?}");
@@ -246,18 +216,18 @@ fn a_sample_that_is_not_finite_is_counted_and_its_path_is_shown() {
     assert_eq!(output.status.code(), Some(1), "{error}");
     let replay = error.split('\n').find_map(|line| line.split_once("etalon replay ")).expect("a command").1;
     let arguments: Vec<&str> = std::iter::once("replay").chain(replay.split_whitespace()).collect();
-    let shown = folder.command(&arguments).output().unwrap();
+    let shown = folder.command(ETALON, &arguments).output().unwrap();
     let path = text(&shown.stdout);
     assert!(shown.status.success() && path.contains("vertex 1") && path.contains("inf"), "{replay}: {path}");
     // The neighbouring sample, which sees one light only, is finite.
     let beside =
-        folder.command(&["replay", "scene.xml", "--color", "rgb", "--pixel", "0,0", "--sample", "0"]);
+        folder.command(ETALON, &["replay", "scene.xml", "--color", "rgb", "--pixel", "0,0", "--sample", "0"]);
     assert!(!text(&{ beside }.output().unwrap().stdout).contains("inf"));
     // Nor does it pass in a merged file.
     for (part, samples) in [("a.exr", "0..4"), ("b.exr", "4..8")] {
         folder.start(&["--samples", samples, "--color", "rgb", "-o", part]).wait().unwrap();
     }
-    let merged = folder.command(&["merge", "a.exr", "b.exr", "-o", "ab.exr"]).output().unwrap();
+    let merged = folder.command(ETALON, &["merge", "a.exr", "b.exr", "-o", "ab.exr"]).output().unwrap();
     let error = text(&merged.stderr);
     assert!(merged.status.code() == Some(1) && error.contains("pixels are not finite"), "{error}");
     assert!(folder.path("ab.exr").exists());

@@ -1,8 +1,10 @@
-//! Renders that are killed, interrupted or cannot write lose nothing.
+//! Renders that are killed, interrupted or cannot write go on to the same bytes, by the commands that they print.
 
+mod folder;
+
+use folder::{Folder, text};
 use std::fs;
-use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::time::Duration;
 
 const SCENE: &str = r#"<scene version="3.0.0">
@@ -12,29 +14,22 @@ const SCENE: &str = r#"<scene version="3.0.0">
 <shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate x="1" angle="-90"/><translate y="-1"/></transform></shape>
 <emitter type="constant"/></scene>"#;
 
+const ETALON: &str = env!("CARGO_BIN_EXE_etalon");
+
 /// A folder with a scene that takes about one and a half seconds to render with one thread.
-struct Folder(tempfile::TempDir);
+fn folder() -> Folder {
+    Folder::new(SCENE)
+}
 
 impl Folder {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.xml"), SCENE).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> std::path::PathBuf {
-        self.0.path().join(name)
-    }
-
     fn start(&self, arguments: &[&str]) -> Child {
-        self.start_by(env!("CARGO_BIN_EXE_etalon"), &[], arguments)
+        self.start_by(ETALON, &[], arguments)
     }
 
     /// Starts a program that is etalon, or that starts it with the arguments `before`.
     fn start_by(&self, program: &str, before: &[&str], arguments: &[&str]) -> Child {
-        let mut command = Command::new(program);
-        command.args(before).args(["render", "scene.xml", "--threads", "1"]).args(arguments);
-        command.current_dir(self.0.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        let fixed = ["render", "scene.xml", "--threads", "1"];
+        self.command(program, &[before, &fixed, arguments].concat()).spawn().unwrap()
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
@@ -48,30 +43,15 @@ impl Folder {
     }
 
     fn refused(&self, arguments: &[&str], words: &[&str]) {
-        let before = names(self.0.path());
+        let before = self.names();
         let output = self.run(arguments);
         let error = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
         for word in words {
             assert!(error.contains(word), "no `{word}`: {error}");
         }
-        assert_eq!(names(self.0.path()), before);
+        assert_eq!(self.names(), before);
     }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).unwrap()
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<_> = entries.collect();
-    names.sort();
-    names
 }
 
 fn json(output: &Output) -> serde_json::Value {
@@ -82,7 +62,7 @@ const LONG: [&str; 2] = ["--spp", "1500"];
 
 #[test]
 fn killed_at_any_moment_a_render_goes_on_to_the_same_bytes() {
-    let folder = Folder::new();
+    let folder = folder();
     folder.done(&[&LONG[..], &["-o", "whole.exr", "--quiet"]].concat());
     let begin = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001", "--json", "--resume"];
     let arguments = [&LONG[..], &begin].concat();
@@ -105,7 +85,7 @@ fn killed_at_any_moment_a_render_goes_on_to_the_same_bytes() {
 /// The number of samples that a pilot has chosen is in the checkpoint: the same command goes on.
 #[test]
 fn killed_after_its_pilot_a_render_goes_on_to_as_many_samples() {
-    let folder = Folder::new();
+    let folder = folder();
     for chosen in [["--time", "3"], ["--target-error", "0.02%"]] {
         let arguments = [
             &chosen[..],
@@ -130,7 +110,7 @@ fn killed_after_its_pilot_a_render_goes_on_to_as_many_samples() {
 /// Two renders may have been given one name: what another has written is neither replaced nor removed.
 #[test]
 fn a_checkpoint_that_has_become_anothers_is_left_alone() {
-    let folder = Folder::new();
+    let folder = folder();
     let arguments = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.05", "--quiet"];
     let child = folder.start(&[&LONG[..], &arguments].concat());
     while !folder.path("c").exists() {
@@ -148,7 +128,7 @@ fn a_checkpoint_that_has_become_anothers_is_left_alone() {
 /// What a pilot chooses begins with sample 0, so another part of a render is none of its.
 #[test]
 fn a_pilot_goes_on_with_nothing_that_none_has_chosen() {
-    let folder = Folder::new();
+    let folder = folder();
     let arguments = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001"];
     let mut child = folder.start(&[&arguments[..], &["--samples", "8..1000000"]].concat());
     while !folder.path("c").exists() {
@@ -165,7 +145,7 @@ fn a_pilot_goes_on_with_nothing_that_none_has_chosen() {
 
 #[test]
 fn the_checkpoint_of_another_render_is_refused() {
-    let folder = Folder::new();
+    let folder = folder();
     let arguments = ["-o", "out.exr", "--checkpoint", "c", "--checkpoint-every", "0.001"];
     let mut child = folder.start(&[&arguments[..], &["--spp", "1000000"]].concat());
     while !folder.path("c").exists() {
@@ -222,7 +202,7 @@ fn signal(child: &Child, name: &str) {
 
 #[cfg(unix)]
 fn what_ends_a_render_loses_nothing(name: &str, start: impl FnOnce(&Folder, &[&str]) -> Child) {
-    let folder = Folder::new();
+    let folder = folder();
     let arguments = [&LONG[..], &SAVED].concat();
     let child = begun(&folder, start(&folder, &arguments));
     signal(&child, name);
@@ -249,7 +229,7 @@ fn ctrl_c_writes_the_image_so_far_and_says_how_to_go_on() {
 #[cfg(unix)]
 #[test]
 fn the_command_that_is_printed_goes_on() {
-    let folder = Folder::new();
+    let folder = folder();
     let child = begun(&folder, folder.start(&[&SAVED[..], &["--time", "3"]].concat()));
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
@@ -258,8 +238,8 @@ fn the_command_that_is_printed_goes_on() {
     let so_far = document["samples_per_pixel"].to_string();
     assert_eq!(document["reproduce"], format!("--spp {so_far}"));
     let command = error.split('\n').find_map(|line| line.strip_prefix("go on with: etalon ")).expect(&error);
-    let mut etalon = Command::new(env!("CARGO_BIN_EXE_etalon"));
-    let output = etalon.current_dir(folder.0.path()).args(command.split(' ')).output().unwrap();
+    let words: Vec<&str> = command.split(' ').collect();
+    let output = folder.command(ETALON, &words).output().unwrap();
     let samples = json(&output)["samples_per_pixel"].to_string();
     assert!(command.contains(&format!("--spp {samples} ")), "{command}");
     folder.done(&["-o", "whole.exr", "--quiet", "--spp", &samples]);
@@ -270,16 +250,16 @@ fn the_command_that_is_printed_goes_on() {
 #[test]
 fn the_end_of_the_terminal_writes_the_image_so_far() {
     // If the tests run under `nohup`, its disposition of the signal is inherited, which `env` resets.
-    let undo = ["--default-signal=HUP", env!("CARGO_BIN_EXE_etalon")];
+    let undo = ["--default-signal=HUP", ETALON];
     what_ends_a_render_loses_nothing("-HUP", |folder, arguments| folder.start_by("env", &undo, arguments));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn nohup_lets_a_render_outlive_its_terminal() {
-    let folder = Folder::new();
+    let folder = folder();
     let arguments = [&LONG[..], &SAVED].concat();
-    let child = begun(&folder, folder.start_by("nohup", &[env!("CARGO_BIN_EXE_etalon")], &arguments));
+    let child = begun(&folder, folder.start_by("nohup", &[ETALON], &arguments));
     signal(&child, "-HUP");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -287,7 +267,7 @@ fn nohup_lets_a_render_outlive_its_terminal() {
 
 #[test]
 fn a_time_and_an_error_become_a_count_that_makes_the_image_again() {
-    let folder = Folder::new();
+    let folder = folder();
     for (option, value) in [("--time", "0.3"), ("--target-error", "0.2%")] {
         let document = json(&folder.done(&["-o", "out.exr", "--json", option, value]));
         let reproduce = document["reproduce"].as_str().unwrap().to_owned();
@@ -309,7 +289,7 @@ fn a_time_and_an_error_become_a_count_that_makes_the_image_again() {
 #[cfg(unix)]
 #[test]
 fn without_a_checkpoint_ctrl_c_touches_no_file() {
-    let folder = Folder::new();
+    let folder = folder();
     folder.done(&["-o", "out.exr", "--spp", "4", "--quiet"]);
     let before = folder.bytes("out.exr");
     for shown in [&[][..], &["--preview", "127.0.0.1:1"]] {
@@ -320,13 +300,13 @@ fn without_a_checkpoint_ctrl_c_touches_no_file() {
         let error = text(&output.stderr);
         assert_eq!(output.status.code(), Some(130), "{error}");
         assert!(error.contains("interrupted; no file was touched"), "{error}");
-        assert!(folder.bytes("out.exr") == before && names(folder.0.path()) == ["out.exr", "scene.xml"]);
+        assert!(folder.bytes("out.exr") == before && folder.names() == ["out.exr", "scene.xml"]);
     }
 }
 
 #[test]
 fn a_viewer_that_does_not_answer_is_a_warning() {
-    let folder = Folder::new();
+    let folder = folder();
     let output = folder.done(&["-o", "out.exr", "--spp", "4", "--preview", "127.0.0.1:1"]);
     assert!(text(&output.stderr).contains("warning: no preview at 127.0.0.1:1"));
     folder.done(&["-o", "plain.exr", "--spp", "4", "--quiet"]);
@@ -336,7 +316,7 @@ fn a_viewer_that_does_not_answer_is_a_warning() {
 #[cfg(target_os = "linux")]
 #[test]
 fn places_that_cannot_be_written_are_refused_before_the_render() {
-    let folder = Folder::new();
+    let folder = folder();
     // Not even root can create files here. This number of samples would take days.
     let endless = ["--spp", "4000000000"];
     let refused = |files: &[&str]| folder.refused(&[files, &endless].concat(), &["/proc/x", "cannot write"]);
@@ -354,5 +334,5 @@ fn places_that_cannot_be_written_are_refused_before_the_render() {
     folder.done(&["-o", "out.exr", "--spp", "8", "--quiet", "--checkpoint", "c", "--resume"]);
     folder.done(&["-o", "plain.exr", "--spp", "8", "--quiet"]);
     assert!(folder.bytes("out.exr") == folder.bytes("plain.exr"));
-    assert_eq!(names(folder.0.path()), ["out.exr", "plain.exr", "scene.xml"]);
+    assert_eq!(folder.names(), ["out.exr", "plain.exr", "scene.xml"]);
 }
