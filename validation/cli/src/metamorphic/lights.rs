@@ -37,9 +37,39 @@ pub fn relations() -> Vec<Relation> {
             room(&(point_light(0.5, 2.0) + &point_light(0.5, 3.0))),
         ),
         Relation::expectation("linear", vec![Term::new(with("")).times(0.3)], room(&lamp(2.4))),
+        sun_upon_waves(),
         Relation::expectation("smooth_lamp", room(&faceted_lamp(false)), room(&faceted_lamp(true))),
         Relation::expectation("unlit_lamp", whole(), room(&(lamp(8.0) + &point_light(1.0, 0.0)))),
     ]
+}
+
+/// The sun as a camera below rough water sees it, which only emitter samples find: dark water takes as much of it as lies
+/// between the camera and the surface, and nothing beyond.
+fn sun_upon_waves() -> Relation {
+    const SIGMA: f64 = 0.4;
+    let towards = [0.2, 0.1, 1.0];
+    let depth = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let water = |name: &str| {
+        let parameters = float("sigma_t", SIGMA) + &float("albedo", 0.0);
+        format!("<medium type=\"homogeneous\" name=\"{name}\">{parameters}</medium>")
+    };
+    let rough = float("alpha", 0.3) + &float("int_ior", 1.33) + &float("ext_ior", 1.0);
+    let surface = |interior: &str| {
+        let wears = bsdf("roughdielectric", &rough) + interior;
+        shape("rectangle", &[scale([9.0; 3]), translate([0.0, 0.0, 1.0])], &wears)
+    };
+    let camera = |medium: &str| {
+        let place = look_at([0.0; 3], towards, [0.0, 1.0, 0.0]);
+        pinhole(&place, 0.5, &(film(4, 4) + INDEPENDENT + medium))
+    };
+    let sun = |irradiance: f64| {
+        let down = "<vector name=\"direction\" x=\"0.1\" y=\"0.2\" z=\"-1\"/>".to_string();
+        emitter("directional", &(down + &grey("irradiance", irradiance)))
+    };
+    let volpath = "<integrator type=\"volpath\"><integer name=\"max_depth\" value=\"2\"/></integrator>";
+    let clear = scene(&[volpath, &camera(""), &surface(""), &sun(libm::exp(-SIGMA * depth))]);
+    let dark = scene(&[volpath, &camera(&water("medium")), &surface(&water("interior")), &sun(1.0)]);
+    Relation::expectation("sun_upon_waves", vec![Term::new(clear)], vec![Term::new(dark)])
 }
 
 /// A luminous octahedron, smooth or with flat faces: which side of a face emits does not depend on its
