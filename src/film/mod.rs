@@ -10,16 +10,20 @@
 //! a [`Window`] such a rectangle's place on the film.
 
 mod accumulator;
+mod bands;
 mod channel;
 pub mod filter;
 pub mod filter_sampler;
 pub mod filter_weights;
 mod grid;
+mod parse;
 mod settings;
 mod window;
 
 pub use accumulator::ExactSum;
+pub use bands::Band;
 pub use channel::{BLOCK, ChannelAccumulator};
 pub use grid::Accumulators;
-pub use settings::{Band, FILMS, Film};
+pub use parse::FILMS;
+pub use settings::Film;
 pub use window::Window;

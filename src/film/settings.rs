@@ -1,21 +1,16 @@
-//! What a scene says of its film.
+//! The film of a scene: its size, and where on it a sample lies.
 
-use super::filter::{FILTERS, Profile};
+use super::bands::Band;
+use super::filter::Profile;
 use super::filter_sampler::FilterSampler;
 use super::filter_weights::{FilterWeights, Place, Weights};
 use crate::film::Window;
 use crate::math::DVec2;
-use crate::scene::error::{SceneError, Span, known};
-use crate::scene::params::{Params, Usage};
-use crate::scene::registry::{Entry, construct};
 use crate::spectrum::distribution::Distribution;
-use crate::spectrum::table::Tabulated;
-use crate::spectrum::{ColorMode, SpectralFunction};
-use crate::texture::AnyTexture;
 use std::sync::Arc;
 
 /// A film larger than this is refused: its accumulators alone would take tens of gigabytes.
-const MAX_PIXELS: u64 = 1 << 27;
+pub const MAX_PIXELS: u64 = 1 << 27;
 
 /// The film: its size, and what it records.
 #[derive(Clone, Debug)]
@@ -36,38 +31,6 @@ pub struct Film {
     pub bands: Vec<Band>,
     /// The wavelengths of a spectral film.
     pub wavelengths: Option<Arc<Distribution>>,
-}
-
-/// A spectral channel: the mean radiance weighted by a response.
-#[derive(Clone, Debug)]
-pub struct Band {
-    /// Its name in the scene file.
-    pub name: String,
-    /// Its channel in the image.
-    pub channel: String,
-    /// Where the scene file names it.
-    pub place: Span,
-    pub response: Tabulated,
-}
-
-/// The channel of a response: `S0.` and its centroid, as in `S0.550,000nm` (Fichet et al. 2021, "An OpenEXR
-/// Layout for Spectral Images", §3). It keeps its own name if it has no centroid.
-fn channel_of(name: &str, response: &Tabulated) -> String {
-    let (lowest, highest) = response.range();
-    const STEPS: usize = 4096;
-    let (mut area, mut moment) = (0.0, 0.0);
-    for step in 0..STEPS {
-        let λ = lowest as f64 + (step as f64 + 0.5) / STEPS as f64 * (highest - lowest) as f64;
-        let value = response.eval(λ as f32) as f64;
-        area += value;
-        moment += value * λ;
-    }
-    let centroid = moment / area;
-    if !centroid.is_finite() {
-        return name.to_owned();
-    }
-    let thousandths = (1000.0 * centroid).round() as u64;
-    format!("S0.{},{:03}nm", thousandths / 1000, thousandths % 1000)
 }
 
 impl Default for Film {
@@ -169,125 +132,9 @@ impl Film {
     }
 }
 
-macro_rules! films {
-    ($($name:literal, $about:literal, $parse:expr;)*) => {
-        /// Every film.
-        pub static FILMS: &[Entry<Film>] = &[$(Entry {
-            name: $name,
-            about: $about,
-            examples: &[],
-            parse: $parse,
-        }),*];
-    };
-}
-films! {
-    "hdrfilm", "Linear sRGB in f32, with the variance of every pixel.", |p| parse(p, false);
-    "specfilm", "Radiance weighted by spectral responses, one channel each.", |p| parse(p, true);
-}
-
-/// Whether `pixel_format` asks for a channel of coverage. As in Mitsuba, it may be written in capitals.
-fn has_alpha(params: &mut Params) -> Result<bool, SceneError> {
-    const FORMATS: [&str; 6] = ["rgb", "rgba", "luminance", "luminance_alpha", "xyz", "xyza"];
-    let about = "with alpha, a channel `A` is added; the colours are RGB in any case";
-    let Some(given) = params.string("pixel_format", about)? else { return Ok(false) };
-    let format = given.value.to_lowercase();
-    if !FORMATS.contains(&format.as_str()) {
-        let message = format!("unknown pixel_format `{}`", given.value);
-        return Err(SceneError::at(&given.value_span, message, known(&format, &FORMATS)));
-    }
-    Ok(format.ends_with('a'))
-}
-
-fn parse(params: &mut Params, spectral: bool) -> Result<Film, SceneError> {
-    let width = params.count("width", 768, 1..=MAX_PIXELS as u32, "pixels")?;
-    let height = params.count("height", 576, 1..=MAX_PIXELS as u32, "pixels")?;
-    let (longer, beside) = if width < height { ("height", width) } else { ("width", height) };
-    let most = MAX_PIXELS / u64::from(beside);
-    Film::check_size(width as u64, height as u64)
-        .map_err(|e| params.error(longer, e, format!("expected 1 to {most}")))?;
-    let x = params.count("crop_offset_x", 0, 0..=width - 1, "first column that is rendered")?;
-    let y = params.count("crop_offset_y", 0, 0..=height - 1, "first row that is rendered")?;
-    // A number that no crop can have stands for all that is left.
-    let mut along = |name, left: u32, about| match params.count(name, 0, 1..=left, about)? {
-        0 => Ok(left),
-        given => Ok(given),
-    };
-    let crop = Window {
-        x,
-        y,
-        width: along("crop_width", width - x, "columns that are rendered; by default all from the first")?,
-        height: along("crop_height", height - y, "rows that are rendered; by default all from the first")?,
-    };
-    let (components, files) = (["float16", "float32", "uint32"], ["openexr", "exr", "pfm", "rgbe"]);
-    params.word("component_format", &components, "Mitsuba's; the file always holds f32")?;
-    params.word("file_format", &files, "Mitsuba's; the file is always EXR")?;
-    let alpha = has_alpha(params)?;
-    let border = params.boolean("sample_border", false, "whether filters reach beyond the film")?;
-    for name in ["compensate", "banner", "high_quality_edges"] {
-        params.boolean(name, false, "Mitsuba's; ignored")?;
-    }
-    let profile = match params.object("rfilter", "the reconstruction filter; `gaussian` by default")? {
-        None => Profile::Gaussian { deviation: 0.5 },
-        Some(element) => construct(FILTERS, element, params.loader, Usage::Unbounded)?,
-    };
-    let filter = FilterSampler::new(profile);
-    let seen = |pixels: u32| if border { u32::MAX } else { pixels };
-    if filter.cancels(seen(crop.width)) || filter.cancels(seen(crop.height)) {
-        let message = "the filter's weights cancel at the border of the film";
-        return Err(params.error("rfilter", message, "expected another filter, or a larger film"));
-    }
-    let bands = if spectral { parse_bands(params)? } else { vec![] };
-    let wavelengths = spectral.then(|| Arc::new(Distribution::new(bands.iter().map(|band| &band.response))));
-    Ok(Film { size: (width, height), crop, filter, border, spread: None, alpha, bands, wavelengths })
-}
-
-/// Every nested spectrum or texture is a channel, named as [`channel_of`] says.
-fn parse_bands(params: &mut Params) -> Result<Vec<Band>, SceneError> {
-    if params.loader.mode == ColorMode::Rgb {
-        return Err(SceneError::at(
-            &params.element.span,
-            "a specfilm needs spectral mode",
-            "drop `--color rgb`",
-        ));
-    }
-    let mut bands = vec![];
-    let about = "a response; its channel is called by its centroid, such as S0.550,000nm, or if another has the same, by its own name";
-    let responses = params.nested("spectrum", about, |e| ["spectrum", "texture"].contains(&e.tag.as_str()));
-    for (element, site) in responses {
-        let name = site.require("name")?;
-        let response = match AnyTexture::parse(element, params.loader, Usage::Unbounded)? {
-            AnyTexture::Constant(SpectralFunction::Table(table)) => (*table).clone(),
-            _ => {
-                return Err(SceneError::at(
-                    &element.span,
-                    "a response must be a table",
-                    "expected `nm:value, …` pairs",
-                ));
-            }
-        };
-        let channel = channel_of(&name.value, &response);
-        bands.push(Band { name: name.value.clone(), channel, place: name.value_span.clone(), response });
-    }
-    if bands.is_empty() {
-        return Err(SceneError::at(
-            &params.element.span,
-            "a specfilm without responses",
-            "add a <spectrum name=…>",
-        ));
-    }
-    bands.sort_by(|a, b| a.name.cmp(&b.name));
-    let channels: Vec<String> = bands.iter().map(|band| band.channel.clone()).collect();
-    let alike = |channel: &String| channels.iter().filter(|other| *other == channel).count() > 1;
-    for band in bands.iter_mut().filter(|band| alike(&band.channel)) {
-        band.channel = band.name.clone();
-    }
-    Ok(bands)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load_text;
 
     const SIZE: (u32, u32) = (7, 5);
 
@@ -309,56 +156,6 @@ mod tests {
             let (last, _) = film.place((6, 4), DVec2::splat(1.0 - 1e-6));
             let beyond = [first.x < 0.0, first.y < 0.0, last.x > 7.0, last.y > 5.0];
             assert_eq!(beyond, [border; 4], "{first} {last}");
-        }
-    }
-
-    #[test]
-    fn responses_with_one_centroid_all_keep_their_names() {
-        let response = |name: &str, table: &str| format!(r#"<spectrum name="{name}" value="{table}"/>"#);
-        let text = format!(
-            r#"<scene version="3.0.0"><sensor type="perspective"><film type="specfilm">{}{}{}{}</film></sensor></scene>"#,
-            response("narrow", "540:1, 560:1"),
-            response("broad", "500:1, 600:1"),
-            response("broader", "450:1, 650:1"),
-            response("red", "640:1, 660:1"),
-        );
-        let scene = load_text("film.xml", &text, ColorMode::Spectral).expect("it loads");
-        let channels: Vec<&str> = scene.sensor.film.bands.iter().map(|band| band.channel.as_str()).collect();
-        assert_eq!(channels, ["broad", "broader", "narrow", "S0.650,000nm"]);
-    }
-
-    #[test]
-    fn responses_may_be_textures_and_references_and_have_the_name_that_they_have_here() {
-        let texture = r#"<texture type="regular" ID><float name="wavelength_min" value="500"/>
-            <float name="wavelength_max" value="600"/><string name="values" value="1, 1"/></texture>"#;
-        let text = format!(
-            r#"<scene version="3.0.0">{}<sensor type="perspective"><film type="specfilm">{}<ref id="r" name="red"/></film></sensor></scene>"#,
-            texture.replace("ID", r#"id="r" name="other""#),
-            texture.replace("ID", r#"name="green""#),
-        );
-        let scene = load_text("film.xml", &text, ColorMode::Spectral).expect("it loads");
-        // All have one centroid.
-        let names: Vec<&str> = scene.sensor.film.bands.iter().map(|band| band.channel.as_str()).collect();
-        assert_eq!(names, ["green", "red"]);
-    }
-
-    /// The side that cannot be is the one that is told.
-    #[test]
-    fn sizes_that_cannot_be_are_refused_where_they_stand() {
-        for (width, height, column, expected) in [
-            ("0", "4", 1, "1 to 134217728"),
-            ("4", "0", 2, "1 to 134217728"),
-            ("4", "-1", 2, "1 to 134217728"),
-            ("20000", "10000", 1, "1 to 13421"),
-            ("10000", "20000", 2, "1 to 13421"),
-        ] {
-            let text = format!(
-                "<scene version=\"3.0.0\"><sensor type=\"perspective\"><film type=\"hdrfilm\">\n\
-                 <integer name=\"width\" value=\"{width}\"/>\n<integer name=\"height\" value=\"{height}\"/></film></sensor></scene>"
-            );
-            let error = load_text("film.xml", &text, ColorMode::Rgb).err().expect("it is refused");
-            assert_eq!(error.line_column().map(|(line, _)| line), Some(1 + column), "{error}");
-            assert!(error.expected.ends_with(expected), "{error}");
         }
     }
 
