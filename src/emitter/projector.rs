@@ -74,11 +74,15 @@ impl Projector {
         unit(self.to_world.vector(DVec3::Z))
     }
 
-    /// The axis, and the cosine of the angle to the corners of the picture.
+    /// The axis, and the cosine of the angle to the corner of the picture that is farthest from it: where axes are not
+    /// quite orthogonal corners differ. Everywhere if one is across.
     pub fn cone(&self) -> (Cone, f64) {
         const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
-        let cos = 1.0 / (1.0 + self.half.length_squared()).sqrt();
-        (Cone::along(self.axis()), cos * (1.0 - ROUNDING))
+        let (axis, DVec2 { x, y }) = (self.axis(), self.half);
+        let corners = [(x, y), (x, -y), (-x, y), (-x, -y)];
+        let cosines = corners.map(|(x, y)| axis.dot(unit(self.to_world.vector(DVec3::new(x, y, 1.0)))));
+        let cos = cosines.into_iter().fold(1.0, f64::min) * (1.0 - ROUNDING);
+        if cos > 0.0 { (Cone::along(axis), cos) } else { (Cone::EVERYWHERE, 0.0) }
     }
 
     /// Along its axis.
@@ -133,6 +137,31 @@ mod tests {
             }
         }
         assert!(within > 100 && beside > 100, "{within} {beside}");
+    }
+
+    /// Axes of unit length that are not orthogonal: the picture is a parallelogram, one corner of which is farther away.
+    #[test]
+    fn all_corners_are_within_the_cone() {
+        for (z, sheared) in [("0.6", true), ("-0.6", true), ("0", false)] {
+            let deep = if sheared { "0.8" } else { "1" };
+            let text = format!(
+                r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="projector"><transform name="to_world">
+                    <matrix value="1 0 {z} 0  0 1 0 0  0 0 {deep} 0  0 0 0 1"/></transform></emitter></scene>"#
+            );
+            let scene = load_text("projector.xml", &text, ColorMode::Rgb).expect("it loads");
+            let projector = projector(&scene);
+            let (cone, cos) = projector.cone();
+            let symmetric = 1.0 / (1.0 + projector.half.length_squared()).sqrt();
+            let mut beyond = 0;
+            for corner in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                let inside = DVec3::new(corner.0 * projector.half.x, corner.1 * projector.half.y, 1.000_001);
+                let towards = unit(projector.to_world.vector(inside));
+                assert!(projector.seen(projector.place() + towards).is_some(), "{z}");
+                assert!(towards.dot(projector.axis()) >= cos, "{z}");
+                beyond += u32::from(towards.dot(projector.axis()) < 0.999 * symmetric);
+            }
+            assert!(cone == Cone::along(projector.axis()) && (beyond > 0) == sheared, "{z}: {beyond}");
+        }
     }
 
     #[test]

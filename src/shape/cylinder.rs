@@ -56,14 +56,19 @@ impl Cylinder {
         // A negative radius turns x and y about the axis by half a turn, and nothing else: as in Mitsuba, the
         // outside stays the outside.
         let sign = radius.signum();
-        let x = to_world.vector(frame.s * sign);
+        let axis = unit(along);
+        let [around, ahead] = [frame.s, frame.t].map(|across| to_world.vector(across * sign));
+        // Matrices of a few decimals are not quite orthogonal, but the wall is round: a point that is sampled beside it
+        // would be hidden by it.
+        let x = unit(around - axis * axis.dot(around));
+        let y = axis.cross(x);
         Self {
             start,
-            axis: unit(along),
-            x: unit(x),
-            y: unit(to_world.vector(frame.t * sign)),
+            axis,
+            x,
+            y: if y.dot(ahead) < 0.0 { -y } else { y },
             length: length(along),
-            radius: radius.abs() * length(x),
+            radius: radius.abs() * length(around),
             inward,
         }
     }
@@ -133,6 +138,27 @@ pub fn bounds(start: DVec3, axis: DVec3, length: f64, radius: f64) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{DMat4, DVec4};
+
+    /// Of a rotation by 50 degrees about (1, 2, 3), mirrored or not.
+    #[test]
+    fn points_that_are_sampled_lie_on_the_wall_whatever_the_decimals_of_a_matrix() {
+        let columns =
+            [[0.668, 0.665, -0.333], [-0.563, 0.745, 0.358], [0.486, -0.052, 0.872]].map(DVec3::from_array);
+        for mirror in [1.0, -1.0] {
+            let [x, y, z] = [columns[0] * mirror, columns[1], columns[2]].map(|column| column.extend(0.0));
+            let to_world = Transform::from_matrix(DMat4::from_cols(x, y, z, DVec4::W)).unwrap();
+            let cylinder = Cylinder::new(&to_world, DVec3::ZERO, DVec3::Z, 0.05, false);
+            for i in 0..64 {
+                let u = DVec2::new((f64::from(i) + 0.5) / 64.0, 0.3);
+                let sample = cylinder.sample_area(u);
+                let from_axis = sample.p - cylinder.axis * sample.p.dot(cylinder.axis);
+                assert!((length(from_axis) / cylinder.radius - 1.0).abs() < 1e-14, "{mirror} {i}");
+                let point = cylinder.point::<true>(sample.p);
+                assert!(length(point.p - sample.p) < 1e-15 && (point.uv - u).abs().max_element() < 1e-12);
+            }
+        }
+    }
 
     #[test]
     fn a_negative_radius_moves_u_by_half_a_turn_and_the_outside_stays_outside() {

@@ -112,10 +112,11 @@ fn check_range(attribute: &Attribute, scale: f32, name: &Text, usage: Usage) -> 
 }
 
 impl Values {
-    /// The spectra of colours times a scale: as in Mitsuba, those of the colours, scaled; but where some of the colours
-    /// are beyond 1, which have none, those of the scaled ones, and beyond 1 in proportion.
+    /// The spectra of colours times a scale: as in Mitsuba, those of the colours, scaled; but where that is by more than 1,
+    /// so that spectra could exceed what the colours do, or where some of the colours are beyond 1, which have none, those
+    /// of the scaled ones, and beyond 1 in proportion.
     fn reflectances(colours: &[[f32; 3]], scale: f32, upsampler: &Upsampler) -> Self {
-        let beyond = colours.as_flattened().iter().any(|value| *value > 1.0);
+        let beyond = scale > 1.0 || colours.as_flattened().iter().any(|value| *value > 1.0);
         let fit = |rgb: &[f32; 3]| match beyond {
             false => (scale, upsampler.fit(*rgb)),
             true => upsampler.fit_in_proportion(rgb.map(|value| f64::from(value * scale))),
@@ -293,6 +294,8 @@ mod tests {
             assert_eq!(first(&[lamp, [brightest; 3]], 1.0), (1.0, upsampler.fit(lamp)));
         }
         assert_eq!(first(&[lamp, [0.5; 3]], 3.0), (3.0, upsampler.fit(lamp)));
+        // What reflects, however it is written: no spectrum of it is above 1.
+        assert_eq!(first(&[[0.25, 0.125, 0.0625]], 4.0), (1.0, upsampler.fit(lamp)));
         for brightest in [60.0, 255.0] {
             let (factor, spectrum) = first(&[[60.0, 12.0, 8.0], [brightest; 3]], 1.0 / 255.0);
             let expected = upsampler.fit([60.0, 12.0, 8.0].map(|byte| byte / 255.0));
