@@ -6,6 +6,8 @@
 
 pub mod accel;
 mod chart;
+#[cfg(test)]
+mod contract;
 pub mod cube;
 pub mod cylinder;
 mod disk;

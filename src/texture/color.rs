@@ -1,6 +1,7 @@
 //! `<rgb>`, `<spectrum>` and `<float>`: constants as scene files write them, turned into spectra as Mitsuba
 //! turns them. The same numbers mean different spectra for what reflects and for what emits.
 
+use crate::image::srgb::decode;
 use crate::scene::error::{SceneError, Span};
 use crate::scene::loader::Loader;
 use crate::scene::params::{EXPECTED_AMOUNT, MOST, Usage, number};
@@ -51,7 +52,7 @@ pub fn number_of(element: &Element) -> Result<f64, SceneError> {
     number(&value.value).ok_or_else(|| SceneError::at(&value.value_span, message(), "expected a number"))
 }
 
-/// The numbers of an `<rgb>`, and the attribute that holds them.
+/// The linear numbers of an `<rgb>` or `<srgb>`, and the attribute that holds them.
 pub fn components(element: &Element) -> Result<([f64; 3], &Attribute), SceneError> {
     if !["rgb", "srgb"].contains(&element.tag.as_str()) {
         let message = format!("<{}> is no list of components", element.tag);
@@ -59,22 +60,24 @@ pub fn components(element: &Element) -> Result<([f64; 3], &Attribute), SceneErro
     }
     element.only(&["name", "value"])?;
     let value = element.require("value")?;
-    Ok((parse_rgb(value)?, value))
+    let rgb = parse_rgb(value, element.tag == "srgb")?;
+    Ok((rgb, value))
 }
 
-/// One number, three numbers, or `#rrggbb`.
-fn parse_rgb(value: &Attribute) -> Result<[f64; 3], SceneError> {
+/// One number, three numbers, or `#rrggbb`, which is always encoded; other numbers are only where `encoded`.
+fn parse_rgb(value: &Attribute, encoded: bool) -> Result<[f64; 3], SceneError> {
     if let Some(digits) = value.value.trim().strip_prefix('#') {
         let six = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
         let parsed = u32::from_str_radix(digits, 16).ok().filter(|_| six);
         let code = parsed.ok_or_else(|| {
             SceneError::at(&value.value_span, format!("`{}` is no colour", value.value), "expected #rrggbb")
         })?;
-        return Ok([16, 8, 0].map(|shift| crate::image::srgb::decode((code >> shift & 255) as f64 / 255.0)));
+        return Ok([16, 8, 0].map(|shift| decode((code >> shift & 255) as f64 / 255.0)));
     }
+    let linear = |v| if encoded { decode(v) } else { v };
     match numbers(value)?[..] {
-        [v] => Ok([v; 3]),
-        [r, g, b] => Ok([r, g, b]),
+        [v] => Ok([linear(v); 3]),
+        [r, g, b] => Ok([r, g, b].map(linear)),
         ref n => Err(SceneError::at(
             &value.value_span,
             format!("`{}` is {} numbers", shortened(&value.value), n.len()),
@@ -202,13 +205,20 @@ mod tests {
     }
 
     #[test]
-    fn hexadecimal_colours_are_encoded_as_srgb() {
+    fn hexadecimal_colours_and_srgb_are_encoded() {
         // IEC 61966-2-1: ((c + 0.055)/1.055)^2.4, and c/12.92 below 0.04045.
-        let [r, g, b] = color(r##"<rgb name="c" value="#80ff05"/>"##, Usage::Reflectance);
+        let written = [
+            r##"<rgb name="c" value="#80ff05"/>"##,
+            r##"<srgb name="c" value="#80ff05"/>"##,
+            r#"<srgb name="c" value="0.501960784, 1, 0.019607843"/>"#,
+        ];
         let expected = [((128.0 / 255.0 + 0.055f64) / 1.055).powf(2.4), 1.0, 5.0 / 255.0 / 12.92];
-        for (got, expected) in [r, g, b].into_iter().zip(expected) {
-            assert!((f64::from(got) - expected).abs() < 1e-7, "{got} {expected}");
+        for text in written {
+            for (got, expected) in color(text, Usage::Reflectance).into_iter().zip(expected) {
+                assert!((f64::from(got) - expected).abs() < 1e-7, "{text}: {got} {expected}");
+            }
         }
+        assert_eq!(color(r#"<rgb name="c" value="0.5"/>"#, Usage::Reflectance), [0.5; 3]);
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub const ABOUT: &str = "The CIE illuminant D65 at luminance 1, times a scale an
 pub const EXAMPLES: &[&str] = &[
     r#"<spectrum type="d65"><float name="scale" value="2"/></spectrum>"#,
     r#"<spectrum type="d65"><rgb name="color" value="1, 0.5, 0.2"/></spectrum>"#,
+    r#"<spectrum type="d65"><float name="scale" value="3"/><texture type="checkerboard" name="texture">
+        <rgb name="color0" value="0.9, 0.2, 0.1"/><rgb name="color1" value="0.3"/></texture></spectrum>"#,
 ];
 
 /// `scale` × a texture × D65.
@@ -61,18 +63,27 @@ impl UnderD65 {
         self.texture.eval_scalar(uv) * self.scale as f64
     }
 
+    /// See [`AnyTexture::luminance`].
+    pub fn luminance(&self, uv: DVec2) -> f64 {
+        self.texture.luminance(uv) * self.scale as f64
+    }
+
     /// The mean over the texture and the spectrum.
     pub fn mean(&self) -> f64 {
-        self.texture.mean() * self.scale as f64 * SpectralFunction::mean(&color::white_illuminant(1.0))
+        self.texture.mean() * self.scale as f64 * self.white().mean()
+    }
+
+    /// White under D65: what the texture is multiplied by.
+    fn white(&self) -> SpectralFunction {
+        match self.mode {
+            ColorMode::Rgb => SpectralFunction::Uniform(1.0),
+            ColorMode::Spectral => color::white_illuminant(1.0),
+        }
     }
 
     /// See [`AnyTexture::bound`].
     pub fn bound(&self) -> f32 {
-        let light = match self.mode {
-            ColorMode::Rgb => 1.0,
-            ColorMode::Spectral => color::white_illuminant(1.0).bound(),
-        };
-        self.texture.bound() * light * self.scale
+        self.texture.bound() * self.white().bound() * self.scale
     }
 
     pub fn varies(&self) -> bool {

@@ -206,8 +206,9 @@ impl AnyTexture {
         match self {
             Self::Constant(function) => function.luminance(),
             Self::Checkerboard(board) => board.side(uv).luminance(uv),
+            Self::UnderD65(product) => product.luminance(uv),
             // They keep it as their number.
-            Self::Bitmap(_) | Self::UnderD65(_) | Self::MeshAttribute(_) => self.eval_scalar(uv),
+            Self::Bitmap(_) | Self::MeshAttribute(_) => self.eval_scalar(uv),
         }
     }
 
