@@ -11,6 +11,7 @@ mod ior;
 mod lobe;
 mod metal;
 pub mod microfacet;
+mod roughness;
 mod shading_normal;
 mod sides;
 mod slope;

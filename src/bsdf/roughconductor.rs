@@ -1,7 +1,8 @@
 //! A rough metal: f = F·D·G/(4 cos θo cos θi) (Walter et al. 2007, equation 20).
 
 use super::metal::{Metal, Reflector};
-use super::microfacet::{Distribution, Roughness, reflect};
+use super::microfacet::{Distribution, reflect};
+use super::roughness::Roughness;
 use super::{Bsdf, Evaluation, Lobe, Material, Sample, Traits};
 use crate::math::frame::unit;
 use crate::math::{DVec2, DVec3};

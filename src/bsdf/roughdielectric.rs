@@ -3,7 +3,8 @@
 //! Reflection at facets half-way between the directions, refraction at facets along the generalised half
 //! vector h = ωo + ηωi, whose Jacobian is η²|ωi·m|/|h|² because ωo·m + ηωi·m = ±|h|.
 
-use super::microfacet::{Distribution, Roughness, reflect};
+use super::microfacet::{Distribution, reflect};
+use super::roughness::Roughness;
 use super::sides::{relative_eta, upward};
 use super::tints::Tints;
 use super::{Bsdf, Evaluation, Material, Sample, Traits, fresnel, ior};

@@ -1,7 +1,8 @@
 //! A diffuse base under a rough dielectric coat.
 
 use super::coat::{Coat, Coated};
-use super::microfacet::{Distribution, has_two_roughnesses, parse_shape, reflect};
+use super::microfacet::{Distribution, reflect};
+use super::roughness::{has_two_roughnesses, parse_shape};
 use super::transmittance::{Transmittance, internal_reflectance};
 use super::{Bsdf, Evaluation, Lobe, Material, Sample, Traits, fresnel, ior};
 use crate::math::frame::unit;

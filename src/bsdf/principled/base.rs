@@ -2,7 +2,8 @@
 //! it is.
 
 use super::matte::Matte;
-use crate::bsdf::microfacet::{Distribution, NARROW, Shape};
+use crate::bsdf::microfacet::{Distribution, Shape};
+use crate::bsdf::roughness::NARROW;
 use crate::scene::error::SceneError;
 use crate::scene::params::{Params, Usage};
 use crate::shape::SurfacePoint;

@@ -31,6 +31,7 @@ mod element;
 mod elements;
 mod glass_ball;
 mod link;
+mod recognition;
 mod surfaces;
 
 use super::Counters;

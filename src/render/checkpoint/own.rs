@@ -1,6 +1,7 @@
 //! The checkpoint of a render, as far as it is that render's: several may have been given one name.
 
-use super::{load, refuse_to_replace, save, seal};
+use super::reader::load;
+use super::{refuse_to_replace, save, seal};
 use crate::files::FileError;
 use crate::render::Settings;
 use crate::render::passes::Partial;

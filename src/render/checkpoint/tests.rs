@@ -1,6 +1,8 @@
+use super::reader::load;
 use super::*;
 use crate::load_text;
 use crate::render::Progress;
+use crate::render::light_path_noise::LightPathNoise;
 use crate::render::passes::render_passes;
 use crate::scene::trial::ball_of_glass;
 use crate::spectrum::ColorMode;
