@@ -3,7 +3,7 @@
 //! Boxes are divided in two, and the halves again, each time where [`bins`](super::bins) finds it cheapest.
 //! No step depends on the order of work, so the tree is the same for any number of threads.
 
-use super::bins::{Place, divide};
+use super::bins::{Place, Pricing, divide};
 use crate::pages::Pages;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -45,17 +45,19 @@ struct Undivided<'a> {
     /// How many boxes lie before these in the whole list.
     before: usize,
     place: Place,
+    pricing: Pricing,
 }
 
 impl<'a> Undivided<'a> {
     // Not inlined: bins would take room on the stack at every level of the tree.
     #[inline(never)]
     fn halves(self) -> [Self; 2] {
-        let (at, places) = divide(self.boxes, self.items, &self.place);
+        let Self { before, pricing, .. } = self;
+        let (at, places) = divide(self.boxes, self.items, &self.place, pricing);
         let (boxes, items) = (self.boxes.split_at_mut(at), self.items.split_at_mut(at));
         [
-            Undivided { boxes: boxes.0, items: items.0, before: self.before, place: places[0] },
-            Undivided { boxes: boxes.1, items: items.1, before: self.before + at, place: places[1] },
+            Undivided { boxes: boxes.0, items: items.0, before, place: places[0], pricing },
+            Undivided { boxes: boxes.1, items: items.1, before: before + at, place: places[1], pricing },
         ]
     }
 
@@ -69,7 +71,8 @@ impl<'a> Undivided<'a> {
 pub fn grow(mut boxes: Pages<Aabb>, mut items: Vec<u32>, most: usize) -> Bvh2 {
     let chunks = boxes.par_chunks(OF_ONE_THREAD).map(Place::of);
     let place = chunks.reduce(|| Place::NOTHING, |one, other| one.and(&other));
-    let part = part(Undivided { boxes: &mut boxes, items: &mut items, before: 0, place }, most);
+    let pricing = Pricing::of(boxes.len());
+    let part = part(Undivided { boxes: &mut boxes, items: &mut items, before: 0, place, pricing }, most);
     // Trees of millions of triangles are where memory runs out.
     drop(boxes);
     // Zeros are the system's, so that pages are first touched by the threads that write them.
@@ -192,6 +195,14 @@ mod tests {
             let levels = check(&tree(&boxes), &boxes);
             assert!(levels <= 2 + 2 * count.ilog2() as usize, "{levels} levels for {count}");
         }
+    }
+
+    #[test]
+    fn leaves_of_large_trees_are_fuller() {
+        let boxes = small_boxes((1 << 17) + 1);
+        let leaves = |boxes: &[Aabb]| tree(boxes).nodes.iter().filter(|node| node.is_leaf()).count() as f64;
+        let [large, small] = [&boxes[..], &boxes[1..]].map(leaves);
+        assert!(large < 0.97 * small && small < 0.32 * boxes.len() as f64, "{large} {small}");
     }
 
     #[test]

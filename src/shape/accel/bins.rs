@@ -19,6 +19,16 @@ const FEW: usize = 512;
 /// Size is an axis where the largest box is more than so many times as large as the smallest.
 const VARIED: f32 = 4.0;
 
+/// Most boxes of a tree whose memory does not count.
+const SMALL: usize = 1 << 17;
+
+/// What a group costs: its area, for each block that it needs, and for places of its last one that stay empty.
+#[derive(Clone, Copy)]
+pub struct Pricing {
+    /// The cost of an empty place, in blocks.
+    empty: f32,
+}
+
 /// Boxes, binned by their [`coordinates`].
 #[derive(Clone)]
 struct Bins<const BINS: usize, const AXES: usize> {
@@ -59,12 +69,14 @@ struct Extent {
 
 /// Sorts at least two boxes, which are at `place`, into two groups, and their items likewise. Returns the size of
 /// the first and where both are. Neither group is empty.
-pub fn divide(boxes: &mut [Aabb], items: &mut [u32], place: &Place) -> (usize, [Place; 2]) {
+pub fn divide(boxes: &mut [Aabb], items: &mut [u32], place: &Place, pricing: Pricing) -> (usize, [Place; 2]) {
     match boxes.len() {
-        0..=16 => divide_by::<8, 3>(boxes, items, place),
-        17..=FEW => divide_by::<16, 3>(boxes, items, place),
-        _ if place.extent.hi.w > VARIED * place.extent.lo.w => divide_by::<32, 4>(boxes, items, place),
-        _ => divide_by::<32, 3>(boxes, items, place),
+        0..=16 => divide_by::<8, 3>(boxes, items, place, pricing),
+        17..=FEW => divide_by::<16, 3>(boxes, items, place, pricing),
+        _ if place.extent.hi.w > VARIED * place.extent.lo.w => {
+            divide_by::<32, 4>(boxes, items, place, pricing)
+        }
+        _ => divide_by::<32, 3>(boxes, items, place, pricing),
     }
 }
 
@@ -72,9 +84,10 @@ fn divide_by<const BINS: usize, const AXES: usize>(
     boxes: &mut [Aabb],
     items: &mut [u32],
     place: &Place,
+    pricing: Pricing,
 ) -> (usize, [Place; 2]) {
     let scale = Scale::<BINS>::new(place.extent);
-    let best = Bins::<BINS, AXES>::new(boxes, scale).best();
+    let best = Bins::<BINS, AXES>::new(boxes, scale).best(pricing);
     let Some(plane) = best else {
         // All centres are in one place.
         let (one, other) = boxes.split_at(boxes.len() / 2);
@@ -211,7 +224,7 @@ impl<const BINS: usize, const AXES: usize> Bins<BINS, AXES> {
     }
 
     /// The plane of least cost, the first one of several; none if one bin has all.
-    fn best(&self) -> Option<Plane> {
+    fn best(&self, pricing: Pricing) -> Option<Plane> {
         let (mut least, mut best) = (f32::INFINITY, None);
         for axis in 0..AXES {
             let (bounds, counts) = (&self.bounds[axis], &self.counts[axis]);
@@ -220,13 +233,13 @@ impl<const BINS: usize, const AXES: usize> Bins<BINS, AXES> {
             let mut all = (Aabb::INVALID, 0);
             for bin in (1..BINS).rev() {
                 all = (all.0.union(&bounds[bin]), all.1 + counts[bin]);
-                behind[bin] = price(all);
+                behind[bin] = pricing.cost(all);
             }
             let mut before = (Aabb::INVALID, 0);
             for bin in 1..BINS {
                 before = (before.0.union(&bounds[bin - 1]), before.1 + counts[bin - 1]);
                 // An empty group's is not a number.
-                let cost = price(before) + behind[bin];
+                let cost = pricing.cost(before) + behind[bin];
                 if cost < least {
                     (least, best) = (cost, Some((axis, bin)));
                 }
@@ -239,7 +252,18 @@ impl<const BINS: usize, const AXES: usize> Bins<BINS, AXES> {
     }
 }
 
-/// Cost of a group for rays: its area, for each block that it fills.
-fn price((bounds, count): (Aabb, u32)) -> f32 {
-    bounds.half_area() * count.div_ceil(u32::from(LEAF)) as f32
+impl Pricing {
+    /// For a tree over so many boxes.
+    ///
+    /// Small ones are in the caches anyway, and rays are up to 5 % faster where groups are chosen for them alone. In
+    /// large ones they are as fast with an empty place at half a block, which saves 2 to 4 % of the memory.
+    pub fn of(boxes: usize) -> Self {
+        Self { empty: if boxes > SMALL { 0.5 } else { 0.0 } }
+    }
+
+    fn cost(self, (bounds, count): (Aabb, u32)) -> f32 {
+        let blocks = count.div_ceil(u32::from(LEAF));
+        let empty = blocks * u32::from(LEAF) - count;
+        bounds.half_area() * (blocks as f32 + self.empty * empty as f32)
+    }
 }
