@@ -2,7 +2,7 @@
 //!
 //! The images of other renderers have no variances, so every scene is rendered with several seeds. A scene
 //! that a renderer cannot render is reported with the reason and is inconclusive: it is no fault, and no
-//! pass.
+//! pass. One that renders none at all is an error.
 
 use crate::closed_forms::{self, ClosedForm, LEVEL};
 use crate::console::{percentage, positive_seconds, print};
@@ -10,7 +10,7 @@ use crate::documents::Documents;
 use crate::references::{self, Reference};
 use crate::renderers::{self, Job, Renderer};
 use etalon::spectrum::ColorMode;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -87,6 +87,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         level,
         limit: timeout,
         heeds_seeds: OnceCell::new(),
+        has_rendered: Cell::new(false),
     };
     let mut outcomes = vec![];
     let mut tell = |outcome: Outcome| {
@@ -99,7 +100,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     for case in &cases {
         tell(guest.knows(case, seeds));
     }
-    documents.finish(Report::new(renderer, outcomes))
+    let nothing = format!("{renderer} has rendered none of {questions} scenes");
+    let verdict = documents.finish(Report::new(renderer, outcomes))?;
+    if guest.has_rendered.get() { Ok(verdict) } else { Err(nothing.into()) }
 }
 
 /// A renderer under test.
@@ -115,6 +118,8 @@ struct Guest<'a> {
     limit: Option<Duration>,
     /// Whether its pictures of different seeds differ, once that is known.
     heeds_seeds: OnceCell<bool>,
+    /// Whether there has been a picture of any scene.
+    has_rendered: Cell<bool>,
 }
 
 /// A reference scene that no renderer renders without noise.
@@ -194,7 +199,9 @@ impl Guest<'_> {
             let seed = seed_for(name, number) as u32 >> 1;
             let job = Job { limit: self.limit, ..Job::new(scene, samples, seed) };
             self.renderer.run(&job, &out)?;
-            load(&out).map_err(|e| e.to_string())
+            let image = load(&out).map_err(|e| e.to_string())?;
+            self.has_rendered.set(true);
+            Ok(image)
         };
         (0..count).map(picture).collect()
     }
@@ -216,9 +223,17 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let renderer = Renderer { command, mean_of: None, color: None };
         let heeds_seeds = heeds_seeds.map_or(OnceCell::new(), OnceCell::from);
-        let guest =
-            Guest { renderer: &renderer, folder: &folder, number: 0, level: LEVEL, limit: None, heeds_seeds };
+        let guest = Guest {
+            renderer: &renderer,
+            folder: &folder,
+            number: 0,
+            level: LEVEL,
+            limit: None,
+            heeds_seeds,
+            has_rendered: Cell::new(false),
+        };
         let outcome = ask(&guest);
+        assert_eq!(guest.has_rendered.get(), !outcome.message.starts_with("not rendered: \"false\" failed"));
         std::fs::remove_dir_all(&folder).unwrap();
         outcome
     }

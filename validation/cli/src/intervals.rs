@@ -41,6 +41,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         )
         .into());
     }
+    if let Some(flaw) = flaw(&image) {
+        return Err(format!("{}: {flaw}", path.display()).into());
+    }
     let found = image.channels.iter().filter_map(|channel| {
         let variances: Vec<f64> = channel.variance.as_ref()?.iter().copied().map(f64::from).collect();
         let widths = half_widths(image.crop.width as usize, &variances, degrees, confidence);
@@ -50,7 +53,13 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     });
     let intervals: Vec<Channel> = found.collect();
     if intervals.is_empty() {
-        return Err(format!("{}: it has no channels `variance.X`", path.display()).into());
+        return Err(format!("{}: it has no channel X with a `variance.X` beside it", path.display()).into());
+    }
+    if image.provenance.is_none() {
+        say(format_args!(
+            "pixels are taken to be independent, for the file does not tell: where a filter has let neighbours share \
+             samples, the mean is known less well"
+        ));
     }
     image.channels.extend(intervals);
     // The sums of a part of a render are those of the channels that it had.
@@ -60,6 +69,28 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
     write_exr(&output, &image)?;
     Ok(Verdict::Equivalent)
+}
+
+/// The first pixel, in the order of channels and rows, whose value or variance is none. Infinite variances are unknown
+/// ones.
+fn flaw(image: &Image) -> Option<String> {
+    let with_variance =
+        image.channels.iter().filter_map(|channel| Some((channel, channel.variance.as_ref()?)));
+    let mut pixels = with_variance.flat_map(|(channel, variances)| {
+        let pairs = channel.mean.iter().zip(variances).enumerate();
+        pairs.map(move |(pixel, (value, variance))| (&channel.name, pixel, *value, *variance))
+    });
+    pixels.find_map(|(name, pixel, value, variance)| {
+        let (what, found) = match (value.is_finite(), variance >= 0.0) {
+            (true, true) => return None,
+            (true, false) => ("variance", variance),
+            (false, _) => ("value", value),
+        };
+        let width = image.crop.width as usize;
+        let (x, y) = (pixel % width, pixel / width);
+        let expected = if what == "value" { "a finite number" } else { "0 or more" };
+        Some(format!("pixel ({x}, {y}) channel {name}: its {what} is {found}, expected {expected}"))
+    })
 }
 
 /// Those of the variances of an image: of Etalon's that of blocks of samples, of others' unknown, and taken for many.
@@ -107,17 +138,15 @@ fn degrees(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
-    fn written(channels: &[(&str, Option<f32>)]) -> Result<Image, String> {
+    fn flat(name: &str, variance: Option<f32>) -> Channel {
+        Channel { name: name.to_string(), mean: vec![1.0; 6], variance: variance.map(|v| vec![v; 6]) }
+    }
+
+    fn written(channels: Vec<Channel>) -> Result<Image, String> {
         let folder = tempfile::tempdir().unwrap();
         let (from, to) = (folder.path().join("in.exr"), folder.path().join("out.exr"));
-        let channels = channels.iter().map(|(name, variance)| Channel {
-            name: name.to_string(),
-            mean: vec![1.0; 6],
-            variance: variance.map(|v| vec![v; 6]),
-        });
         let crop = etalon::film::Window { x: 0, y: 0, width: 3, height: 2 };
-        let image =
-            Image { full: (3, 2), crop, channels: channels.collect(), provenance: None, accumulators: None };
+        let image = Image { full: (3, 2), crop, channels, provenance: None, accumulators: None };
         write_exr(&from, &image).unwrap();
         let arguments = Arguments { image: from, output: to.clone(), confidence: 0.95, degrees: Some(4.0) };
         run(arguments).map_err(|error| error.to_string())?;
@@ -126,7 +155,7 @@ mod tests {
 
     #[test]
     fn channels_with_variances_get_intervals() {
-        let image = written(&[("G", Some(0.25)), ("A", None)]).unwrap();
+        let image = written(vec![flat("G", Some(0.25)), flat("A", None)]).unwrap();
         let names: Vec<&str> = image.channels.iter().map(|channel| channel.name.as_str()).collect();
         assert_eq!(names, ["G", "A", "interval.G"]);
         let width = image.channel("interval.G").unwrap().mean[0];
@@ -137,7 +166,26 @@ mod tests {
 
     #[test]
     fn without_variances_there_are_none() {
-        assert!(written(&[("A", None)]).unwrap_err().ends_with("it has no channels `variance.X`"));
+        let error = written(vec![flat("A", None)]).unwrap_err();
+        assert!(error.ends_with("it has no channel X with a `variance.X` beside it"), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_variance_is_named() {
+        for (value, variance, told) in [
+            (1.0, -1.0, "its variance is -1, expected 0 or more"),
+            (1.0, f32::NAN, "its variance is NaN, expected 0 or more"),
+            (f32::INFINITY, 0.5, "its value is inf, expected a finite number"),
+        ] {
+            let mut broken = flat("G", Some(0.25));
+            broken.mean[4] = value;
+            broken.variance.as_mut().unwrap()[4] = variance;
+            let error = written(vec![broken]).unwrap_err();
+            assert!(error.ends_with(&format!("pixel (1, 1) channel G: {told}")), "{error}");
+        }
+        let mut unknown = flat("G", Some(0.25));
+        unknown.variance.as_mut().unwrap()[4] = f32::INFINITY;
+        assert!(written(vec![unknown]).is_ok());
     }
 
     #[test]

@@ -107,17 +107,30 @@ pub(super) fn noise_ratio_of(pair: &Pair, size: usize) -> Option<f64> {
 }
 
 fn noise_ratio(tiles: &[Raw], pair: &Pair) -> Option<f64> {
-    let of_tiles = median(tiles.iter().map(|tile| tile.sums.b.variance / tile.sums.a.variance))?;
-    let of_pixels = median(pair.pixels().map(|(_, _, pixel)| pixel.variance_b / pixel.variance_a));
+    let of_tiles = typical(tiles.iter().map(|tile| (tile.sums.a.variance, tile.sums.b.variance)))?;
+    let of_pixels = typical(pair.pixels().map(|(_, _, pixel)| (pixel.variance_a, pixel.variance_b)));
     let distance = |ratio: f64| libm::fabs(libm::log(ratio));
     Some(of_pixels.filter(|ratio| distance(*ratio) > distance(of_tiles)).unwrap_or(of_tiles))
 }
 
-/// The median of what is positive and finite.
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite() && *value > 0.0).collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+/// The median of the ratios of second to first variances, of those that are positive and finite.
+///
+/// Each counts by the noise that it is of, a standard error of which is the geometric mean of both. A background
+/// that is seen directly may be most of a picture; its noise, which may be no more than rounding in one of the
+/// images, tells nothing of the noise of what stands before it. What only one image has met counts little more.
+fn typical(variances: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let ratios = variances.map(|(a, b)| (b / a, (a * b).sqrt().sqrt()));
+    let sound = |value: f64| value.is_finite() && value > 0.0;
+    let mut ratios: Vec<(f64, f64)> =
+        ratios.filter(|(ratio, weight)| sound(*ratio) && sound(*weight)).collect();
+    ratios.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f64>();
+    let up_to = ratios.iter().scan(0.0, |sum, (_, weight)| {
+        *sum += weight;
+        Some(*sum)
+    });
+    let middle = up_to.take_while(|sum| *sum < half).count();
+    ratios.get(middle).map(|(ratio, _)| *ratio)
 }
 
 /// The side's variance, or what the other side's variance predicts for it if that is larger.
@@ -299,6 +312,36 @@ mod tests {
         }
         let (pairs, _) = Pair::all(&a, &b);
         assert!(compare(&pairs, &noise(&pairs), &Settings::default(), 0.005).different.is_empty());
+    }
+
+    /// A backdrop that fills three quarters, whose noise is that of rounding in one image, and an object that is a fifth
+    /// too dark in the other.
+    #[test]
+    fn a_backdrop_without_noise_hides_no_difference() {
+        let (width, height) = (64, 64);
+        let is_object = |i: usize| (i % width) / 32 + (i / width) / 32 == 0;
+        let picture = |object: f64, backdrop_variance: f64| {
+            let mut image = grey(width, &vec![1.0; width * height], backdrop_variance);
+            let channel = &mut image.channels[0];
+            for i in (0..width * height).filter(|i| is_object(*i)) {
+                channel.mean[i] = object;
+                channel.variance.as_mut().unwrap()[i] = 1e-4;
+            }
+            image
+        };
+        let reference = picture(0.5, 1e-6);
+        for backdrop_variance in [1e-6, 1e-10, 1e-18, 0.0] {
+            for (object, verdict) in [(0.5, Verdict::Equivalent), (0.4, Verdict::Different)] {
+                let other = picture(object, backdrop_variance);
+                for (a, b) in [(&reference, &other), (&other, &reference)] {
+                    let (pairs, _) = Pair::all(a, b);
+                    let noise = noise(&pairs);
+                    assert!((noise[0].ratio.unwrap() - 1.0).abs() < 1e-9, "{backdrop_variance} {noise:?}");
+                    let found = compare(&pairs, &noise, &Settings::default(), 0.005);
+                    assert_eq!(found.verdict, verdict, "{backdrop_variance} {object}");
+                }
+            }
+        }
     }
 
     #[test]
