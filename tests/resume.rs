@@ -323,6 +323,8 @@ fn places_that_cannot_be_written_are_refused_before_the_render() {
     refused(&["-o", "/proc/x.exr"]);
     refused(&["-o", "out.exr", "--png", "/proc/x.png"]);
     refused(&["-o", "out.exr", "--checkpoint", "/proc/x"]);
+    let stdout = ["standard output cannot be: expected a file.exr"];
+    folder.refused(&["-o", "-", "--spp", "4"], &stdout);
     // A full disk is detected only when it is full; the checkpoint keeps the work.
     let full = ["-o", "/dev/full", "--spp", "8", "--quiet"];
     folder.refused(&full, &["/dev/full: cannot write"]);

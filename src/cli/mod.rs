@@ -93,6 +93,11 @@ fn png_file() -> impl TypedValueParser<Value = PathBuf> {
 
 fn of_kind(path: PathBuf, ending: &str, kind: &str) -> Result<PathBuf, String> {
     const ENDINGS: [&str; 6] = ["exr", "png", "jpg", "jpeg", "hdr", "xml"];
+    if path.as_os_str() == "-" {
+        return Err(format!(
+            "it is replaced when complete, which standard output cannot be: expected a file.{ending}"
+        ));
+    }
     let found = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match found.filter(|found| found != ending && ENDINGS.contains(&found.as_str())) {
         None => Ok(path),

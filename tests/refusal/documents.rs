@@ -8,7 +8,7 @@ fn documents_that_are_no_xml_or_too_much_of_it_are_refused() {
     refused(
         "<scene version=\"3.0.0\">\n<shape type=\"sphere\">\n</scene>\n",
         "</scene",
-        &["not well-formed"],
+        &["not well-formed", "</scene> where <shape> is open", "expected </shape> before it"],
     );
     refused(
         "<scene version=\"3.0.0\">\n<shape type=\"a\" type=\"b\"/>\n</scene>",
@@ -83,7 +83,7 @@ fn parameters_and_includes_are_held_to_account() {
             &["undefined parameter `$size`", "did you mean `sise`?", "-D"],
         ),
         ("missing.xml", "<include filename=\"missing.xml\"/>", &["missing.xml"]),
-        ("scene.xml", "<include filename=\"scene.xml\"/>", &["includes itself"]),
+        ("scene.xml", "<include filename=\"scene.xml\"/>", &["includes itself", "expected another file"]),
         ("nowhere", "<path value=\"nowhere\"/>", &["no folder `nowhere`"]),
     ]);
     let scene = format!("<scene version=\"3.0.0\">\n{SENSOR}\n<include filename=\"other.xml\"/>\n</scene>");

@@ -210,6 +210,7 @@ fn scenes_that_make_no_sense_are_refused() {
         &["no sensor", "add a <sensor>"],
     );
     refused("<scene>\n</scene>", "<scene", &["no `version`", "3.0.0"]);
+    refused("<bsdf type=\"diffuse\"/>", "<bsdf", &["the root is a <bsdf>", "expected <scene version"]);
     refused("<scene version=\"3\">\n</scene>", "<scene", &["is no version"]);
     refused("<bsdf version=\"3.0.0\" type=\"diffuse\"/>", "<bsdf", &["expected <scene>"]);
 }

@@ -96,7 +96,11 @@ impl Reader {
         let text = encoding::decode(path, bytes)?;
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if self.open.contains(&canonical) {
-            return Err(located(SceneError::nowhere(format!("{} includes itself", path.display()))));
+            let message = format!("{} includes itself", path.display());
+            return Err(match from {
+                Some(span) => SceneError::at(span, message, "expected another file"),
+                None => SceneError::nowhere(message),
+            });
         }
         if self.open.len() > MAX_INCLUDE_DEPTH {
             return Err(located(SceneError::nowhere(format!(
@@ -121,8 +125,11 @@ impl Reader {
         let document = roxmltree::Document::parse(&text).map_err(|e| malformed(&source, &e))?;
         let root = document.root_element();
         let span = Span { source: source.clone(), range: start_tag(root) };
-        let version = root.attribute("version").ok_or_else(|| {
-            SceneError::at(&span, "the root element has no `version`", "add version=\"3.0.0\"")
+        let version = root.attribute("version").ok_or_else(|| match root.tag_name().name() {
+            "scene" => SceneError::at(&span, "the root element has no `version`", "add version=\"3.0.0\""),
+            tag => {
+                SceneError::at(&span, format!("the root is a <{tag}>"), "expected <scene version=\"3.0.0\">")
+            }
         })?;
         let numbers = version.split('.').map(|number| number.trim().parse().ok());
         let numbers: Option<Vec<u32>> = numbers.collect();
@@ -314,7 +321,7 @@ fn check_integer(attributes: &[Attribute]) -> Result<(), SceneError> {
 
 /// Why a text is not read as XML. Documents with a DTD are refused whole, for entities may stand for much.
 fn malformed(source: &Arc<Source>, error: &roxmltree::Error) -> SceneError {
-    let at = |range, message: String, expected| {
+    let at = |range, message: String, expected: &str| {
         SceneError::at(&Span { source: source.clone(), range }, message, expected)
     };
     const DTD: &str = "<!DOCTYPE";
@@ -332,9 +339,15 @@ fn malformed(source: &Arc<Source>, error: &roxmltree::Error) -> SceneError {
                 "expected the rest of it",
             )
         }
+        (roxmltree::Error::UnexpectedCloseTag(open, closed, place), _) => {
+            let message = format!("not well-formed XML: </{closed}> where <{open}> is open");
+            at(offset(&source.text, *place), message, &format!("expected </{open}> before it"))
+        }
         _ => {
             let range = offset(&source.text, error.pos());
-            at(range, format!("not well-formed XML: {error}"), "expected well-formed XML")
+            // The place is told anyway.
+            let what = error.to_string().replace(&format!(" at {}", error.pos()), "");
+            at(range, format!("not well-formed XML: {what}"), "expected well-formed XML")
         }
     }
 }

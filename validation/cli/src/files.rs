@@ -18,7 +18,7 @@ pub fn json<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
 
 /// The content of a TOML document.
 pub fn toml<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
-    toml::from_str(&text(path)?).map_err(|e| format!("{}: {e}", path.display()))
+    toml::from_str(&text(path)?).map_err(|e| format!("{}: {}", path.display(), e.to_string().trim_end()))
 }
 
 /// The lines of a file of JSON documents; one that an interruption has left unfinished is passed over. Error: a line

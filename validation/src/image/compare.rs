@@ -219,8 +219,10 @@ impl Comparison {
             return (verdict, message);
         }
         let alone = format!("only one image has {}", self.uncompared.join(", "));
-        let verdict = if verdict == Verdict::Equivalent { Verdict::Inconclusive } else { verdict };
-        (verdict, format!("{message}; {alone}"))
+        match verdict {
+            Verdict::Equivalent => (Verdict::Inconclusive, format!("{alone}; else {message}")),
+            _ => (verdict, format!("{message}; {alone}")),
+        }
     }
 
     /// The comparison as an [`Outcome`] of the check `images`.

@@ -26,7 +26,7 @@ pub struct Renderer {
 
 /// The committed file.
 pub fn file() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../renderers.toml")
+    Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("renderers.toml")
 }
 
 /// All renderers of a file, by name.
