@@ -41,7 +41,7 @@ fn refracted(scene: &Scene, ray: &Ray, λ: &mut Wavelengths) -> Ray {
     if sample.dispersed {
         λ.collapse();
     }
-    Ray::leaving(point.p, frame.to_world(sample.wi), f64::INFINITY, hit.primitive)
+    point.ray(frame.to_world(sample.wi), f64::INFINITY, hit.primitive)
 }
 
 /// By Snell's law at both faces a ray that comes in at angle i from the normal is turned by

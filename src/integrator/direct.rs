@@ -80,7 +80,7 @@ impl Direct {
             if !(self.hide_emitters && shape.emitter.is_some()) {
                 break (hit, shape, point);
             }
-            ray = Ray::leaving(point.p, ray.direction, f64::INFINITY, hit.primitive);
+            ray = point.ray(ray.direction, f64::INFINITY, hit.primitive);
         };
         *covered = true;
         if let Some(index) = shape.emitter {
@@ -111,7 +111,7 @@ impl Direct {
         for u in sampler.each_emitter_sample(1, self.bsdf_samples, PAIRS) {
             let (lobe, direction) = u.scattering();
             let Some(sample) = bsdf.sample(vertex.wo, lobe, direction) else { continue };
-            let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
+            let onward = point.ray(vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
             let arrived = self.arriving::<F>(scene, &onward, &choice, &sample, λ, counters);
             radiance += sample.weight * arrived * (1.0 / samples.bsdf) as f32;
         }

@@ -90,7 +90,7 @@ pub fn sample_emitter<B: Bsdf>(
         let own = samples.emitter * pdf;
         power_heuristic_of_ratios(samples.bsdf * scattered.pdf / own, light_paths(index, &light, own))
     };
-    let ray = Ray::leaving(vertex.point.p, light.wi, light.distance, vertex.primitive);
+    let ray = vertex.point.ray(light.wi, light.distance, vertex.primitive);
     let on_surfaces = entry.shape.is_some() && vertex.primitive != Ray::FREE;
     let proposal = Proposal {
         ray: if on_surfaces { Ray { ends: Ends::OnSurfaces, ..ray } } else { ray },
@@ -113,7 +113,7 @@ pub fn density_of_finding<B: Bsdf>(
 ) -> f64 {
     let entry = &scene.emitters.list[end.emitter];
     let (Some(shape), Some(path)) = (entry.shape, scene.integrator.path()) else { return 0.0 };
-    let there = SurfacePoint::plain(end.p, end.n, end.n);
+    let there = SurfacePoint::plain(end.p, end.n, end.n, 0.0);
     let (p, geometry) = (vertex.point.p, &scene.shapes[shape as usize].geometry);
     let pdf = entry.emitter.surface_pdf(geometry, &Ray::free(p, w), distance, &there);
     let gathers = vertex.gathers(scene, to_camera);

@@ -43,7 +43,7 @@ impl Start {
         let here = Hit { t: 0.0, u: 0.0, v: 0.0, primitive: ray.from };
         let ng = scene.surface::<{ Features::INSTANCES }>(ray, &here).1.ng;
         let n = if ng.dot(ray.direction) < 0.0 { -ng } else { ng };
-        let point = SurfacePoint::plain(ray.origin, n, n);
+        let point = SurfacePoint::plain(ray.origin, n, n, ray.start);
         let side = Side::without_material(Traits { has_density: true, one_lobe: true, ..Traits::default() });
         let (frame, white) = (Frame::about(n), DiffuseBsdf::of(λ.ones()));
         let vertex = Vertex::new(&point, ray.from, &frame, &white, &side, n);

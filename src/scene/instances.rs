@@ -138,12 +138,8 @@ impl Instances {
     /// placing it.
     pub fn point_error(&self, primitive: u32, p: DVec3) -> f64 {
         let (to_world, group, local) = self.find(primitive);
-        let m = to_world.matrix;
-        let axes = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.truncate().abs());
-        let at = to_world.inverted().point(p).abs();
-        let terms = axes[0] * at.x + axes[1] * at.y + axes[2] * at.z + m.w_axis.truncate().abs();
-        let stretch = (axes[0] + axes[1] + axes[2]).max_element();
-        stretch * group.shape_of(local).0.geometry.point_error() + position_error(terms)
+        let there = to_world.inverted().point(p);
+        error_of_placing(to_world, there, group.shape_of(local).0.geometry.point_error())
     }
 
     /// The shape that a primitive belongs to, and its number there.
@@ -168,9 +164,19 @@ impl Instances {
             uv: point.uv,
             dp_du: to_world.vector(point.dp_du),
             dp_dv: to_world.vector(point.dp_dv),
+            error: error_of_placing(to_world, point.p, point.error),
         };
         (shape, placed)
     }
+}
+
+/// A bound of the error of a placed point, given that of the point `p` of a group.
+fn error_of_placing(to_world: &Transform, p: DVec3, error: f64) -> f64 {
+    let (m, at) = (to_world.matrix, p.abs());
+    let axes = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.truncate().abs());
+    let terms = axes[0] * at.x + axes[1] * at.y + axes[2] * at.z + m.w_axis.truncate().abs();
+    let stretch = (axes[0] + axes[1] + axes[2]).max_element();
+    stretch * error + position_error(terms)
 }
 
 #[cfg(test)]

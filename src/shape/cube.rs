@@ -95,12 +95,12 @@ impl Cube {
         let in_plane = from_centre - patch.n * patch.n.dot(from_centre);
         let p = patch.centre + in_plane;
         if !UV {
-            return SurfacePoint::plain(p, patch.n, patch.n);
+            return SurfacePoint::plain(p, patch.n, patch.n, self.point_error());
         }
         let in_cube = DVec3::from_array(self.dual.map(|dual| dual.dot(p - self.centre)));
         // Rounding leads beyond an edge, but not beyond the texture.
         let [x, y] = [1, 2].map(|side| FACES[face as usize][side].dot(in_cube).clamp(-1.0, 1.0));
-        SurfacePoint { p, ..patch.point::<true>(x, y) }
+        SurfacePoint { p, error: self.point_error(), ..patch.point::<true>(x, y) }
     }
 
     /// The area in m² of the surface (world).

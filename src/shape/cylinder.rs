@@ -87,12 +87,12 @@ impl Cylinder {
         let n = if self.inward { -outward } else { outward };
         let p = self.start + self.axis * z + outward * self.radius;
         if !UV {
-            return SurfacePoint::plain(p, n, n);
+            return SurfacePoint::plain(p, n, n, self.point_error());
         }
         let (x, y) = (outward.dot(self.x), outward.dot(self.y));
         let uv = DVec2::new(turn(y, x), z / self.length);
         let dp_du = (self.y * x - self.x * y) * (2.0 * PI * self.radius);
-        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length }
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length, error: self.point_error() }
     }
 
     /// See [`Geometry::point_error`]. Each coordinate of the wall is at most that of the start, the length

@@ -158,7 +158,8 @@ impl Mesh {
             }
         };
         let uv = if UV && self.chart.is_some() { Chart::coordinates(triangle, u, v) } else { uv };
-        SurfacePoint { p: p0 + e1 * u + e2 * v, ng, ns, uv, dp_du, dp_dv }
+        let p = p0 + e1 * u + e2 * v;
+        SurfacePoint { p, ng, ns, uv, dp_du, dp_dv, error: position_error(p) }
     }
 
     /// Lets points have the coordinates of a chart from now on, for textures that are attributes; `None` if the

@@ -25,6 +25,7 @@ mod sphere;
 
 use crate::math::bounds::corners;
 use crate::math::cone::Cone;
+use crate::math::ray::Ends;
 use crate::math::{Ball, Bounds, DVec2, DVec3, Frame, Ray, Transform, length};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -107,18 +108,31 @@ pub struct SurfacePoint {
     pub dp_du: DVec3,
     /// ∂p/∂v.
     pub dp_dv: DVec3,
+    /// A bound of the rounding error of `p`; see [`Geometry::point_error`].
+    pub error: f64,
 }
 
 impl SurfacePoint {
     /// A point whose texture coordinates are not needed.
-    pub fn plain(p: DVec3, ng: DVec3, ns: DVec3) -> Self {
-        Self { p, ng, ns, uv: DVec2::ZERO, dp_du: DVec3::ZERO, dp_dv: DVec3::ZERO }
+    pub fn plain(p: DVec3, ng: DVec3, ns: DVec3, error: f64) -> Self {
+        Self { p, ng, ns, uv: DVec2::ZERO, dp_du: DVec3::ZERO, dp_dv: DVec3::ZERO, error }
     }
 
     /// A point in the plane z = 0 with its normal along +z, to evaluate a material by itself.
     pub fn flat() -> Self {
         let n = DVec3::Z;
-        Self { p: DVec3::ZERO, ng: n, ns: n, uv: DVec2::new(0.5, 0.5), dp_du: DVec3::X, dp_dv: DVec3::Y }
+        let uv = DVec2::new(0.5, 0.5);
+        Self { p: DVec3::ZERO, ng: n, ns: n, uv, dp_du: DVec3::X, dp_dv: DVec3::Y, error: 0.0 }
+    }
+
+    /// A ray that leaves the point, which lies on this primitive, to distance `end`.
+    ///
+    /// The line of a point that is beside its surface by `error` crosses that surface within error/cos, and so it does
+    /// another surface in the same place, which must not be met: two of them look like one.
+    #[inline]
+    pub fn ray(&self, direction: DVec3, end: f64, primitive: u32) -> Ray {
+        let cos = self.ng.dot(direction).abs().max(f64::MIN_POSITIVE);
+        Ray { origin: self.p, direction, start: self.error / cos, end, from: primitive, ends: Ends::Anywhere }
     }
 
     /// The local frame in which materials work.

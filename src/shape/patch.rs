@@ -78,7 +78,7 @@ impl Patch {
     pub fn point<const UV: bool>(&self, x: f64, y: f64) -> SurfacePoint {
         let p = self.centre + self.e1 * x + self.e2 * y;
         if !UV {
-            return SurfacePoint::plain(p, self.n, self.n);
+            return SurfacePoint::plain(p, self.n, self.n, self.error);
         }
         let (uv, dp_du, dp_dv) = match self.outline {
             Outline::Square => (DVec2::new(0.5 * (x + 1.0), 0.5 * (y + 1.0)), self.e1 * 2.0, self.e2 * 2.0),
@@ -89,7 +89,7 @@ impl Patch {
                 (DVec2::new(r, turn(y, x)), radial, around)
             }
         };
-        SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du, dp_dv }
+        SurfacePoint { p, ng: self.n, ns: self.n, uv, dp_du, dp_dv, error: self.error }
     }
 
     /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.

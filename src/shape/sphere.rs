@@ -74,7 +74,7 @@ impl Sphere {
         let n = if self.inward { -outward } else { outward };
         let p = self.centre + outward * self.radius;
         if !UV {
-            return SurfacePoint::plain(p, n, n);
+            return SurfacePoint::plain(p, n, n, self.error);
         }
         let local = DVec3::from(self.axes.map(|axis| axis.dot(outward)));
         let uv = DVec2::new(turn(local.y, local.x), INV_PI * acos(local.z.clamp(-1.0, 1.0)));
@@ -87,7 +87,7 @@ impl Sphere {
             self.axes[0]
         };
         let dp_dv = (around * local.z - self.axes[2] * rho) * (PI * self.radius);
-        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv }
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv, error: self.error }
     }
 
     /// See [`Geometry::point_error`].

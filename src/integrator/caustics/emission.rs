@@ -84,9 +84,10 @@ impl Emission {
         if density == 0.0 {
             return None;
         }
-        let point = SurfacePoint { uv: start.uv, ..SurfacePoint::plain(start.p, start.n, start.n) };
+        let point =
+            SurfacePoint { uv: start.uv, ..SurfacePoint::plain(start.p, start.n, start.n, start.error) };
         let radiance = entry.emitter.surface_radiance(&point, w, λ);
-        let ray = Ray::leaving(start.p, w, f64::INFINITY, shape.first_primitive + start.primitive);
+        let ray = point.ray(w, f64::INFINITY, shape.first_primitive + start.primitive);
         (!radiance.is_zero()).then(|| Start { end, ray, radiance, cos: w.dot(start.n), density })
     }
 

@@ -202,7 +202,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
             let carried = path.λ.mean(path.throughput) as f64;
             path.throughput *= roulette(carried, edges, sample.delta, u.roulette())?;
         }
-        Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
+        Some(point.ray(to_camera, f64::INFINITY, primitive))
     }
 }
 
@@ -248,7 +248,7 @@ impl Caustics {
         let shared = power_heuristic_of_ratios(1.0 / ratio, by_emitter / ratio);
         let weight = shared * filter * seen * path.scale / (cos_light * f64::from(self.paths));
         let radiance = path.throughput * path.emitted * scattered.value;
-        let ray = Ray::leaving(point.p, view.towards, view.distance, vertex.primitive);
+        let ray = point.ray(view.towards, view.distance, vertex.primitive);
         connections.push(path.index, ray, Splat { pixel, λ: path.λ, radiance, weight });
     }
 }

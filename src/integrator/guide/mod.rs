@@ -115,7 +115,7 @@ pub fn sample_guided<B: Bsdf>(
     }
     let weight = power_heuristic(density, scattered.pdf) / density;
     let mut throughput = scattered.value * weight as f32;
-    let mut ray = Ray::leaving(vertex.point.p, w, f64::INFINITY, vertex.primitive);
+    let mut ray = vertex.point.ray(w, f64::INFINITY, vertex.primitive);
     for surfaces in 0..=most.min(LONGEST_CHAIN) {
         counters.rays += 1;
         let Some(hit) = scene.accel.closest(&ray) else { break };
@@ -164,7 +164,7 @@ fn onward(
     let wo = frame.to_local(back);
     let sample = scene.materials[side.material as usize].at(point, λ).sample(wo, lobe, DVec2::ZERO);
     let sample = sample.filter(|sample| !sample.dispersed)?;
-    let ray = Ray::leaving(point.p, frame.to_world(sample.wi), f64::INFINITY, primitive);
+    let ray = point.ray(frame.to_world(sample.wi), f64::INFINITY, primitive);
     Some(Turn { wo, sample, ray })
 }
 

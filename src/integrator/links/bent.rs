@@ -101,7 +101,7 @@ impl Bent {
                         *dd * ratio + n * (ratio * near_change - far_change) + turned * (ratio * near - far);
                 }
             }
-            ray = Ray::leaving(point.p, frame.to_world(sample.wi), f64::INFINITY, hit.primitive);
+            ray = point.ray(frame.to_world(sample.wi), f64::INFINITY, hit.primitive);
         }
         let d = ray.direction;
         let towards = to - ray.origin;

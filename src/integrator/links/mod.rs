@@ -185,7 +185,7 @@ pub fn density_of(
         .filter(|search| search.surfaces() == chain.surfaces)?;
     let is_it = |link: &Link| length(link.direction - direction) < SAME && link.last.direction.dot(n) < 0.0;
     let link = search.links(λ, counters).find(is_it)?;
-    let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, &SurfacePoint::plain(p, n, n));
+    let pdf = entry.emitter.surface_pdf(geometry, &straight, distance, &SurfacePoint::plain(p, n, n, 0.0));
     let chosen =
         Choice::at(Gathers::EVERYWHERE.at(from.p)).probability(&scene.emitters, emitter) * connector.chance;
     Some(chosen * density(pdf, straight.direction, distance, &link, n))

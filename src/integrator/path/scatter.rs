@@ -98,7 +98,7 @@ impl<const F: u32> Visitor for Scatter<'_, F> {
         if state.throughput.is_zero() {
             return None;
         }
-        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, primitive);
+        let onward = point.ray(vertex.to_world(sample.wi), f64::INFINITY, primitive);
         drop(bsdf);
         if F & Features::DISPERSION != 0 && sample.dispersed {
             path.λ.collapse();

@@ -48,7 +48,7 @@ impl Path {
             if self.lengths.hide_emitters && state.depth == 0 {
                 // Light paths do not see the camera through an emitter.
                 state.light_ratio = 0.0;
-                return Some(Ray::leaving(point.p, ray.direction, f64::INFINITY, hit.primitive));
+                return Some(point.ray(ray.direction, f64::INFINITY, hit.primitive));
             }
             let met = Met { ray, t: hit.t, shape, point: &point, emitter: emitter as usize };
             let flight = InFlight { index, path, state, gathers, shared, chain };

@@ -48,7 +48,8 @@ pub fn between<'a, const F: u32>(
         }
         // On along the same line: the computed point may lie off it by the rounding of something large, and the
         // ray would end in what it leads to.
-        ray = Ray::leaving(ray.at(hit.t), ray.direction, ray.end - hit.t, hit.primitive);
+        let onward = point.ray(ray.direction, ray.end - hit.t, hit.primitive);
+        ray = Ray { origin: ray.at(hit.t), ..onward };
     }
     Spectrum::ZERO
 }

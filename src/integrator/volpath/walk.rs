@@ -151,7 +151,7 @@ impl<'a> Walk<'a> {
         }
         // The phase function is a BSDF about the direction to where the path came from.
         let wo = -self.ray.direction;
-        let (point, frame) = (SurfacePoint::plain(p, wo, wo), Frame::about(wo));
+        let (point, frame) = (SurfacePoint::plain(p, wo, wo, 0.0), Frame::about(wo));
         let traits = Traits { has_density: true, transmits: true, ..Traits::default() };
         let side = Side::without_material(traits);
         let phase = medium.phase.at(p);
@@ -207,7 +207,7 @@ impl<'a> Walk<'a> {
             return None;
         }
         let arrival = Arrival { pdf: sample.pdf, delta: sample.delta, emitter_samples: 1 };
-        let onward = Ray::leaving(point.p, vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
+        let onward = point.ray(vertex.to_world(sample.wi), f64::INFINITY, hit.primitive);
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(onward.direction.dot(point.ng));
         }
@@ -220,7 +220,7 @@ impl<'a> Walk<'a> {
         if let Some(interface) = shape.interface.as_deref() {
             self.medium = interface.towards(w.dot(point.ng));
         }
-        self.ray = Ray::leaving(point.p, w, f64::INFINITY, hit.primitive);
+        self.ray = point.ray(w, f64::INFINITY, hit.primitive);
     }
 
     /// Light that an emitting surface sends along the ray.

@@ -142,6 +142,6 @@ impl LightPath {
             let carried = self.λ.mean(self.throughput) as f64;
             self.throughput *= roulette(carried, edges, false, u.roulette())?;
         }
-        Some(Ray::leaving(point.p, to_camera, f64::INFINITY, primitive))
+        Some(point.ray(to_camera, f64::INFINITY, primitive))
     }
 }

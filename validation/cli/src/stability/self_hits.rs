@@ -68,7 +68,7 @@ fn false_hits(scene: &Scene, rays: u64, least: f64, hollow: bool) -> Result<u64,
         let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
         let (s, c) = libm::sincos(std::f64::consts::TAU * uniform(5));
         let direction = Frame::about(point.ng).to_world(DVec3::new(sin * c, sin * s, cos));
-        let onward = Ray::leaving(point.p, direction, f64::INFINITY, hit.primitive);
+        let onward = point.ray(direction, f64::INFINITY, hit.primitive);
         let met = scene.accel.closest(&onward);
         // The expected distance is the chord of the unit sphere.
         let right = if hollow {

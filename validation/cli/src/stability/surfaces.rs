@@ -32,9 +32,39 @@ pub fn cases() -> Vec<Case> {
     let slivers = |place: Point| shape("obj", &[translate(place)], &wears);
     let scenes = [room.clone(), room.replace("</scene>", &(slivers([0.0, -1.0, 1.0]) + "</scene>"))];
     cases.push(Case::same("triangles_without_area", nothing, scenes, 1e-3));
+    cases.extend(tilted_twice());
     cases.push(coincident_glass());
     cases.extend(mixed_scales().into_iter().map(Case::answer));
     cases
+}
+
+/// Shapes that are in the scene twice, seen where their points are computed from numbers much larger than these are.
+/// The two surfaces cross the line of a ray that leaves either at distances that are rounding alone.
+fn tilted_twice() -> Vec<Case> {
+    let tilt = || vec![rotate('x', 31.0), rotate('y', 17.0), rotate('z', 23.0)];
+    let wide = || [vec![scale([100.0; 3]), translate([90.0, 80.0, 0.0])], tilt()].concat();
+    let edge = || [vec![translate([1.0, 0.3, 0.2])], tilt()].concat();
+    let matte = diffuse(0.5);
+    let ball = sphere([0.0, 0.0, -1000.0], 1000.0, &matte);
+    let bodies = [
+        ("rectangle", shape("rectangle", &wide(), &matte)),
+        ("disk", shape("disk", &wide(), &matte)),
+        ("cube", shape("cube", &edge(), &matte)),
+        ("cylinder", shape("cylinder", &edge(), &matte)),
+        ("ball", ball),
+        ("mask", shape("rectangle", &wide(), &bsdf("mask", &(float("opacity", 0.5) + &matte)))),
+        ("nothing", shape("rectangle", &wide(), &bsdf("null", ""))),
+    ];
+    let case = |(name, body): (&str, String)| {
+        let camera = pinhole(&look_at([3.0, 4.0, 5.0], [0.0; 3], [0.0, 0.0, 1.0]), 8.0, &film(12, 12));
+        let seen = |body: &str| {
+            let integrator = if name == "nothing" { "<integrator type=\"volpath\"/>" } else { &path(-1) };
+            scene(&[integrator, &camera, body, &constant(1.0)])
+        };
+        let expectation = "two shapes in one place are one, however far their points are from their middles";
+        Case::same(&format!("twice_{name}"), expectation, [seen(&body), seen(&body.repeat(2))], 1e-3)
+    };
+    bodies.map(case).into()
 }
 
 /// A ball of glass in a film of water without thickness: two coincident interfaces.
