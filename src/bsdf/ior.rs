@@ -20,11 +20,16 @@ pub fn relative(params: &mut Params, interior: &'static str) -> Result<f64, Scen
     Ok(one(params, "int_ior", interior, INTERIOR)? / exterior(params)?)
 }
 
+/// Whether two sides have the same index, or so nearly that the half vector of refraction, ωₒ + ηωᵢ, is rounding.
+pub fn nearly_equal(eta: f64) -> bool {
+    (eta - 1.0).abs() < 1e-12
+}
+
 /// Refuses two sides of the same index, where refraction has no half vector.
 pub fn refuse_equal(params: &Params, eta: f64) -> Result<(), SceneError> {
     let message = "the indices of refraction are the same on both sides";
     let refusal = || params.error("int_ior", message, "expected them to differ; `null` is no surface");
-    if eta == 1.0 { Err(refusal()) } else { Ok(()) }
+    if nearly_equal(eta) { Err(refusal()) } else { Ok(()) }
 }
 
 fn exterior(params: &mut Params) -> Result<f64, SceneError> {

@@ -63,6 +63,8 @@ impl Distribution {
         let r2 = x * x + y * y;
         let scale = 1.0 / (PI * self.alpha_u * self.alpha_v);
         match self.shape {
+            // The limit of facets that stand upright.
+            Shape::Beckmann if z2 * z2 == 0.0 => 0.0,
             Shape::Beckmann => scale * exp(-r2 / z2) / (z2 * z2),
             Shape::Ggx => scale / ((r2 + z2) * (r2 + z2)),
         }
@@ -235,6 +237,19 @@ mod tests {
                     let one = facets.pdf(w, m) * du.perp_dot(dv).abs() * m.z * m.z * m.z;
                     assert!((one - 1.0).abs() < 1e-4, "{facets:?} {w} {u}: {one}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn facets_that_stand_upright_have_a_density() {
+        for facets in distributions() {
+            for z in [0.0, 1e-300, 1e-100, 1e-30] {
+                let density = facets.density(DVec3::new(0.6, 0.8, z));
+                assert!(
+                    density.is_finite() && (density == 0.0 || facets.shape == Shape::Ggx),
+                    "{facets:?} {z}"
+                );
             }
         }
     }

@@ -57,7 +57,8 @@ impl Base {
         let tints = spec_tint != 0.0 || of_sheen * sheen_tint != 0.0;
         let luminance = || self.luminance.unwrap_or_else(|| self.color.luminance(point.uv));
         let hue = match tints.then(luminance) {
-            Some(luminance) if luminance > 0.0 => color * (1.0 / luminance) as f32,
+            // Of a smaller one there is no reciprocal.
+            Some(luminance) if luminance >= f64::from(f32::MIN_POSITIVE) => color * (1.0 / luminance) as f32,
             _ => Spectrum::ONE,
         };
         let tinted = Spectrum::splat(1.0 - sheen_tint as f32) + hue * sheen_tint as f32;

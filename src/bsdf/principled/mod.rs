@@ -12,6 +12,7 @@ mod gtr1;
 mod layers;
 pub mod matte;
 
+use super::ior::nearly_equal;
 use super::{Material, Traits};
 use crate::scene::error::SceneError;
 use crate::scene::params::Params;
@@ -147,40 +148,76 @@ fn index(params: &mut Params, transmits: bool) -> Result<f64, SceneError> {
         let eta = params.float_where("eta", 1.5, about, "a number above 0, from 1e-9 to 1e9", |eta| {
             super::ior::RANGE.contains(&eta)
         })?;
-        return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
+        return Ok(if transmits && nearly_equal(eta) { 1.001 } else { eta });
     }
     params.optional_float("eta", about)?;
     let specular = params.float_where("specular", 0.5, SPECULAR, "0 to 12", |s| (0.0..=12.0).contains(&s))?;
-    let specular = if transmits && specular == 0.0 { 1e-3 } else { specular };
-    Ok(2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0)
+    let of = |specular: f64| 2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0;
+    Ok(if transmits && nearly_equal(of(specular)) { of(1e-3) } else { of(specular) })
 }
 
 const SPECULAR: &str = "reflectance at normal incidence, in units of 0.08, up to 0.96";
 
 #[cfg(test)]
 mod tests {
+    use crate::image::Image;
     use crate::load_text;
     use crate::render::{Progress, Settings, render};
     use crate::spectrum::ColorMode;
+
+    /// A sheet of this material in a sky: its image, and how many of its samples are no number.
+    fn sheet(material: &str, samples: u64) -> (Image, u64) {
+        let text = format!(
+            r#"<scene version="3.0.0"><integrator type="path"/>
+            <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+                <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
+            <emitter type="constant"/><shape type="rectangle"><transform name="to_world"><scale value="9"/></transform>
+                {material}</shape></scene>"#
+        );
+        let scene = load_text("sheet.xml", &text, ColorMode::Rgb).unwrap();
+        let (image, report) =
+            render(&scene, &Settings::of(&scene, 0..samples), &Progress::default()).unwrap();
+        (image, report.non_finite)
+    }
 
     /// Rates say how lobes are sampled, not what they do.
     #[test]
     fn a_rate_of_zero_leaves_no_lobe_out() {
         let brightness = |rate: &str| {
-            let text = format!(
-                r#"<scene version="3.0.0"><integrator type="path"/>
-                <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
-                    <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
-                <emitter type="constant"/><shape type="rectangle"><transform name="to_world"><scale value="9"/></transform>
-                    <bsdf type="principled"><float name="spec_trans" value="1"/><float name="eta" value="1.5"/>
-                    <float name="roughness" value="0.6"/><float name="main_specular_sampling_rate" value="{rate}"/></bsdf></shape></scene>"#
+            let material = format!(
+                r#"<bsdf type="principled"><float name="spec_trans" value="1"/><float name="eta" value="1.5"/>
+                <float name="roughness" value="0.6"/><float name="main_specular_sampling_rate" value="{rate}"/></bsdf>"#
             );
-            let scene = load_text("sheet.xml", &text, ColorMode::Rgb).unwrap();
-            let settings = Settings::of(&scene, 0..4096);
-            let (image, _) = render(&scene, &settings, &Progress::default()).unwrap();
+            let (image, _) = sheet(&material, 4096);
             image.channels.iter().map(|of| of.mean.iter().sum::<f32>()).sum::<f32>()
         };
         let (usual, seldom) = (brightness("1"), brightness("0"));
         assert!((seldom / usual - 1.0).abs() < 0.01, "{usual} {seldom}");
+    }
+
+    #[test]
+    fn what_is_next_to_nothing_is_a_number() {
+        let glass = r#"<float name="spec_trans" value="1"/><float name="roughness" value="0.5"/>"#;
+        let dark = |rgb: &str| format!(r#"<rgb name="base_color" value="{rgb}"/>"#);
+        let tint = r#"<float name="spec_tint" value="1"/>"#;
+        let sheen = r#"<float name="sheen" value="1"/><float name="sheen_tint" value="1"/>"#;
+        let values = |name: &str, value: &str| format!(r#"<float name="{name}" value="{value}"/>"#);
+        for (kind, parameters) in [
+            ("principled", values("specular", "1e-33") + glass),
+            ("principled", values("specular", "0") + glass),
+            ("principled", values("eta", "1") + glass),
+            ("principled", values("eta", "1.0000000000000002") + glass),
+            ("principled", dark("1e-38, 0, 0") + tint),
+            ("principled", dark("0") + tint),
+            ("principledthin", dark("1e-39, 0, 0") + sheen),
+        ] {
+            let material = format!(r#"<bsdf type="{kind}">{parameters}</bsdf>"#);
+            let (image, non_finite) = sheet(&material, 64);
+            assert_eq!(non_finite, 0, "{material}");
+            assert!(
+                image.channels.iter().flat_map(|of| &of.mean).all(|value| value.is_finite()),
+                "{material}"
+            );
+        }
     }
 }
