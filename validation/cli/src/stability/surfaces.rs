@@ -62,7 +62,7 @@ fn tilted_twice() -> Vec<Case> {
             scene(&[integrator, &camera, body, &constant(1.0)])
         };
         let expectation = "two shapes in one place are one, however far their points are from their middles";
-        Case::same(&format!("twice_{name}"), expectation, [seen(&body), seen(&body.repeat(2))], 1e-3)
+        Case::same(format!("twice_{name}"), expectation, [seen(&body), seen(&body.repeat(2))], 1e-3)
     };
     bodies.map(case).into()
 }
