@@ -83,17 +83,11 @@ pub struct Filter {
     profile: Profile,
     sampler: FilterSampler,
     margins: [u32; 2],
-    /// ∫|f| over each 1/32 of a pixel, from the lower end.
-    bins: Vec<f64>,
-    /// The lower end in pixels.
-    low: f64,
-    /// ∫|f|.
-    absolute: f64,
+    /// Both ends in pixels.
+    ends: [f64; 2],
     /// ∫f.
-    signed: f64,
+    integral: f64,
 }
-
-const BINS: f64 = 32.0;
 
 impl Filter {
     /// A filter at a pixel with `margins` pixels of the film before and after it.
@@ -101,38 +95,55 @@ impl Filter {
         let profile =
             parse(snippet, |element, loader| construct(FILTERS, element, loader, Usage::Unbounded))?;
         let end = |pixels: u32| profile.radius().min(f64::from(pixels) + 0.5);
-        let (low, high) = (-end(margins[0]), end(margins[1]));
-        let count = (BINS * (high - low)).round() as usize;
-        // The quadrature rule of the sampler's own table: the sampler draws from the table, so the table is
-        // exact by definition, also where the rule has an error of 10⁻⁵ because |f| has a kink in the bin.
-        let over = |i: usize, of: &dyn Fn(f64) -> f64| {
-            let cell = |i: usize| low + i as f64 / BINS;
-            integrate_from_kink(cell(i), cell(i + 1), of)
-        };
-        let bins: Vec<f64> = (0..count).map(|i| over(i, &|x| profile.eval(x).abs())).collect();
-        let signed = (0..count).map(|i| over(i, &|x| profile.eval(x))).sum();
-        let absolute = bins.iter().sum();
-        Ok(Self { profile, sampler: FilterSampler::new(profile), margins, bins, low, absolute, signed })
+        let ends = [-end(margins[0]), end(margins[1])];
+        // Filters have kinks at multiples of half a pixel, and nowhere else.
+        const PARTS: f64 = 32.0;
+        let count = (PARTS * (ends[1] - ends[0])).round() as usize;
+        let at = |i: usize| ends[0] + i as f64 / PARTS;
+        let integral = (0..count).map(|i| integrate_from_kink(at(i), at(i + 1), &|x| profile.eval(x))).sum();
+        Ok(Self { profile, sampler: FilterSampler::new(profile), margins, ends, integral })
+    }
+
+    fn drawn(&self, u: f64) -> (f64, f64) {
+        self.sampler.sample(u, self.margins[0], self.margins[1])
     }
 }
 
 impl Planar for Filter {
     fn bounds(&self) -> Cell {
-        Cell { low: [self.low, 0.0], high: [self.low + self.bins.len() as f64 / BINS, 1.0] }
+        Cell { low: [self.ends[0], 0.0], high: [self.ends[1], 1.0] }
     }
 
     fn value(&self, [x, _]: [f64; 2]) -> f64 {
         // Halved, so that the magnitudes of a filter with negative lobes integrate to at most 1.
-        0.5 * (self.profile.eval(x) / self.signed).abs()
+        0.5 * (self.profile.eval(x) / self.integral).abs()
     }
 
+    /// The density that the weight there states. The place is monotonic in the random number, so bisection finds the
+    /// number.
     fn pdf(&self, [x, _]: [f64; 2]) -> f64 {
-        let bin = ((x - self.low) * BINS).floor().clamp(0.0, self.bins.len() as f64 - 1.0);
-        self.bins[bin as usize] * BINS / self.absolute
+        let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if self.drawn(middle).0 < x {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let (found, weight) = self.drawn(low);
+        let value = self.profile.eval(found);
+        if value.abs() > 1e-6 * self.profile.eval(0.0) {
+            return (value / (weight * self.integral)).abs();
+        }
+        // Next to a zero of the filter a weight states nothing. There it is how far apart numbers lead.
+        const STEP: f64 = 1e-9;
+        let (before, after) = ((low - STEP).max(0.0), (low + STEP).min(1.0 - f64::EPSILON));
+        (after - before) / (self.drawn(after).0 - self.drawn(before).0)
     }
 
     fn sample(&self, u: [f64; 3]) -> Option<Place> {
-        let (x, weight) = self.sampler.sample(u[1], self.margins[0], self.margins[1]);
+        let (x, weight) = self.drawn(u[1]);
         let at = [x, u[2]];
         Some(Place { at, weight: 0.5 * weight.abs(), pdf: self.pdf(at) })
     }
