@@ -100,7 +100,7 @@ impl Filter {
         const PARTS: f64 = 32.0;
         let count = (PARTS * (ends[1] - ends[0])).round() as usize;
         let at = |i: usize| ends[0] + i as f64 / PARTS;
-        let integral = (0..count).map(|i| integrate_from_kink(at(i), at(i + 1), &|x| profile.eval(x))).sum();
+        let integral = (0..count).map(|i| integrate_from_kink(at(i), at(i + 1), |x| profile.eval(x))).sum();
         Ok(Self { profile, sampler: FilterSampler::new(profile), margins, ends, integral })
     }
 
