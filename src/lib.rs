@@ -24,6 +24,7 @@
 pub const VERSION: &str = env!("ETALON_VERSION");
 
 pub mod bsdf;
+pub mod command_line;
 pub mod emitter;
 pub mod files;
 pub mod film;

@@ -3,6 +3,7 @@
 mod cli;
 mod out_of_memory;
 
+use etalon::command_line::given;
 use etalon::scene::error::SceneError;
 use std::error::Error;
 use std::process::ExitCode;
@@ -13,7 +14,7 @@ static ALLOCATOR: out_of_memory::Telling = out_of_memory::Telling;
 fn main() -> ExitCode {
     // If the reader of the output closes it early, the program ends without an error.
     sigpipe::reset();
-    match cli::Command::given().run() {
+    match given::<cli::Command>().run() {
         Ok(code) => code,
         Err(error) => {
             print(&*error);

@@ -12,8 +12,8 @@ mod tax;
 mod watch;
 mod words;
 
+use clap::Parser;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use clap::{CommandFactory, FromArgMatches, Parser};
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,20 +56,6 @@ pub enum Command {
 }
 
 impl Command {
-    /// The command of the command line; ends the program if there is none. A negative number is a value, which
-    /// an option may refuse by its range, and not another option.
-    pub fn given() -> Self {
-        let command = Self::command().mut_subcommands(|subcommand| {
-            subcommand.mut_args(|option| {
-                match option.get_action().takes_values() && !option.is_positional() {
-                    true => option.allow_negative_numbers(true),
-                    false => option,
-                }
-            })
-        });
-        Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
-    }
-
     pub fn run(self) -> Outcome {
         match self {
             Self::Render(arguments) => arguments.run(),

@@ -38,6 +38,8 @@ pub struct Cube {
     pub dual: [DVec3; 3],
     faces: Box<[Patch; 6]>,
     areas: Discrete,
+    /// See [`Geometry::point_error`].
+    error: f64,
 }
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
@@ -56,10 +58,11 @@ impl Cube {
             let side = Transform { matrix, inverse: matrix.inverse() };
             Patch::new(&to_world.after(&side), flip, Outline::Square)
         });
-        let axes = DVec3::AXES.map(|axis| to_world.vector(axis));
+        let (centre, axes) = (to_world.point(DVec3::ZERO), DVec3::AXES.map(|axis| to_world.vector(axis)));
         Self {
-            centre: to_world.point(DVec3::ZERO),
+            centre,
             axes,
+            error: error_of_points(centre, axes),
             dual: dual_basis(axes),
             areas: Discrete::new(faces.iter().map(Patch::area)),
             faces: Box::new(faces),
@@ -81,6 +84,7 @@ impl Cube {
             *face = face.moved(self.centre + along(n), along(u), along(v));
         }
         self.areas = Discrete::new(self.faces.iter().map(Patch::area));
+        self.error = error_of_points(self.centre, self.axes);
     }
 
     pub fn faces(&self) -> &[Patch; 6] {
@@ -95,12 +99,12 @@ impl Cube {
         let in_plane = from_centre - patch.n * patch.n.dot(from_centre);
         let p = patch.centre + in_plane;
         if !UV {
-            return SurfacePoint::plain(p, patch.n, patch.n, self.point_error());
+            return SurfacePoint::plain(p, patch.n, patch.n, self.error);
         }
         let in_cube = DVec3::from_array(self.dual.map(|dual| dual.dot(p - self.centre)));
         // Rounding leads beyond an edge, but not beyond the texture.
         let [x, y] = [1, 2].map(|side| FACES[face as usize][side].dot(in_cube).clamp(-1.0, 1.0));
-        SurfacePoint { p, error: self.point_error(), ..patch.point::<true>(x, y) }
+        SurfacePoint { p, error: self.error, ..patch.point::<true>(x, y) }
     }
 
     /// The area in m² of the surface (world).
@@ -110,15 +114,14 @@ impl Cube {
 
     /// See [`Geometry::point_error`].
     pub fn point_error(&self) -> f64 {
-        let [a, b, c] = self.axes.map(DVec3::abs);
-        position_error(self.centre.abs() + a + b + c)
+        self.error
     }
 
     /// A point of the surface from two numbers in [0, 1), with its density in m⁻²; texture coordinates if `UV`.
     pub fn sample_area<const UV: bool>(&self, u: DVec2) -> AreaSample {
         let Chosen { index: face, rest: x, .. } = self.areas.sample(u.x);
         let sample = self.faces[face].sample_area::<UV>(DVec2::new(x, u.y));
-        AreaSample { pdf: 1.0 / self.area(), primitive: face as u32, error: self.point_error(), ..sample }
+        AreaSample { pdf: 1.0 / self.area(), primitive: face as u32, error: self.error, ..sample }
     }
 
     pub fn corners(&self) -> Vec<DVec3> {
@@ -136,6 +139,11 @@ impl Cube {
 pub fn dual_basis([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     let volume = a.dot(b.cross(c));
     [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume]
+}
+
+fn error_of_points(centre: DVec3, axes: [DVec3; 3]) -> f64 {
+    let [a, b, c] = axes.map(DVec3::abs);
+    position_error(centre.abs() + a + b + c)
 }
 
 #[cfg(test)]

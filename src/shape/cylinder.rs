@@ -31,6 +31,8 @@ pub struct Cylinder {
     pub length: f64,
     pub radius: f64,
     inward: bool,
+    /// See [`Geometry::point_error`].
+    error: f64,
 }
 
 pub fn parse(params: &mut Params) -> Result<Geometry, SceneError> {
@@ -62,14 +64,17 @@ impl Cylinder {
         // would be hidden by it.
         let x = unit(around - axis * axis.dot(around));
         let y = axis.cross(x);
+        let (length, radius) = (length(along), radius.abs() * length(around));
         Self {
             start,
             axis,
             x,
             y: if y.dot(ahead) < 0.0 { -y } else { y },
-            length: length(along),
-            radius: radius.abs() * length(around),
+            length,
+            radius,
             inward,
+            // Each coordinate of the wall is at most that of the start, the length and the radius together.
+            error: position_error(start.abs() + (length + radius)),
         }
     }
 
@@ -87,18 +92,17 @@ impl Cylinder {
         let n = if self.inward { -outward } else { outward };
         let p = self.start + self.axis * z + outward * self.radius;
         if !UV {
-            return SurfacePoint::plain(p, n, n, self.point_error());
+            return SurfacePoint::plain(p, n, n, self.error);
         }
         let (x, y) = (outward.dot(self.x), outward.dot(self.y));
         let uv = DVec2::new(turn(y, x), z / self.length);
         let dp_du = (self.y * x - self.x * y) * (2.0 * PI * self.radius);
-        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length, error: self.point_error() }
+        SurfacePoint { p, ng: n, ns: n, uv, dp_du, dp_dv: self.axis * self.length, error: self.error }
     }
 
-    /// See [`Geometry::point_error`]. Each coordinate of the wall is at most that of the start, the length
-    /// and the radius together.
+    /// See [`Geometry::point_error`].
     pub fn point_error(&self) -> f64 {
-        position_error(self.start.abs() + (self.length + self.radius))
+        self.error
     }
 
     /// The area in m² of the surface (world).
@@ -112,7 +116,7 @@ impl Cylinder {
         let outward = self.x * c.x + self.y * c.y;
         let p = self.start + self.axis * (u.y * self.length) + outward * self.radius;
         let n = if self.inward { -outward } else { outward };
-        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0, error: self.point_error() }
+        AreaSample { p, n, uv: u, pdf: 1.0 / self.area(), primitive: 0, error: self.error }
     }
 
     /// The least and the greatest coordinates (world).

@@ -108,7 +108,8 @@ pub struct SurfacePoint {
     pub dp_du: DVec3,
     /// ∂p/∂v.
     pub dp_dv: DVec3,
-    /// A bound of the rounding error of `p`; see [`Geometry::point_error`].
+    /// A bound of the rounding error of `p`: [`Geometry::point_error`], but that of a mesh's points is that of their
+    /// coordinates alone, for triangles next to a ray's start know by how much they may be wrong.
     pub error: f64,
 }
 

@@ -77,6 +77,20 @@ impl Planar for Lens {
     }
 }
 
+/// Neighbouring numbers in [0, 1) between which a monotonic map reaches `target`, by so many bisections.
+fn numbers_that_lead_to(target: f64, steps: u32, map: impl Fn(f64) -> f64) -> [f64; 2] {
+    let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
+    for _ in 0..steps {
+        let middle = 0.5 * (low + high);
+        if map(middle) < target {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    [low, high]
+}
+
 /// Positions along one axis of a reconstruction filter; the other axis is uniform. Weights and values are
 /// magnitudes.
 pub struct Filter {
@@ -96,7 +110,7 @@ impl Filter {
             parse(snippet, |element, loader| construct(FILTERS, element, loader, Usage::Unbounded))?;
         let end = |pixels: u32| profile.radius().min(f64::from(pixels) + 0.5);
         let ends = [-end(margins[0]), end(margins[1])];
-        // Filters have kinks at multiples of half a pixel, and nowhere else.
+        // Not the sampler's own sum, which is what is asked about.
         const PARTS: f64 = 32.0;
         let count = (PARTS * (ends[1] - ends[0])).round() as usize;
         let at = |i: usize| ends[0] + i as f64 / PARTS;
@@ -122,15 +136,7 @@ impl Planar for Filter {
     /// The density that the weight there states. The place is monotonic in the random number, so bisection finds the
     /// number.
     fn pdf(&self, [x, _]: [f64; 2]) -> f64 {
-        let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if self.drawn(middle).0 < x {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [low, _] = numbers_that_lead_to(x, 50, |u| self.drawn(u).0);
         let (found, weight) = self.drawn(low);
         let value = self.profile.eval(found);
         if value.abs() > 1e-6 * self.profile.eval(0.0) {
@@ -179,15 +185,7 @@ impl Planar for Hero {
     /// The density that a path with this first wavelength states. The wavelength is monotonic in the random
     /// number, so bisection finds the number.
     fn pdf(&self, [nm, _]: [f64; 2]) -> f64 {
-        let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if f64::from(self.lanes(middle).nm[0]) < nm {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [_, high] = numbers_that_lead_to(nm, 40, |u| f64::from(self.lanes(u).nm[0]));
         f64::from(self.lanes(high).pdf[0])
     }
 

@@ -7,7 +7,7 @@ use etalon::render::quality::{Correlation, Quality};
 use std::error::Error;
 use std::path::PathBuf;
 use validation::Verdict;
-use validation::image::half_widths;
+use validation::image::{Unsound, half_widths};
 use validation::statistics::distributions::student_quantile;
 
 /// Writes how far each pixel may be from what it expects
@@ -81,14 +81,12 @@ fn flaw(image: &Image) -> Option<String> {
         pairs.map(move |(pixel, (value, variance))| (&channel.name, pixel, *value, *variance))
     });
     pixels.find_map(|(name, pixel, value, variance)| {
-        let (what, found) = match (value.is_finite(), variance >= 0.0) {
-            (true, true) => return None,
-            (true, false) => ("variance", variance),
-            (false, _) => ("value", value),
+        let (what, found, expected) = match Unsound::of(value.into(), variance.into())? {
+            Unsound::Value => ("value", value, "a finite number"),
+            Unsound::Variance => ("variance", variance, "0 or more"),
         };
         let width = image.crop.width as usize;
         let (x, y) = (pixel % width, pixel / width);
-        let expected = if what == "value" { "a finite number" } else { "0 or more" };
         Some(format!("pixel ({x}, {y}) channel {name}: its {what} is {found}, expected {expected}"))
     })
 }

@@ -1,6 +1,7 @@
 //! The command line of the harness: one command for each kind of thing that can be judged.
 
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::Parser;
+use etalon::command_line::given;
 use std::error::Error;
 use std::process::ExitCode;
 use validate::{
@@ -46,24 +47,8 @@ enum Command {
     Museum(museum::command::Arguments),
 }
 
-impl Command {
-    /// The command of the command line; ends the program if there is none. A negative number is a value, which an option
-    /// may refuse by its range, and not another option.
-    fn given() -> Self {
-        let command = Self::command().mut_subcommands(|subcommand| {
-            subcommand.mut_args(|option| {
-                match option.get_action().takes_values() && !option.is_positional() {
-                    true => option.allow_negative_numbers(true),
-                    false => option,
-                }
-            })
-        });
-        Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
-    }
-}
-
 fn main() -> ExitCode {
-    match run(Command::given()).and_then(|verdict| Ok(console::all_said().map(|()| verdict)?)) {
+    match run(given()).and_then(|verdict| Ok(console::all_said().map(|()| verdict)?)) {
         Ok(verdict) => ExitCode::from(verdict.exit_code()),
         Err(error) => {
             eprintln!("error: {error}");

@@ -3,6 +3,7 @@
 mod command;
 
 use clap::Parser;
+use etalon::command_line::given;
 use std::error::Error;
 use std::process::ExitCode;
 use validate::console::all_said;
@@ -24,7 +25,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    match run(Command::parse()).and_then(|clean| Ok(all_said().map(|()| clean)?)) {
+    match run(given()).and_then(|clean| Ok(all_said().map(|()| clean)?)) {
         Ok(clean) => ExitCode::from(u8::from(!clean)),
         Err(error) => {
             eprintln!("error: {error}");

@@ -45,7 +45,7 @@ pub use intervals::half_widths;
 pub use load::{Loaded, from_exr, load, load_whole};
 pub use maps::{difference_map, tile_map};
 pub use mean::MeanComparison;
-pub use pair::{Faults, Place};
+pub use pair::{Faults, Place, Unsound};
 pub use pixels::PixelFigures;
 pub use tiles::{Tile, TileComparison};
 

@@ -18,6 +18,26 @@ impl std::fmt::Display for Place {
     }
 }
 
+/// What of a pixel is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsound {
+    /// A value that is not finite.
+    Value,
+    /// A variance that is negative or not a number; an infinite one is unknown.
+    Variance,
+}
+
+impl Unsound {
+    /// The first of them in a pixel of an image, if there is any.
+    pub fn of(value: f64, variance: f64) -> Option<Self> {
+        match (value.is_finite(), variance >= 0.0) {
+            (true, true) => None,
+            (true, false) => Some(Self::Variance),
+            (false, _) => Some(Self::Value),
+        }
+    }
+}
+
 /// A pixel of both images with the variances of their means.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pixel {
@@ -66,10 +86,11 @@ impl Pixel {
     /// What is wrong with the pixel, in the first image that it is wrong in.
     fn flaw(&self) -> Option<String> {
         let images = [("first", self.a, self.variance_a), ("second", self.b, self.variance_b)];
-        images.into_iter().find_map(|(image, value, variance)| match (value.is_finite(), variance >= 0.0) {
-            (true, true) => None,
-            (true, false) => Some(format!("the {image} image's variance is negative or not a number")),
-            (false, _) => Some(format!("the {image} image's value is not finite")),
+        images.into_iter().find_map(|(image, value, variance)| {
+            Some(match Unsound::of(value, variance)? {
+                Unsound::Variance => format!("the {image} image's variance is negative or not a number"),
+                Unsound::Value => format!("the {image} image's value is not finite"),
+            })
         })
     }
 
