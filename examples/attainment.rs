@@ -91,11 +91,11 @@ fn run(scene: &Scene, seed: u32, target: f64) -> Result<Run, String> {
     let progress = Progress::default();
     let pilot = for_error(scene, &settings, target, &progress).map_err(|why| format!("{why:?}"))?;
     let settings = Settings { samples: 0..pilot.count, ..settings };
-    let (image, _) = render(scene, &settings, &progress).map_err(|e| e.to_string())?;
+    let (image, report) = render(scene, &settings, &progress).map_err(|e| e.to_string())?;
     let green = image.channel("G").ok_or("no green")?;
     let variance = green.variance.as_ref().ok_or("no variance")?;
     let green = green.mean.iter().zip(variance).map(|(&m, &v)| (f64::from(m), f64::from(v))).collect();
-    Ok(Run { pilot, quality: Quality::of_image(&image), green })
+    Ok(Run { pilot, quality: report.quality.ok_or("no samples")?, green })
 }
 
 fn row(runs: &[Run], target: f64) -> String {

@@ -45,7 +45,7 @@ const NON_FINITE: u32 = 0x7ff;
 
 /// A sum whose bits depend only on the multiset of the values added, not on their order or grouping.
 ///
-/// Holds up to 2³¹ additions (those of merged sums included). An infinity or a NaN makes the sum a NaN for
+/// Holds up to 2³¹ additions ([`ExactSum::MOST_TERMS`]; those of merged sums included). An infinity or a NaN makes the sum a NaN for
 /// good, in whatever order it arrives: nothing is swallowed and no caller has to check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExactSum {
@@ -58,6 +58,9 @@ pub struct ExactSum {
 impl ExactSum {
     /// Number of 32-bit words in the stored form.
     pub const WORDS: usize = 2 * LIMBS + 1;
+
+    /// How many values it can be a sum of.
+    pub const MOST_TERMS: u64 = 1 << 31;
 
     /// Adds one value.
     #[inline]
@@ -117,10 +120,30 @@ impl ExactSum {
     }
 
     /// Adds all values of another sum.
+    #[inline]
     pub fn merge(&mut self, other: &ExactSum) {
+        // Sums of neighbouring pixels are about as large as each other.
+        if self.top == other.top {
+            self.limbs.iter_mut().zip(other.limbs).for_each(|(limb, addend)| *limb = limb.wrapping_add(addend));
+        } else {
+            self.merge_unlike(other);
+        }
+    }
+
+    /// Adds a sum whose highest bin is another.
+    #[inline(never)]
+    fn merge_unlike(&mut self, other: &ExactSum) {
         let mut other = *other;
-        self.raise(other.top);
-        other.raise(self.top);
+        if self.top < other.top {
+            self.raise(other.top);
+        } else {
+            other.raise(self.top);
+        }
+        self.add_limbs(&other);
+    }
+
+    #[inline]
+    fn add_limbs(&mut self, other: &ExactSum) {
         for (limb, addend) in self.limbs.iter_mut().zip(other.limbs) {
             // Wraps only where a damaged file claims limbs that 2³¹ additions cannot reach.
             *limb = limb.wrapping_add(addend);

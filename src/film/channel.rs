@@ -37,6 +37,12 @@ impl ChannelAccumulator {
         self.open += other.open;
     }
 
+    /// Adds the sum of all samples in complete blocks to another.
+    #[inline]
+    pub fn add_blocks_to(&self, sum: &mut ExactSum) {
+        sum.merge(&self.sum);
+    }
+
     /// The mean of all `samples` samples; NaN if one of them was not finite, or if there are none.
     pub fn mean(&self, samples: u64) -> f64 {
         let mut sum = self.sum;

@@ -85,12 +85,18 @@ impl FilterWeights {
         weights
     }
 
-    /// The mean of the sum of squared weights: the variance of a pixel, if that of each sample is one.
-    pub fn squares(&self, sampler: &FilterSampler) -> f64 {
+    /// The variance of the mean of so many pixels side by side, times their number, if that of each sample is one: the
+    /// mean of Σ wᵢ wⱼ (1 − |i − j|/`pixels`), which for one pixel is the sum of squared weights, and for many one.
+    pub fn squares(&self, sampler: &FilterSampler, pixels: u32) -> f64 {
         let of = |part: usize| {
             let place = self.place(0.5 * (self.parts[part] + self.parts[part + 1]));
             let weights = self.at(place, sampler, (u32::MAX, u32::MAX));
-            weights.iter().map(|weight| weight * weight).sum::<f64>() * place.density / PARTS as f64
+            let of_pair = |i: usize, j: usize| {
+                let pixels = f64::from(pixels);
+                weights[i] * weights[j] * (1.0 - i.abs_diff(j) as f64 / pixels).max(0.0)
+            };
+            let pairs = (0..weights.len()).flat_map(|i| (0..weights.len()).map(move |j| (i, j)));
+            pairs.map(|(i, j)| of_pair(i, j)).sum::<f64>() * place.density / PARTS as f64
         };
         (0..PARTS).map(of).sum()
     }
@@ -179,7 +185,7 @@ mod tests {
     #[test]
     fn squares_are_those_of_tent_and_gaussian() {
         let squares = |profile: Profile| {
-            FilterWeights::new(profile).map(|weights| weights.squares(&FilterSampler::new(profile)))
+            FilterWeights::new(profile).map(|weights| weights.squares(&FilterSampler::new(profile), 1))
         };
         // ∫f² = ⅔ of a tent; 1/(2σ√π) of a gaussian, but for its missing foot.
         let tent = squares(Profile::Tent { radius: 1.0 });

@@ -50,6 +50,11 @@ impl Accumulators {
     }
 
     /// All accumulators, pixel by pixel in rows.
+    pub fn all(&self) -> &[ChannelAccumulator] {
+        &self.data
+    }
+
+    /// The same, to be changed.
     pub fn all_mut(&mut self) -> &mut [ChannelAccumulator] {
         &mut self.data
     }

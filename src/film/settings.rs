@@ -83,10 +83,10 @@ impl Film {
         if self.border { None } else { FilterWeights::new(self.filter.profile()) }
     }
 
-    /// Variance of a sum of many pixels over the sum of their variances: where samples count for several
-    /// pixels, errors of these are alike.
-    pub fn correlation(&self) -> f64 {
-        let along = |spread: &FilterWeights| spread.squares(&self.filter);
+    /// Variance of a sum of many squares of pixels over the sum of the variances of squares of this edge: where
+    /// samples count for several pixels, errors of these are alike.
+    pub fn correlation(&self, edge: u32) -> f64 {
+        let along = |spread: &FilterWeights| spread.squares(&self.filter, edge);
         self.spread.as_ref().map_or(1.0, |spread| 1.0 / (along(spread) * along(spread)))
     }
 

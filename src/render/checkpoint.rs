@@ -90,7 +90,7 @@ fn save(
         cut: report.cut,
         non_finite: report.non_finite,
         first_non_finite: report.first_non_finite.iter().map(|n| (n.pixel.0, n.pixel.1, n.sample)).collect(),
-        means: partial.means.clone(),
+        history: partial.history.clone(),
         light_paths: partial.light_paths,
     };
     let head = serde_json::to_vec(&head).map_err(|error| FileError::new(path, error))?;

@@ -22,7 +22,7 @@ pub struct LightPathNoise {
 }
 
 /// By how much the variance of the sum over pixels exceeds the sum of their variances, summed over channels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Excess {
     pub of_sum: f64,
     /// Standard deviation of that estimate: channels see the same light paths, so theirs add up.

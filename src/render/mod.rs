@@ -3,10 +3,11 @@
 //! ([`sample`], `splats`, [`spread`]), and samples add up in an order that does not matter
 //! ([`crate::film`]): nothing else here can change a pixel.
 
-pub mod batch_means;
 mod bits;
 pub mod checkpoint;
 mod error;
+pub mod history;
+pub mod law;
 pub mod light_path_noise;
 pub mod memory;
 pub mod passes;
@@ -18,6 +19,7 @@ pub mod sample;
 pub mod sample_count;
 mod splats;
 pub mod spread;
+pub mod squares;
 mod tile;
 
 use crate::film::BLOCK;
@@ -27,6 +29,9 @@ use crate::integrator::{Counters, KernelEntry, kernel_for};
 use crate::sampler::SampleId;
 use crate::scene::Scene;
 pub use error::RenderError;
+use history::{History, Notes};
+use law::Law;
+use light_path_noise::Excess;
 use passes::{Partial, render_passes};
 use quality::{Correlation, Noise, Quality};
 use rayon::prelude::*;
@@ -35,7 +40,7 @@ use sample::SampleMaker;
 use splats::Splats;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicU64};
-use tile::{Tile, tile};
+use tile::Tile;
 
 /// Edge of the square tiles that threads take, in pixels.
 const TILE: u32 = 16;
@@ -159,9 +164,17 @@ pub fn render(
     let pool = pool(settings.threads)?;
     let windows: Vec<Window> = settings.window.tiles(TILE).collect();
     let (samples, correlation) = (&settings.samples, Correlation::of(scene));
+    let mut history = History::of(scene, settings.window, samples);
     let part = |window| {
-        let tile = tile(&maker, window, &Splats::default(), names.len(), samples, progress)?;
-        Some(Part::of(tile, names.len(), samples.end - samples.start, correlation))
+        let mut tile = Tile::new(window, names.len());
+        // Numbers of samples of which there may be sums: at least one sample, at most all.
+        let numbers = samples.start + 1..samples.end + 1;
+        let mut notes = history.as_ref().and_then(|history| history.notes(window, numbers));
+        for some in notes.as_ref().map_or_else(|| vec![samples.clone()], |notes| notes.ranges(samples)) {
+            tile.render(&maker, &Splats::default(), names.len(), &some, progress)?;
+            notes.iter_mut().for_each(|notes| notes.add(some.end, &tile.sums));
+        }
+        Some(Part::of(tile, notes, names.len(), samples.end - samples.start, correlation))
     };
     let parts: Option<Vec<Part>> = pool.install(|| windows.into_par_iter().map(part).collect());
     let parts = parts.ok_or(RenderError::Stopped)?;
@@ -170,9 +183,11 @@ pub fn render(
     for part in &parts {
         report.add(&part.report);
         noise.add(&part.noise);
+        history.iter_mut().zip(&part.notes).for_each(|(history, notes)| history.take(notes));
     }
     report.list_first();
-    report.quality = Some(noise.quality(settings.window, None));
+    let law = Law::of_render(scene, history.as_ref(), samples);
+    report.quality = Some(noise.quality(settings.window, law, Excess::default()));
     let provenance = provenance(scene, settings, kernel);
     Ok((assemble(scene, settings.window, names, &parts, provenance), report))
 }
@@ -183,19 +198,20 @@ struct Part {
     /// Mean and variance, pixel by pixel, channel by channel.
     moments: Vec<(f32, f32)>,
     noise: Noise,
+    notes: Option<Notes>,
     report: Report,
 }
 
 impl Part {
     /// From a tile of so many channels and samples.
-    fn of(tile: Tile, channels: usize, count: u64, correlation: Correlation) -> Self {
+    fn of(tile: Tile, notes: Option<Notes>, channels: usize, count: u64, correlation: Correlation) -> Self {
         let Tile { window, sums, report } = tile;
         let channel = |c: usize| sums.iter().skip(c).step_by(channels);
         let exact = (0..channels).map(|c| channel(c).map(|s| (s.mean(count), s.variance(count))));
         let noise = Noise::of(window, correlation, exact);
         let moments =
             sums.iter().map(|s| (s.mean(count) as f32, single_variance(s.variance(count)))).collect();
-        Self { window, moments, noise, report }
+        Self { window, moments, noise, notes, report }
     }
 }
 

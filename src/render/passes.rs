@@ -4,11 +4,11 @@
 //! multiple of that length. The sums are exact, so that neither the division into passes nor the order in
 //! which tiles arrive can change a pixel: the clock may decide how long a pass is.
 
-use super::batch_means::BatchMeans;
+use super::history::History;
 use super::light_path_noise::LightPathNoise;
 use super::quality::Quality;
 use super::spread::Spread;
-use super::tile::{Tile, tile};
+use super::tile::Tile;
 use super::{Progress, RenderError, Report, Settings, TILE, provenance};
 use crate::film::Window;
 use crate::film::{Accumulators, BLOCK};
@@ -33,8 +33,8 @@ pub struct Partial {
     pub channels: Vec<String>,
     /// The exact sums, pixel by pixel of the window.
     pub sums: Accumulators,
-    /// Means of the image over batches of samples, where these count for several pixels; else empty.
-    pub means: BatchMeans,
+    /// What parts of the image have come to on the way, if that tells more than the variances of pixels.
+    pub history: Option<History>,
     /// What the errors of pixels have in common by light paths.
     pub light_paths: LightPathNoise,
     /// The report so far.
@@ -49,7 +49,7 @@ impl Partial {
             samples: settings.samples.start..settings.samples.start,
             sums: Accumulators::new(settings.window.width, settings.window.height, channels.len()),
             channels,
-            means: BatchMeans::default(),
+            history: History::of(scene, settings.window, &settings.samples),
             light_paths: LightPathNoise::default(),
             report: Report::default(),
         }
@@ -105,7 +105,9 @@ pub fn render_passes(
     let mut spread = spreads.then(|| Spread::new(&maker, settings.window, partial.channels.len()));
     let mut longest = BLOCK;
     while partial.samples.end < settings.samples.end {
-        let pass = next_pass(partial.samples.end, settings.samples.end, longest);
+        let done = partial.samples.end;
+        let step = partial.history.as_ref().map_or(longest, |history| history.longest_step(done));
+        let pass = next_pass(done, settings.samples.end, longest.min(step));
         let begin = Instant::now();
         let channels = partial.channels.len();
         let splats = pool
@@ -114,15 +116,15 @@ pub fn render_passes(
         partial.report.count(&splats.counters);
         splats.noise.iter().for_each(|noise| partial.light_paths.add(noise));
         if let Some(spread) = &mut spread {
-            let Partial { sums, means, .. } = &mut partial;
-            let report = pool.install(|| spread.add(&pass, &splats, sums, means, progress));
+            let report = pool.install(|| spread.add(&pass, &splats, &mut partial.sums, progress));
             partial.report.add(&report.ok_or(RenderError::Stopped)?);
         } else {
             let shared = Mutex::new(&mut partial);
             let done = pool.install(|| {
                 windows.par_iter().try_for_each(|&window| {
-                    let done = tile(&maker, window, &splats, channels, &pass, progress)?;
-                    shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &done);
+                    let mut tile = Tile::new(window, channels);
+                    tile.render(&maker, &splats, channels, &pass, progress)?;
+                    shared.lock().unwrap_or_else(PoisonError::into_inner).add(settings.window, &tile);
                     Some(())
                 })
             });
@@ -130,8 +132,11 @@ pub fn render_passes(
         }
         partial.report.list_first();
         partial.samples.end = pass.end;
+        if let Some(history) = &mut partial.history {
+            history.note(pass.end, settings.window, partial.sums.all());
+        }
         let many = (pass.end - pass.start) * maker.light_paths() >= splats::MANY;
-        if begin.elapsed() < PASS && !many {
+        if begin.elapsed() < PASS && !many && pass.end - pass.start == longest {
             longest *= 2;
         }
         if after_pass(&partial).is_break() {

@@ -187,7 +187,6 @@ mod tests {
     use super::*;
     use crate::film::Accumulators;
     use crate::render::Report;
-    use crate::render::batch_means::BatchMeans;
     use crate::render::light_path_noise::LightPathNoise;
     use std::io::Read;
     use std::net::TcpListener;
@@ -206,7 +205,7 @@ mod tests {
             channels: vec!["R".into(), "λ".into()],
             sums,
             report: Report::default(),
-            means: BatchMeans::default(),
+            history: None,
             light_paths: LightPathNoise::default(),
         }
     }

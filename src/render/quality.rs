@@ -1,14 +1,16 @@
 //! How well an image is known, from its pixels' variances.
 
-use super::batch_means::Scatter;
+use super::law::Law;
 use super::light_path_noise::Excess;
 use super::passes::Partial;
+use super::squares::Squares;
 use crate::film::Window;
 use crate::image::{Attribute, Image, Provenance};
 use crate::integrator::path::reuse::correlated_edge;
 use crate::scene::Scene;
 use crate::spectrum::ColorMode;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// With fewer effective pixels than this, the noise is put down to a few outlier samples.
 const FEW: f64 = 20.0;
@@ -36,7 +38,7 @@ impl Correlation {
     /// That of the images of a scene.
     pub fn of(scene: &Scene) -> Self {
         let edge = correlated_edge(scene.integrator.reuse(), scene.mode);
-        Self { edge, gain: scene.sensor.film.correlation() }
+        Self { edge, gain: scene.sensor.film.correlation(1) }
     }
 
     /// That which an image tells: at least as much as there is, for it does not say whether it was rendered
@@ -55,7 +57,7 @@ impl Correlation {
             attributes.insert(REUSE.into(), Attribute::Integer(scene.integrator.reuse() as i32));
         }
         if scene.sensor.film.spread.is_some() {
-            attributes.insert(SPREAD.into(), Attribute::Real(scene.sensor.film.correlation() as f32));
+            attributes.insert(SPREAD.into(), Attribute::Real(scene.sensor.film.correlation(1) as f32));
         }
         attributes
     }
@@ -79,6 +81,11 @@ pub struct Quality {
     pub pixels: usize,
     /// Variance of the estimated variance of the image's mean, relative to its square.
     pub uncertainty: f64,
+    /// By what law the variance of the image's mean falls; `None` of an image that says no more than the variances of
+    /// its pixels, from which follows the most that it can be.
+    pub law: Option<Law>,
+    /// The share of that variance which falls by the law; the rest falls as with independent samples.
+    pub by_law: f64,
 }
 
 /// Sums over pixels from which a [`Quality`] follows; those of parts of a window whose borders cut no square
@@ -106,22 +113,19 @@ impl Noise {
         C: IntoIterator<Item = V>,
         V: IntoIterator<Item = (f64, f64)>,
     {
-        let columns = ((window.x + window.width).div_ceil(edge) - window.x / edge) as usize;
-        let rows = ((window.y + window.height).div_ceil(edge) - window.y / edge) as usize;
-        let mut noise = Self { squares: (columns * rows) as f64 / gain, ..Self::default() };
+        let squares_of_film = Squares::of(window, edge);
+        let count = squares_of_film.count();
+        let mut noise = Self { squares: count as f64 / gain, ..Self::default() };
         // The variance of a sum is at most the square of the sum of standard errors; for squares of one pixel
         // it is just that.
-        let mut squares = vec![0.0; columns * rows];
+        let mut squares = vec![0.0; count];
         for (sum, channel) in noise.sum.iter_mut().zip(channels) {
             noise.channels += 1;
-            let mut deviations = vec![0.0; columns * rows];
+            let mut deviations = vec![0.0; count];
             for (i, (value, v)) in channel.into_iter().enumerate() {
-                let (x, y) = window.pixel(i);
-                let square =
-                    (y / edge - window.y / edge) as usize * columns + (x / edge - window.x / edge) as usize;
                 *sum += value;
                 noise.variance += v;
-                deviations[square] += v.sqrt();
+                deviations[squares_of_film.index_of(window.pixel(i))] += v.sqrt();
             }
             squares.iter_mut().zip(&deviations).for_each(|(sum, deviation)| *sum += deviation * deviation);
         }
@@ -140,31 +144,32 @@ impl Noise {
         self.squares += other.squares;
     }
 
-    /// Adds what pixels have in common by light paths, whose estimate is uncertain too: at worst together with those of
-    /// the pixels' variances.
-    fn add_common(&mut self, Excess { of_sum, deviation }: Excess) {
-        self.of_sum += of_sum;
-        let together = self.fourth.sqrt() + deviation;
-        self.fourth = together * together;
-    }
-
-    /// What is known of the pixels of a window, and of their mean from `scatter` where that is the greater.
-    pub fn quality(&self, window: Window, scatter: Option<Scatter>) -> Quality {
+    /// What is known of the pixels of a window and of their mean: from its law, if that is known, and else from the
+    /// most that it can be by the variances of pixels. What these have in common by light paths comes to it, and its
+    /// uncertainty is at worst together with theirs.
+    pub fn quality(
+        &self,
+        window: Window,
+        law: Option<(Law, Range<u64>)>,
+        Excess { of_sum: common, deviation }: Excess,
+    ) -> Quality {
         let pixels = window.pixels();
         let channels = self.channels as f64;
         let mean = self.sum.map(|sum| sum / pixels as f64);
         // Properties of what is seen, unlike light, may be negative.
         let scale = mean.iter().sum::<f64>().abs() / channels;
         // No more than there are, however well known it is what they have in common.
-        let effective_pixels = if self.fourth > 0.0 {
-            (self.of_sum * self.of_sum / self.fourth).min(self.squares)
-        } else {
-            self.squares
-        };
-        let (of_sum, uncertainty) = match scatter.filter(|scatter| scatter.of_sum > self.of_sum) {
-            Some(Scatter { of_sum, degrees }) => (of_sum, 2.0 / degrees),
-            None => (self.of_sum, 1.0 / effective_pixels),
-        };
+        let (most, fourth) = (self.of_sum + common, self.fourth.sqrt() + deviation);
+        let effective_pixels =
+            if fourth > 0.0 { (most * most / (fourth * fourth)).min(self.squares) } else { self.squares };
+        let by_law = law.as_ref().map(|(law, samples)| (law.variance(samples), law.uncertainty.sqrt()));
+        let (of_sum, uncertainty) = by_law.map_or((most, 1.0 / effective_pixels), |(v, relative)| {
+            let together = v * relative + deviation;
+            (
+                v + common,
+                if v + common > 0.0 { (together / (v + common)) * (together / (v + common)) } else { 0.0 },
+            )
+        });
         Quality {
             mean,
             relative_standard_error: (self.variance / pixels as f64 / channels).sqrt() / scale,
@@ -172,6 +177,8 @@ impl Noise {
             effective_pixels,
             pixels: self.squares.round() as usize,
             uncertainty,
+            law: law.map(|(law, _)| law),
+            by_law: by_law.map_or(0.0, |(v, _)| if of_sum > 0.0 { v / of_sum } else { 0.0 }),
         }
     }
 }
@@ -183,7 +190,7 @@ impl Quality {
         C: IntoIterator<Item = V>,
         V: IntoIterator<Item = (f64, f64)>,
     {
-        Noise::of(window, correlation, channels).quality(window, None)
+        Noise::of(window, correlation, channels).quality(window, None, Excess::default())
     }
 
     /// The quality of an image; without variances nothing is known, and the errors are infinite.
@@ -200,12 +207,20 @@ impl Quality {
         let samples = partial.samples.end - partial.samples.start;
         let channels = (0..partial.channels.len())
             .map(|c| partial.sums.channel(c).map(move |s| (s.mean(samples), s.variance(samples))));
-        let mut noise = Noise::of(window, Correlation::of(scene), channels);
+        let noise = Noise::of(window, Correlation::of(scene), channels);
         let light_paths = samples * u64::from(scene.techniques.light_paths());
-        if light_paths > 0 {
-            noise.add_common(partial.light_paths.excess(light_paths, samples));
-        }
-        noise.quality(window, partial.means.scatter())
+        let common = match light_paths {
+            0 => Excess::default(),
+            _ => partial.light_paths.excess(light_paths, samples),
+        };
+        noise.quality(window, Law::of_render(scene, partial.history.as_ref(), &partial.samples), common)
+    }
+
+    /// The variance of the image's mean after other samples, the first so many, over that after these.
+    pub fn growth(&self, from: &Range<u64>, samples: u64) -> f64 {
+        let independent = (from.end - from.start) as f64 / samples as f64;
+        let by_law = self.law.map_or(independent, |law| law.variance(&(0..samples)) / law.variance(from));
+        if self.by_law > 0.0 { self.by_law * by_law + (1.0 - self.by_law) * independent } else { independent }
     }
 
     /// Whether a few pixels hold most of the variance, so that the error is likely underestimated.

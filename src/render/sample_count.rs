@@ -4,25 +4,29 @@
 //! samples 0..N with the seed that was asked for, so `--spp N` makes it again, and N is independent of the
 //! image's samples: no optional stopping, no weights that depend on the data, no bias.
 //!
-//! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its
-//! square. It falls as 1/n, so an error E needs N = n R²/E² samples. R² is uncertain itself. The variances v
-//! of the P pixels are independent estimates; if pixels share paths, those of the squares that share are. So
-//! the variance of their sum is at most Σ v², that of the sum relative to it at most r² = Σ v²/(Σ v)²; and
-//! the mean by which it is divided has the relative error R, so its square 2R. The error found after the
-//! render is uncertain in the same way, less by n/N. With two standard deviations of all this,
+//! **Error.** After n samples a pixel the estimated variance of the image's mean is R², relative to its square, and it
+//! is known how that falls ([`super::law`]): to R² ρ(N) after N samples, ρ = n/N where they are independent. R² is
+//! uncertain by the relative variance r², and the more so the farther its law is followed; the mean by which it is
+//! divided has the relative error R, so its square 2R. The error found after the render is uncertain in the same way,
+//! less by n/N. So N is the least number with
 //!
-//! N = n R²/E² · (1 + 2 √(r² (1 + n/N) + 4 R²)).
+//! R² ρ(N) · (1 + 2 √(r²(N) + r² min(1, n/N) + 4 R²)) ≤ E².
 //!
-//! The pilot doubles until that uncertainty is small or the pilot has taken an eighth of N. 1/r² is the
-//! number of pixels that would make this much noise if all were alike. Where it is small the tails are heavy:
-//! a few samples decide the estimate, and the samples that nobody has seen yet may be larger.
+//! Most numbers are no good to a sequence whose first 2ᵏ points are stratified: N has at most `DIGITS` binary digits
+//! before zeros follow.
+//!
+//! The pilot doubles until it has taken an eighth of N, or that uncertainty is small and there is no law but that of
+//! independent samples. 1/r² is, where these are few, the number of pixels that would make this much noise if all were
+//! alike; the tails are heavy then: a few samples decide the estimate, and the samples that nobody has seen yet may be
+//! larger.
 
+use super::history::History;
 use super::passes::{Partial, render_passes};
 use super::quality::Quality;
 use super::{Progress, RenderError, Settings};
 use crate::film::BLOCK;
 use crate::scene::Scene;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::time::Instant;
 
 /// Bits in which the seed of a pilot differs from that of the image.
@@ -36,6 +40,9 @@ const FEWEST: u64 = 4 * BLOCK;
 
 /// Uncertainty of the estimated variance that ends a pilot.
 const CERTAIN: f64 = 0.05;
+
+/// Digits of a number of samples.
+const DIGITS: u32 = 5;
 
 /// What a pilot did and what follows from it.
 #[derive(Clone, Copy, Debug)]
@@ -70,22 +77,19 @@ pub fn for_error(
     target: f64,
     progress: &Progress,
 ) -> Result<Pilot, NoCount> {
-    let mut needed = f64::INFINITY;
+    let mut needed = None;
     let quality_of = |partial: &Partial| Quality::of(partial, scene, settings.window);
     let pilot = run(scene, settings, progress, |partial| {
-        let n = partial.samples.end as f64;
         // How long passes are is a matter of time, but each power of two is the end of one.
         if partial.samples.end < FEWEST || !partial.samples.end.is_power_of_two() {
             return ControlFlow::Continue(());
         }
         let quality = quality_of(partial);
-        let relative = quality.relative_standard_error_of_mean;
-        let plain = n * (relative / target) * (relative / target);
-        let r2 = quality.uncertainty;
-        let uncertainty = (r2 * (1.0 + (n / plain).min(1.0)) + 4.0 * relative * relative).sqrt();
-        needed = plain * (1.0 + 2.0 * uncertainty);
-        let hopeless = !needed.is_finite() || plain > MOST as f64;
-        if uncertainty <= CERTAIN || n * 8.0 >= plain || hopeless {
+        needed = needed_for(&quality, &partial.samples, target);
+        let Some(needed) = needed else { return ControlFlow::Break(()) };
+        let certain = quality.law.is_none_or(|law| law.gain_deviation == 0.0)
+            && uncertainty(&quality, &partial.samples, needed) <= CERTAIN;
+        if certain || partial.samples.end >= needed / 8 {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -98,14 +102,40 @@ pub fn for_error(
     if quality.mean.iter().sum::<f64>() == 0.0 {
         return Err(NoCount::Black);
     }
-    if needed.is_nan() || needed > MOST as f64 {
-        return Err(NoCount::TooMany);
-    }
-    // Two blocks are the fewest that have a variance at all. A pilot without noise says nothing of what it has not
-    // met, so the image has as many samples as that.
-    let least = if needed == 0.0 { pilot.samples.end } else { 2 * BLOCK };
-    let count = (needed.ceil() as u64).next_multiple_of(BLOCK).max(least);
+    let count = needed.ok_or(NoCount::TooMany)?;
+    // A pilot without noise says nothing of what it has not met, so the image has as many samples as that.
+    let no_noise = quality.relative_standard_error_of_mean == 0.0;
+    let count = if no_noise { pilot.samples.end } else { count };
     Ok(Pilot { count, samples: pilot.samples.end, rays: pilot.report.rays, quality })
+}
+
+/// The least number of samples whose error is `target`, by what is known after these; `None` if there is none.
+fn needed_for(quality: &Quality, samples: &Range<u64>, target: f64) -> Option<u64> {
+    let squared = quality.relative_standard_error_of_mean * quality.relative_standard_error_of_mean;
+    let suffices = |count: &u64| {
+        let margin = 1.0 + 2.0 * uncertainty(quality, samples, *count);
+        squared * quality.growth(samples, *count) * margin <= target * target
+    };
+    counts().find(suffices)
+}
+
+/// How uncertain it is that so many samples have the error that these promise: of the squared errors' ratio, one standard
+/// deviation.
+fn uncertainty(quality: &Quality, samples: &Range<u64>, count: u64) -> f64 {
+    let relative = quality.relative_standard_error_of_mean;
+    let then = quality.law.map_or(quality.uncertainty, |law| {
+        quality.uncertainty - law.uncertainty + law.uncertainty_after(count)
+    });
+    let found = quality.uncertainty * ((samples.end - samples.start) as f64 / count as f64).min(1.0);
+    (then.max(0.0) + found + 4.0 * relative * relative).sqrt()
+}
+
+/// All numbers of samples that are considered, from two blocks on, the fewest that have a variance at all.
+fn counts() -> impl Iterator<Item = u64> {
+    let least = 1u64 << (DIGITS - 1);
+    let below = (2..least / BLOCK).map(|blocks| blocks * BLOCK);
+    let octaves = (0..).flat_map(move |octave| (least..2 * least).map(move |digits| digits << octave));
+    below.chain(octaves.filter(|count| count.is_multiple_of(BLOCK))).take_while(|count| *count <= MOST)
 }
 
 /// The number of samples that takes `seconds`, the pilot's time included. The only figure here that a clock
@@ -147,7 +177,8 @@ fn run(
     after_pass: impl FnMut(&Partial) -> ControlFlow<()>,
 ) -> Result<Partial, NoCount> {
     let settings = Settings { samples: 0..MOST, seed: settings.seed ^ OTHER_SEED, ..settings.clone() };
-    let begun = Partial::new(scene, &settings);
+    let mut begun = Partial::new(scene, &settings);
+    begun.history = begun.history.map(History::open_ended);
     render_passes(scene, &settings, begun, progress, after_pass).map_err(NoCount::Unfinished)
 }
 

@@ -10,7 +10,6 @@
 //! blocks, variances) holds for it. It needs samples of the same number of pixels all around, so the whole
 //! window makes a few numbers at a time.
 
-use super::batch_means::BatchMeans;
 use super::sample::SampleMaker;
 use super::splats::Splats;
 use super::tile::{BATCH, add, batches};
@@ -67,14 +66,13 @@ impl<'a> Spread<'a> {
         Self { maker, film, window, around, reach, channels, columns: vec![0.0; together * size] }
     }
 
-    /// Adds these samples of all pixels of the window to their sums and to the image's means, and what light
-    /// paths bring to them. `None` if told to stop.
+    /// Adds these samples of all pixels of the window to their sums, and what light paths bring to them. `None` if told
+    /// to stop.
     pub fn add(
         &mut self,
         samples: &Range<u64>,
         splats: &Splats,
         sums: &mut Accumulators,
-        means: &mut BatchMeans,
         progress: &Progress,
     ) -> Option<Report> {
         let mut report = Report::default();
@@ -86,7 +84,6 @@ impl<'a> Spread<'a> {
             let row = |(y, sums): (usize, &mut [ChannelAccumulator])| {
                 let mut report = Report::default();
                 let mut values = vec![0.0; length];
-                let mut of_row = vec![[0.0; 3]; together as usize];
                 let y = self.window.y + y as u32;
                 for (n, sample) in some.clone().enumerate() {
                     self.gather(n, sample, y, &lost, &mut values);
@@ -96,18 +93,13 @@ impl<'a> Spread<'a> {
                     {
                         let id = SampleId { pixel: (x, y), sample };
                         add(self.maker, splats, id, values, sums, &mut report);
-                        of_row[n].iter_mut().zip(values).for_each(|(sum, value)| *sum += *value);
                     }
                 }
-                (report, of_row)
+                report
             };
             let rows = sums.all_mut().par_chunks_exact_mut(length).enumerate();
             let rows: Vec<_> = rows.map(row).collect();
-            rows.iter().for_each(|(more, _)| report.add(more));
-            for (n, sample) in some.clone().enumerate() {
-                let sum = |c: usize| rows.iter().map(|(_, of_row)| of_row[n][c]).sum();
-                means.add(sample, std::array::from_fn(sum));
-            }
+            rows.iter().for_each(|more| report.add(more));
             progress.done.fetch_add((some.end - first) * self.window.pixels() as u64, Ordering::Relaxed);
         }
         report.list_first();

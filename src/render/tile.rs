@@ -23,37 +23,44 @@ pub struct Tile {
     pub report: Report,
 }
 
-/// Renders the samples of a window. `None` if told to stop.
-pub fn tile(
-    maker: &SampleMaker,
-    window: Window,
-    splats: &Splats,
-    channels: usize,
-    samples: &Range<u64>,
-    progress: &Progress,
-) -> Option<Tile> {
-    let sums = vec![ChannelAccumulator::default(); channels * window.pixels()];
-    let mut tile = Tile { window, sums, report: Report::default() };
-    let mut counters = Counters::default();
-    let mut values = vec![0.0; channels * BATCH];
-    batches(maker, window, samples, |which| {
-        if progress.stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        let values = &mut values[..channels * which.len()];
-        maker.samples(which, &mut counters, values);
-        let before = tile.report.samples;
-        for (&id, values) in which.iter().zip(values.chunks_exact_mut(channels)) {
-            if let Some(at) = window.index_of(id.pixel) {
-                let sums = &mut tile.sums[at * channels..][..channels];
-                add(maker, splats, id, values, sums, &mut tile.report);
+impl Tile {
+    /// Of a window without samples.
+    pub fn new(window: Window, channels: usize) -> Self {
+        let sums = vec![ChannelAccumulator::default(); channels * window.pixels()];
+        Self { window, sums, report: Report::default() }
+    }
+
+    /// Adds samples of all pixels. `None` if told to stop.
+    pub fn render(
+        &mut self,
+        maker: &SampleMaker,
+        splats: &Splats,
+        channels: usize,
+        samples: &Range<u64>,
+        progress: &Progress,
+    ) -> Option<()> {
+        let Self { window, sums, report } = self;
+        let mut counters = Counters::default();
+        let mut values = vec![0.0; channels * BATCH];
+        batches(maker, *window, samples, |which| {
+            if progress.stop.load(Ordering::Relaxed) {
+                return None;
             }
-        }
-        progress.done.fetch_add(tile.report.samples - before, Ordering::Relaxed);
+            let values = &mut values[..channels * which.len()];
+            maker.samples(which, &mut counters, values);
+            let before = report.samples;
+            for (&id, values) in which.iter().zip(values.chunks_exact_mut(channels)) {
+                if let Some(at) = window.index_of(id.pixel) {
+                    let sums = &mut sums[at * channels..][..channels];
+                    add(maker, splats, id, values, sums, report);
+                }
+            }
+            progress.done.fetch_add(report.samples - before, Ordering::Relaxed);
+            Some(())
+        })?;
+        report.count(&counters);
         Some(())
-    })?;
-    tile.report.count(&counters);
-    Some(tile)
+    }
 }
 
 /// Hands out the samples of a window in batches, with what else is needed to make them.

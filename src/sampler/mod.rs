@@ -53,6 +53,13 @@ pub enum SamplerKind {
     Sobol,
 }
 
+impl SamplerKind {
+    /// Whether samples know of each other, so that their mean is better than that of as many independent ones.
+    pub fn stratifies(self) -> bool {
+        self != Self::Independent
+    }
+}
+
 macro_rules! samplers {
     ($($name:literal, $kind:ident, $about:literal;)*) => {
         /// Every sampler. Etalon's images equal Mitsuba's in expectation, never in noise, so Mitsuba's

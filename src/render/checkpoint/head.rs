@@ -1,7 +1,7 @@
 //! What a checkpoint says of itself before the sums.
 
 use crate::render::Settings;
-use crate::render::batch_means::BatchMeans;
+use crate::render::history::History;
 use crate::render::light_path_noise::LightPathNoise;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub struct Head {
     pub non_finite: u64,
     /// Column, row, sample.
     pub first_non_finite: Vec<(u32, u32, u64)>,
-    pub means: BatchMeans,
+    pub history: Option<History>,
     pub light_paths: LightPathNoise,
 }
 

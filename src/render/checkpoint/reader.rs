@@ -14,9 +14,6 @@ use std::ops::Range;
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
 
-/// Length of the longest head, in bytes; it holds a name for each channel.
-const LONGEST_HEAD: u64 = 1 << 24;
-
 /// Reads the checkpoint of a render; returns its [`seal`](super::seal) too.
 pub fn load(path: &Path, scene: &Scene, settings: &Settings) -> Result<(Partial, u64), FileError> {
     read(path, scene, settings).map_err(|refused| refused.at(path))
@@ -87,8 +84,8 @@ fn begin(path: &Path) -> Result<(Hashed<BufReader<File>>, Head), Refused> {
     }
     file.fill(&mut word)?;
     let length = u64::from_le_bytes(word);
-    if length > LONGEST_HEAD {
-        return Err(Refused::Damaged("its head is too long"));
+    if length > file.reader.get_ref().metadata()?.len() {
+        return Err(Refused::Input(io::ErrorKind::UnexpectedEof.into()));
     }
     let mut head = vec![0; length as usize];
     file.fill(&mut head)?;
@@ -133,7 +130,7 @@ fn read(path: &Path, scene: &Scene, settings: &Settings) -> Result<(Partial, u64
         return Err(Refused::Damaged("something follows its end"));
     }
     partial.samples.end = head.done;
-    (partial.means, partial.light_paths) = (head.means, head.light_paths);
+    (partial.history, partial.light_paths) = (head.history, head.light_paths);
     let report = &mut partial.report;
     report.samples = (head.done - range.start) * settings.window.pixels() as u64;
     (report.rays, report.cut, report.non_finite) = (head.rays, head.cut, head.non_finite);

@@ -1,9 +1,10 @@
 use super::reader::load;
 use super::*;
 use crate::load_text;
-use crate::render::Progress;
 use crate::render::light_path_noise::LightPathNoise;
 use crate::render::passes::render_passes;
+use crate::render::quality::Quality;
+use crate::render::{Progress, render};
 use crate::scene::trial::ball_of_glass;
 use crate::spectrum::ColorMode;
 use std::fs;
@@ -12,7 +13,8 @@ use std::ops::ControlFlow;
 fn scene(radius: f64) -> Scene {
     let text = format!(
         r#"<scene version="3.0.0">
-        <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="9"/><integer name="height" value="7"/></film></sensor>
+        <sensor type="perspective"><sampler type="sobol"/><film type="hdrfilm"><integer name="width" value="9"/>
+            <integer name="height" value="7"/></film></sensor>
         <shape type="sphere"><float name="radius" value="{radius}"/><transform name="to_world"><translate z="4"/></transform></shape>
         <emitter type="constant"/></scene>"#
     );
@@ -51,13 +53,19 @@ fn a_render_goes_on_as_if_nothing_had_happened() {
     let (resumed, _) = load(&path, &scene, &settings).expect("it loads");
     // How long the second pass is depends on the time that the first one took.
     assert!(resumed.samples == (4..16) || resumed.samples == (4..12), "{:?}", resumed.samples);
-    assert!(bytes.len() as u64 > size(&settings, 3) && (bytes.len() as u64) < size(&settings, 3) + 1000);
+    // Up to four times the image's history, in the digits of three numbers a square.
+    let most = size(&settings, 3) + 1000 + 4 * 3 * 21 * settings.window.pixels() as u64;
+    assert!(bytes.len() as u64 > size(&settings, 3) && (bytes.len() as u64) < most, "{}", bytes.len());
     let resumed = go_on(&scene, &settings, resumed, 100);
-    let (image, report) = (resumed.image(&scene, &settings), resumed.report);
+    let (image, report) = (resumed.image(&scene, &settings), resumed.report.clone());
     let whole = go_on(&scene, &settings, Partial::new(&scene, &settings), 100);
-    let (expected, expected_report) = (whole.image(&scene, &settings), whole.report);
+    let (expected, expected_report) = (whole.image(&scene, &settings), whole.report.clone());
     assert_eq!(image, expected);
     assert_eq!((report.rays, report.samples), (expected_report.rays, expected_report.samples));
+    // To the bit, wherever passes began and in whatever order threads came.
+    assert_eq!(resumed.history, whole.history);
+    let (_, report) = render(&scene, &settings, &Progress::default()).expect("it renders");
+    assert_eq!(report.quality, Some(Quality::of(&whole, &scene, settings.window)));
 }
 
 /// Of a caustic, whose error is not that of its pixels alone.
@@ -78,17 +86,23 @@ fn what_pixels_have_in_common_goes_on_too() {
     assert_eq!(resumed.light_paths, whole.light_paths);
 }
 
-/// Pixels hold what is not finite apart; sums over the whole image are of it as well.
+/// Pixels hold what is not finite apart; sums over the image are of it as well.
 #[test]
 fn what_is_not_finite_is_no_damage() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, scene) = (folder.path().join("c"), scene(1.0));
     let settings = settings(&scene);
     let mut partial = Partial::new(&scene, &settings);
-    partial.means.add(4, [f64::INFINITY, f64::NAN, 0.1]);
+    for (sum, value) in partial.sums.pixel_mut(1, 2).iter_mut().zip([f64::INFINITY, f64::NAN, 0.1]) {
+        (4..8).for_each(|number| sum.add(number, value));
+    }
+    let history = partial.history.as_mut().expect("samples are stratified");
+    history.note(8, settings.window, partial.sums.all());
     save(&path, &scene, &settings, &partial, || Ok(())).expect("written");
     let (resumed, _) = load(&path, &scene, &settings).expect("it loads");
-    assert_eq!(format!("{:?}", resumed.means), format!("{:?}", partial.means));
+    // Not a number is not equal to itself.
+    assert_eq!(format!("{:?}", resumed.history), format!("{:?}", partial.history));
+    assert_eq!(format!("{:?}", resumed.history).matches("NaN").count(), 2);
 }
 
 #[test]

@@ -125,9 +125,7 @@ fn what_light_paths_give_in_common_is_as_uncertain_as_they_make_it() {
     let window = Window { x: 0, y: 0, width: 10, height: 10 };
     let quality = |excess: Option<Excess>| {
         let channel = (0..100).map(|_| (1.0, 2.0));
-        let mut noise = Noise::of(window, Correlation::NONE, [channel]);
-        excess.into_iter().for_each(|excess| noise.add_common(excess));
-        noise.quality(window, None)
+        Noise::of(window, Correlation::NONE, [channel]).quality(window, None, excess.unwrap_or_default())
     };
     let alone = quality(None);
     assert_eq!((alone.effective_pixels, alone.uncertainty), (100.0, 0.01));

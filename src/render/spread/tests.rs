@@ -136,7 +136,7 @@ const NOISE: &str = r#"<shape type="rectangle"><transform name="to_world"><scale
 fn noise_is_less_by_the_square_of_the_filter_and_the_mean_knows_of_it() {
     for (filter, expected) in [(FILTERS[0], 4.0 / 9.0), (FILTERS[1], std::f64::consts::FRAC_1_PI)] {
         let [own, spread] = scenes(filter, NOISE);
-        let gain = spread.sensor.film.correlation();
+        let gain = spread.sensor.film.correlation(1);
         assert!((gain * expected - 1.0).abs() < 0.01, "{filter} {gain}");
         // Away from the film's borders.
         let variance = |image: &Image| -> f64 {
