@@ -2,6 +2,8 @@
 //! achieve: blocks of other lengths, Student's quantile instead of the normal one, the intervals of `validate
 //! intervals`. The true value is the mean over all replicates.
 //!
+//! With `--printed`, of the error of the image's mean that a render prints instead.
+//!
 //! Every replicate is rendered in ranges of four samples, from whose means each estimator computes its
 //! variance, so that all of them use the same pictures. Prints a line of JSON for every scene, sampler,
 //! integrator and estimator:
@@ -13,6 +15,7 @@
 use clap::Parser;
 use etalon::film::BLOCK;
 use etalon::load;
+use etalon::render::quality::Quality;
 use etalon::render::{Progress, Settings, render};
 use etalon::scene::{Overrides, Scene};
 use etalon::spectrum::ColorMode;
@@ -52,6 +55,12 @@ struct Arguments {
     samplers: Vec<String>,
     #[arg(long, value_delimiter = ',', default_values = ["path", "direct"])]
     integrators: Vec<String>,
+    /// So many pixels share
+    #[arg(long)]
+    reuse: Option<u32>,
+    /// Only what a render prints of the image's mean
+    #[arg(long)]
+    printed: bool,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -69,17 +78,15 @@ fn main() -> Result<(), Box<dyn Error>> {
                     size: Some((arguments.width, (arguments.width * 3 / 4).max(1))),
                     sampler: Some(sampler.clone()),
                     integrator: Some(integrator.clone()),
+                    reuse: arguments.reuse.filter(|_| integrator == "path"),
                     ..Overrides::default()
                 };
                 let scene = load(path, &[], ColorMode::Spectral, &overrides)?;
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
-                judge(
-                    &format!(
-                        "\"scene\":\"{name}\",\"sampler\":\"{sampler}\",\"integrator\":\"{integrator}\""
-                    ),
-                    &scene,
-                    &arguments,
-                )?;
+                let about =
+                    format!("\"scene\":\"{name}\",\"sampler\":\"{sampler}\",\"integrator\":\"{integrator}\"");
+                let judge = if arguments.printed { judge_printed } else { judge };
+                judge(&about, &scene, &arguments)?;
             }
         }
     }
@@ -100,6 +107,39 @@ fn replicate(scene: &Scene, seed: u32, spp: u64) -> Result<Vec<Vec<f64>>, String
         }
     }
     Ok(pixels)
+}
+
+/// Of the image's mean, how often it lies where the error that a render prints says. That is the root of the mean square
+/// over the three channels, so all of them are asked.
+fn judge_printed(about: &str, scene: &Scene, arguments: &Arguments) -> Result<(), String> {
+    let replicate = |seed| {
+        let settings = Settings { seed, ..Settings::of(scene, 0..arguments.spp) };
+        let (_, report) = render(scene, &settings, &Progress::default()).map_err(|e| e.to_string())?;
+        report.quality.ok_or_else(|| "no samples".to_string())
+    };
+    let all: Result<Vec<Quality>, String> = (0..arguments.replicates).map(replicate).collect();
+    let all = all?;
+    let count = all.len() as f64;
+    let truth: [f64; 3] = std::array::from_fn(|c| all.iter().map(|q| q.mean[c]).sum::<f64>() / count);
+    let scale = truth.iter().sum::<f64>() / 3.0;
+    let (mut held, mut variances) = (0u64, [0.0; 2]);
+    for quality in &all {
+        let printed = quality.relative_standard_error_of_mean;
+        let errors = std::array::from_fn::<_, 3, _>(|c| (quality.mean[c] - truth[c]).abs() / scale);
+        held += errors.iter().filter(|error| **error <= NORMAL_95 * printed).count() as u64;
+        variances[0] += printed * printed;
+        variances[1] += errors.iter().map(|error| error * error).sum::<f64>() / 3.0;
+    }
+    println!(
+        "{{{about},\"spp\":{},\"replicates\":{count},\"width\":{},\"reuse\":{},\"image_printed\":{:.4},\
+         \"printed_over_true_variance\":{:.3}}}",
+        arguments.spp,
+        arguments.width,
+        scene.integrator.reuse(),
+        held as f64 / count / 3.0,
+        variances[0] / variances[1]
+    );
+    Ok(())
 }
 
 /// An estimator of a pixel's confidence interval.
