@@ -62,7 +62,7 @@ impl History {
         this
     }
 
-    /// The same of samples of which nobody knows yet how many they will be.
+    /// The same where nobody knows yet how many samples there will be: a render may end early.
     pub fn open_ended(self) -> Self {
         let sums = BTreeMap::from([(self.start, vec![Sum::default(); self.squares.count()])]);
         Self { length: BLOCK, sums, ..self }

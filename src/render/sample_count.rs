@@ -20,7 +20,6 @@
 //! alike; the tails are heavy then: a few samples decide the estimate, and the samples that nobody has seen yet may be
 //! larger.
 
-use super::history::History;
 use super::passes::{Partial, render_passes};
 use super::quality::Quality;
 use super::{Progress, RenderError, Settings};
@@ -177,8 +176,7 @@ fn run(
     after_pass: impl FnMut(&Partial) -> ControlFlow<()>,
 ) -> Result<Partial, NoCount> {
     let settings = Settings { samples: 0..MOST, seed: settings.seed ^ OTHER_SEED, ..settings.clone() };
-    let mut begun = Partial::new(scene, &settings);
-    begun.history = begun.history.map(History::open_ended);
+    let begun = Partial::new(scene, &settings);
     render_passes(scene, &settings, begun, progress, after_pass).map_err(NoCount::Unfinished)
 }
 

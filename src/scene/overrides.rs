@@ -131,11 +131,17 @@ fn child_or_new(document: &mut Document, parent: &[usize], tag: &str, kind: &str
     })
 }
 
-/// Sets a parameter of a kind.
+/// Sets a parameter of a kind in its place. One that says the same already stays as it is, and so does the scene's hash.
 fn set(kind: &str, parent: &mut Element, name: &str, value: &str) {
-    parent.children.retain(|c| c.name() != Some(name));
+    let says = |c: &Element| c.tag == kind && c.attribute("value").is_some_and(|said| said.value == value);
+    let is_it = |c: &Element| c.name() == Some(name);
+    let place = parent.children.iter().position(is_it).unwrap_or(parent.children.len());
+    if parent.children.get(place).is_some_and(says) {
+        return;
+    }
     let parameter = Element::made_at(parent, kind, &[("name", name), ("value", value)]);
-    parent.children.push(parameter);
+    parent.children.retain(|c| !is_it(c));
+    parent.children.insert(place, parameter);
 }
 
 #[cfg(test)]

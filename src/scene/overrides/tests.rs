@@ -106,3 +106,27 @@ fn another_sensor_may_be_chosen() {
     let refused = super::apply(&mut document, &overrides).unwrap_err().to_string();
     assert!(refused.contains("no sensor number 4") && refused.contains("0 to 3"), "{refused}");
 }
+
+#[test]
+fn what_the_file_says_already_leaves_its_hash() {
+    let objects = r#"<integrator type="path"><integer name="max_depth" value="5"/><integer name="rr_depth" value="9"/></integrator>
+        <sensor type="perspective"><sampler type="sobol"><integer name="seed" value="7"/><integer name="sample_count" value="4"/></sampler>
+            <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/><rfilter type="box"/></film></sensor>"#;
+    let hash = |overrides: &Overrides| loaded(objects, overrides).hash;
+    let own = Overrides {
+        size: Some((40, 30)),
+        seed: Some(7),
+        max_depth: Some(5),
+        sampler: Some("sobol".into()),
+        ..Overrides::default()
+    };
+    let plain = hash(&Overrides::default());
+    assert_eq!(hash(&own), plain);
+    for other in [
+        Overrides { size: Some((40, 31)), ..Overrides::default() },
+        Overrides { seed: Some(8), ..Overrides::default() },
+        Overrides { max_depth: Some(6), ..Overrides::default() },
+    ] {
+        assert_ne!(hash(&other), plain, "{other:?}");
+    }
+}
