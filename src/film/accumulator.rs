@@ -124,7 +124,7 @@ impl ExactSum {
     pub fn merge(&mut self, other: &ExactSum) {
         // Sums of neighbouring pixels are about as large as each other.
         if self.top == other.top {
-            self.limbs.iter_mut().zip(other.limbs).for_each(|(limb, addend)| *limb = limb.wrapping_add(addend));
+            self.add_limbs(other);
         } else {
             self.merge_unlike(other);
         }
