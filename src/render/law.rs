@@ -19,7 +19,7 @@
 //!
 //! *Other numbers.* For more samples v falls by g, and for fewer it is taken to rise by as much as g may well be at most.
 //! A number that is no power of two is a sum of such, whose batches are taken for independent, though those of a sequence
-//! make up for each other: v(n) = Σ (m/n)² v(m).
+//! make up for each other: v(n) = Σ (m/n)² v(m), where v rises like that from the largest m downwards.
 //!
 //! *How sure this is.* Σ q² over the squares' shares q of a sum with k degrees of freedom each has the mean (1 + 2/k)
 //! Σ v², and the variance of the sum is (2/k) Σ v²; heavy tails are seen in it.
@@ -192,23 +192,15 @@ impl Law {
     /// The variance, summed over channels, of the mean of the sum over pixels after these samples.
     pub fn variance(&self, samples: &Range<u64>) -> f64 {
         let count = (samples.end - samples.start) as f64;
-        let mut at = samples.start;
-        let mut relative = 0.0;
-        while at < samples.end {
-            let longest = 1 << (samples.end - at).ilog2();
-            let piece = if at == 0 { longest } else { longest.min(1 << at.trailing_zeros()) };
+        let largest = pieces(samples).max().unwrap_or(1);
+        let factor = if largest < self.samples { self.loss } else { 1.0 / self.gain };
+        let of_largest = self.of_sum * power(factor, largest.ilog2().abs_diff(self.samples.ilog2()));
+        // What a smaller piece loses is as uncertain, whatever the samples that were looked at.
+        let of_piece = |piece: u64| {
             let share = piece as f64 / count;
-            relative += share * share * self.growth(piece);
-            at += piece;
-        }
-        self.of_sum * relative
-    }
-
-    /// The variance after a power of two of samples over that of those that were looked at.
-    fn growth(&self, samples: u64) -> f64 {
-        let doublings = samples.ilog2() as i32 - self.samples.ilog2() as i32;
-        let factor = if doublings < 0 { self.loss } else { 1.0 / self.gain };
-        (0..doublings.unsigned_abs()).fold(1.0, |power, _| power * factor)
+            share * share * power(self.loss, largest.ilog2() - piece.ilog2())
+        };
+        of_largest * pieces(samples).map(of_piece).sum::<f64>()
     }
 
     /// Variance of the estimated variance after so many samples, relative to its square: doublings beyond those that
@@ -218,6 +210,21 @@ impl Law {
         let by_gain = f64::from(doublings) * self.gain_deviation;
         self.uncertainty + by_gain * by_gain
     }
+}
+
+/// The lengths of the longest powers of two, each beginning at a multiple of itself, that samples consist of.
+fn pieces(samples: &Range<u64>) -> impl Iterator<Item = u64> + use<> {
+    let (mut at, end) = (samples.start, samples.end);
+    std::iter::from_fn(move || {
+        let longest = 1 << end.checked_sub(at)?.checked_ilog2()?;
+        let piece = if at == 0 { longest } else { longest.min(1 << at.trailing_zeros()) };
+        at += piece;
+        Some(piece)
+    })
+}
+
+fn power(factor: f64, exponent: u32) -> f64 {
+    (0..exponent).fold(1.0, |power, _| power * factor)
 }
 
 /// The means of N parts of equal length, of all squares.
