@@ -45,8 +45,8 @@ const NON_FINITE: u32 = 0x7ff;
 
 /// A sum whose bits depend only on the multiset of the values added, not on their order or grouping.
 ///
-/// Holds up to 2³¹ additions ([`ExactSum::MOST_TERMS`]; those of merged sums included). An infinity or a NaN makes the sum a NaN for
-/// good, in whatever order it arrives: nothing is swallowed and no caller has to check.
+/// Holds up to [`ExactSum::MOST_TERMS`] additions (those of merged sums included). An infinity or a NaN makes the sum
+/// a NaN for good, in whatever order it arrives: nothing is swallowed and no caller has to check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExactSum {
     /// Signed sums of the pieces in bins `top`, `top - 1`, `top - 2`, `top - 3`.

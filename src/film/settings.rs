@@ -86,8 +86,10 @@ impl Film {
     /// Variance of a sum of many squares of pixels over the sum of the variances of squares of this edge: where
     /// samples count for several pixels, errors of these are alike.
     pub fn correlation(&self, edge: u32) -> f64 {
-        let along = |spread: &FilterWeights| spread.squares(&self.filter, edge);
-        self.spread.as_ref().map_or(1.0, |spread| 1.0 / (along(spread) * along(spread)))
+        self.spread.as_ref().map_or(1.0, |spread| {
+            let along = spread.squares(&self.filter, edge);
+            1.0 / (along * along)
+        })
     }
 
     /// How many further pixels the filter of pixel (x, y) may reach: left and right, above and below.

@@ -41,31 +41,29 @@ pub struct History {
 struct Sum(#[serde(with = "super::bits")] [f64; 3]);
 
 impl History {
-    /// Of a window that will have these samples; `None` of independent ones that count for one pixel each: the variances
-    /// of pixels tell all that there is to know of their sum.
-    pub fn of(scene: &Scene, window: Window, samples: &Range<u64>) -> Option<Self> {
+    /// Of a window without samples, the first of which will have the number `start`; `None` of independent ones that
+    /// count for one pixel each: the variances of pixels tell all that there is to know of their sum.
+    pub fn of(scene: &Scene, window: Window, start: u64) -> Option<Self> {
         let correlation = Correlation::of(scene);
         let more_to_know = scene.sensor.sampler.kind.stratifies() || correlation != Correlation::NONE;
-        more_to_know.then(|| Self::new(window, correlation, samples))
+        more_to_know.then(|| Self::new(window, correlation, start))
     }
 
-    pub(super) fn new(window: Window, correlation: Correlation, samples: &Range<u64>) -> Self {
+    pub(super) fn new(window: Window, correlation: Correlation, start: u64) -> Self {
         let mut edge = correlation.edge;
         while edge < TILE && Squares::of(window, edge).count() > FEW {
             edge *= 2;
         }
         let batches = if correlation.gain > 1.0 { BATCHES_OF_SPREAD } else { BATCHES };
-        let (squares, start) = (Squares::of(window, edge), samples.start);
+        let squares = Squares::of(window, edge);
         let sums = BTreeMap::from([(start, vec![Sum::default(); squares.count()])]);
-        let mut this = Self { squares, batches, start, length: BLOCK, sums };
-        this.lengthen(samples.end);
-        this
+        Self { squares, batches, start, length: BLOCK, sums }
     }
 
-    /// The same where nobody knows yet how many samples there will be: a render may end early.
-    pub fn open_ended(self) -> Self {
-        let sums = BTreeMap::from([(self.start, vec![Sum::default(); self.squares.count()])]);
-        Self { length: BLOCK, sums, ..self }
+    /// The same where it is known that samples up to `end` will come: fewer sums are wanted on the way.
+    pub fn until(mut self, end: u64) -> Self {
+        self.lengthen(end);
+        self
     }
 
     /// Batches long enough for samples up to `end`.
@@ -146,7 +144,12 @@ impl History {
         Some(before.iter().zip(after).map(mean).collect())
     }
 
-    /// All batches of one length that have been noted whole.
+    /// Samples of a batch.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// All batches that have been noted whole.
     pub fn batches(&self) -> impl Iterator<Item = Range<u64>> + '_ {
         let noted = |number: &u64| self.sums.contains_key(&(number + self.length));
         self.sums.keys().copied().filter(noted).map(|number| number..number + self.length)
@@ -211,7 +214,8 @@ mod tests {
     fn what_is_noted_does_not_depend_on_the_way() {
         for (edge, gain, samples) in [(1, 1.0, 0..64), (8, 1.0, 0..100), (4, 2.0, 0..1000), (2, 1.0, 12..142)]
         {
-            let new = || History::new(WINDOW, Correlation { edge, gain }, &samples);
+            let open = || History::new(WINDOW, Correlation { edge, gain }, samples.start);
+            let new = || open().until(samples.end);
             let by_steps = |mut history: History, longest: u64| {
                 let (mut sums, mut done) = (Accumulators::new(21, 9, 2), samples.start);
                 while done < samples.end {
@@ -224,11 +228,7 @@ mod tests {
                 history
             };
             let whole = by_steps(new(), u64::MAX);
-            for other in [
-                by_steps(new(), BLOCK),
-                by_steps(new().open_ended(), u64::MAX),
-                by_steps(new().open_ended(), BLOCK),
-            ] {
+            for other in [by_steps(new(), BLOCK), by_steps(open(), u64::MAX), by_steps(open(), BLOCK)] {
                 assert_eq!(other, whole);
             }
             let mut parts = new();
@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn means_are_those_of_a_batch() {
-        let mut history = History::new(WINDOW, Correlation { edge: 16, gain: 1.0 }, &(0..12));
+        let mut history = History::new(WINDOW, Correlation { edge: 16, gain: 1.0 }, 0);
         let mut sums = Accumulators::new(21, 9, 2);
         for begin in [0, 4, 8] {
             add(&mut sums, begin..begin + 4);
@@ -273,7 +273,7 @@ mod tests {
     fn large_films_have_few_squares_or_those_of_tiles() {
         let edge = |width, height, edge| {
             let correlation = Correlation { edge, gain: 1.0 };
-            History::new(Window { x: 0, y: 0, width, height }, correlation, &(0..64)).edge()
+            History::new(Window { x: 0, y: 0, width, height }, correlation, 0).edge()
         };
         assert_eq!([edge(40, 40, 1), edge(96, 72, 1), edge(96, 72, 8), edge(4000, 3000, 1)], [2, 4, 8, TILE]);
     }

@@ -183,8 +183,7 @@ impl Law {
             return Self { of_sum: seen * self.of_sum, uncertainty, ..self };
         }
         // What all squares share is one number, and no law can be read from it.
-        let length = history.batches().map(|batch| batch.end - batch.start).min().unwrap_or(self.samples);
-        let of_sum = of_all * length as f64 / self.samples as f64;
+        let of_sum = of_all * history.length() as f64 / self.samples as f64;
         let uncertainty = 2.0 / degrees;
         Self { of_sum, gain: INDEPENDENT, loss: INDEPENDENT, gain_deviation: 0.0, uncertainty, ..self }
     }

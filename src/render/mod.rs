@@ -164,7 +164,8 @@ pub fn render(
     let pool = pool(settings.threads)?;
     let windows: Vec<Window> = settings.window.tiles(TILE).collect();
     let (samples, correlation) = (&settings.samples, Correlation::of(scene));
-    let mut history = History::of(scene, settings.window, samples);
+    let history = History::of(scene, settings.window, samples.start);
+    let mut history = history.map(|history| history.until(samples.end));
     let part = |window| {
         let mut tile = Tile::new(window, names.len());
         // Numbers of samples of which there may be sums: at least one sample, at most all.

@@ -49,7 +49,7 @@ impl Partial {
             samples: settings.samples.start..settings.samples.start,
             sums: Accumulators::new(settings.window.width, settings.window.height, channels.len()),
             channels,
-            history: History::of(scene, settings.window, &settings.samples).map(History::open_ended),
+            history: History::of(scene, settings.window, settings.samples.start),
             light_paths: LightPathNoise::default(),
             report: Report::default(),
         }

@@ -162,14 +162,15 @@ impl Noise {
         let (most, fourth) = (self.of_sum + common, self.fourth.sqrt() + deviation);
         let effective_pixels =
             if fourth > 0.0 { (most * most / (fourth * fourth)).min(self.squares) } else { self.squares };
-        let by_law = law.as_ref().map(|(law, samples)| (law.variance(samples), law.uncertainty.sqrt()));
-        let (of_sum, uncertainty) = by_law.map_or((most, 1.0 / effective_pixels), |(v, relative)| {
-            let together = v * relative + deviation;
-            (
-                v + common,
-                if v + common > 0.0 { (together / (v + common)) * (together / (v + common)) } else { 0.0 },
-            )
-        });
+        let (of_sum, uncertainty, by_law) = match &law {
+            None => (most, 1.0 / effective_pixels, 0.0),
+            Some((law, samples)) => {
+                let v = law.variance(samples);
+                let relative = |part: f64| if v + common > 0.0 { part / (v + common) } else { 0.0 };
+                let together = relative(v * law.uncertainty.sqrt() + deviation);
+                (v + common, together * together, relative(v))
+            }
+        };
         Quality {
             mean,
             relative_standard_error: (self.variance / pixels as f64 / channels).sqrt() / scale,
@@ -178,7 +179,7 @@ impl Noise {
             pixels: self.squares.round() as usize,
             uncertainty,
             law: law.map(|(law, _)| law),
-            by_law: by_law.map_or(0.0, |(v, _)| if of_sum > 0.0 { v / of_sum } else { 0.0 }),
+            by_law,
         }
     }
 }

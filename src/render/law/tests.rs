@@ -11,7 +11,7 @@ fn history(
     mut sample: impl FnMut(u64, usize) -> f64,
 ) -> History {
     let window = Window { x: 0, y: 0, width: edge, height: edge };
-    let mut history = History::new(window, correlation, &samples);
+    let mut history = History::new(window, correlation, samples.start).until(samples.end);
     let mut sums = Accumulators::new(edge, edge, 1);
     for number in samples {
         for (i, pixel) in sums.all_mut().iter_mut().enumerate() {
